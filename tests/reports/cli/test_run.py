@@ -257,7 +257,7 @@ def test_cost_of_a_step_is_shared_by_the_lanes_of_a_batch(tmp_path: Path) -> Non
 def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cost_study, "executor_here", lambda _workers: InProcessExecutor())
+    monkeypatch.setattr(cost_study, "executor_for", lambda _workers: InProcessExecutor())
     out = tmp_path / "cost.csv"
     assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
     row = {
