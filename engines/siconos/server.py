@@ -80,15 +80,13 @@ class JointModel:
                 for current, part in impulses:
                     impulse[step, part] = current
         except Exception:
-            if not self._diverged(position[:step]):
+            limit = DIVERGED_BEYOND * float(self._given["length"])
+            if step == 0 or np.max(np.abs(position[step - 1])) < limit:
                 raise
             # Where Siconos stops, there the motion ends: its last row is repeated.
             for rows in (position, velocity, impulse):
                 rows[step:] = rows[step - 1]
         return (position, velocity), impulse
-
-    def _diverged(self, position: Any) -> bool:
-        return len(position) > 0 and not np.max(np.abs(position[-1])) < DIVERGED_BEYOND * float(self._given["length"])
 
     def native_steps(self, steps: int) -> None:
         """Take steps and do nothing else."""
@@ -168,11 +166,8 @@ class JointModel:
 
     def _linked(self) -> Iterator[tuple[Any, Any]]:
         """Link a relay to every group of contacts; gives it with the contacts whose impulses it holds."""
-        depth = (
-            -float(self._given["deep"]) * float(self._given["length"])
-            if str(self._given["activation"]) == "always"
-            else 0.0
-        )
+        always = str(self._given["activation"]) == "always"
+        depth = -float(self._given["deep"]) * float(self._given["length"]) if always else 0.0
         for cells in self._groups():
             impulse = float(self._bound[cells[0]]) * self._dt
             direction = np.zeros((len(cells), 2 * self._cells))
