@@ -70,13 +70,6 @@ def test_dashpots_of_joints_act_with_the_velocity_at_the_end_of_the_step() -> No
     assert np.max(np.abs(motion - explicit)) > 1e-3 * AMPLITUDE
 
 
-@both_formulations
-def test_motion_is_the_schemes_up_to_creep_and_implicit_dashpots(formulation: str) -> None:
-    lane = lane_of(0.3, 0.9)
-    expected = scheme(lane, State.at_rest(1, 7), STEPS)[0]
-    assert np.max(np.abs(run(lane, State.at_rest(1, 7), STEPS, formulation).positions - expected)) < 1e-3 * AMPLITUDE
-
-
 def test_beyond_drakes_own_limit_every_gain_acts_alike() -> None:
     lane, state = lane_of(), random_state()
     ends = [built_with(Drake(), lane, d=gain).advance(state, 0, STEPS).positions for gain in (1e5, 1e6, 1e9)]

@@ -123,19 +123,6 @@ def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
 
 
 @in_its_environment
-def test_joint_equals_the_scheme_to_round_off_with_unequal_cells() -> None:
-    """MJCF joints have an armature of 0.1 in Genesis, and the time constant of friction is that of limits."""
-    lane, state = uneven_lane(), random_state()
-    assert_equals_scheme(lane, state, run(lane, state))
-
-
-@in_its_environment
-def test_contact_equals_the_scheme_but_for_its_residual_creep() -> None:
-    lane, state = uneven_lane(), random_state()
-    assert_equals_scheme(lane, state, run(lane, state, "contact"), round_off=CREEP)
-
-
-@in_its_environment
 @pytest.mark.parametrize("formulation", ["joint", "contact"])
 @pytest.mark.parametrize("time_step", [1e-3, 8e-3])
 def test_default_leaves_a_stick_what_its_law_leaves(formulation: str, time_step: float) -> None:

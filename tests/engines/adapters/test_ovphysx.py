@@ -94,15 +94,6 @@ def test_law_of_soft_links_leaves_a_stuck_contact_a_part_of_its_slip(mass_ratio:
 
 
 @needs_ovphysx
-def test_motion_of_uneven_cells_equals_the_scheme_to_single_precision() -> None:
-    lane, state = uneven_lane(), random_state()
-    motion = run(lane, state)
-    assert distance(lane, state, motion) < ROUNDINGS
-    # more than single precision cannot be: a finer result would be another engine's
-    assert distance(lane, state, motion) > SINGLE / 10
-
-
-@needs_ovphysx
 @pytest.mark.parametrize("iterations", SUBSTEPS)
 def test_iterations_of_the_temporal_solver_are_substeps(iterations: tuple[int, int]) -> None:
     lane, state = lane_of(), random_state(size=0.3)
