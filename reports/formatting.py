@@ -1,9 +1,10 @@
-"""Numbers as people read them; files hold them in full."""
+"""Numbers as people read them, and templates that print them; files hold them in full."""
 
 import math
 import re
 from collections.abc import Sequence
 
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 MISSING = "–"
@@ -72,3 +73,18 @@ def typeset(text: str) -> Markup:
 
 def _minus(text: str) -> str:
     return text.replace("-", "−")
+
+
+def environment(*packages: str, markup: bool = True) -> Environment:
+    """Give the templates of packages, which refuse names that are not there; those of markup escape what they print."""
+    templates = Environment(
+        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys(packages)]),
+        autoescape=markup,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=not markup,
+    )
+    for display in (fixed, signed, scientific, card_number, ratio, per_cell, span, typeset):
+        templates.filters[display.__name__] = display
+    return templates

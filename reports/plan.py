@@ -44,7 +44,9 @@ class PlannedReport:
 def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stored_in: Path | None) -> PlannedReport:
     """Plan a report before any work: of a sweep's file, named variants, all that is stored, or the default one."""
     if file is not None:
-        return PlannedReport(_sweep(file, names, quick), Scope(), command_of(names, quick, file))
+        if names or quick:
+            raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
+        return PlannedReport(sweep_of(file), Scope(), command_of(names, quick, file))
     if names:
         planned = _figure3(variants_named(names), quick)
         scope = QUICK if quick else _scope(_predicted(planned))
@@ -94,18 +96,18 @@ def _beside(planned: Sweep) -> tuple[Variant, ...]:
 
 def _predicted(planned: Sweep) -> tuple[Variant, ...]:
     """Give the variants but for those of engines that no law predicts at every point."""
-    engines = [variant for variant in planned.variants if variant.engine != REFERENCE.engine]
-    unpredicted = {task.variant for task in planned.tasks() if task.variant in engines and not _is_predicted(task)}
+    unpredicted = {
+        task.variant for task in planned.tasks() if task.variant.engine != REFERENCE.engine and not _law_holds(task)
+    }
     return tuple(variant for variant in planned.variants if variant not in unpredicted)
 
 
-def _is_predicted(task: SteadyStateTask) -> bool:
+def _law_holds(task: SteadyStateTask) -> bool:
     law = stepped_by(task.variant)
     return law is not None and unclaimed_reason(law, task.lane()[0]) is None
 
 
 def _figure3(variants: list[Variant], quick: bool) -> Sweep:
-    """Give the sweep of Figure 3."""
     ratios = ChainRatios()
     return figure3(
         variants=tuple(variants),
@@ -115,10 +117,8 @@ def _figure3(variants: list[Variant], quick: bool) -> Sweep:
     )
 
 
-def _sweep(file: Path, chosen: Sequence[str], quick: bool) -> Sweep:
-    """Read a sweep from its file."""
-    if chosen or quick:
-        raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
+def sweep_of(file: Path) -> Sweep:
+    """Read the sweep of a report from its file: the reference takes part."""
     planned = read_sweep(file).with_reference()
     check_size(planned)
     return planned

@@ -6,7 +6,6 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
 
 from reference_lcp.errors import ParameterError, checked_path
@@ -16,6 +15,7 @@ from reports.data.report import Report
 from reports.drawing.printing import DrawnFigures
 from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
 from reports.page.render import FIGURES
+from reports.plan import sweep_of
 from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import Executor
@@ -25,8 +25,7 @@ from scenarios.runs.store import ResultStore
 from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import note_sweep, noted_sweeps
-from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Sweep, check_size
+from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.finding import Finding
 
 STORE = "results.sqlite"
@@ -48,9 +47,7 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
         return write_dataset_report(data, folder, "reports.report(data, folder)")
     file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
-        planned = read_sweep(file).with_reference()
-        check_size(planned)
-        return write_sweep_report(planned, folder, command)
+        return write_sweep_report(sweep_of(file), folder, command)
     if file.suffix == ".sqlite":
         return write_sweep_report(noted_sweeps(file).sweep.with_reference(), folder, command, store=file, run=False)
     return write_dataset_report(read_dataset(file), folder, command, file)
@@ -132,13 +129,10 @@ def _results(file: Path) -> Counter[str]:
         return Counter()
     try:
         data = read_dataset(file)
-        return _counted(data)
+        present = data["status"] != STATUSES.index(ResultStatus.MISSING)
+        counts = present.sum([name for name in present.dims if name != "variant"])
+        return Counter(
+            {str(name): int(count) for name, count in zip(data["variant"].values, counts.values, strict=True)}
+        )
     except (ParameterError, KeyError):
         return Counter()
-
-
-def _counted(data: xr.Dataset) -> Counter[str]:
-    present = ~np.isin(data["status"], [STATUSES.index(ResultStatus.MISSING)])
-    axes = [name for name in data["status"].dims if name != "variant"]
-    counts = data["status"].copy(data=present).sum(axes)
-    return Counter({str(name): int(count) for name, count in zip(data["variant"].values, counts.values, strict=True)})

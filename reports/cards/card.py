@@ -62,16 +62,6 @@ class Row:
 
 
 @dataclass(frozen=True)
-class ChangedOption:
-    """An option that a preset sets otherwise than the engine does."""
-
-    name: str
-    value: str
-    default: str
-    reason: str
-
-
-@dataclass(frozen=True)
 class VariantCard:
     """One formulation with one preset."""
 
@@ -87,7 +77,8 @@ class VariantCard:
     rows: tuple[Row, ...]
     """Band edge, creep, breakaway, stopping distance, direction."""
     steps: tuple[StepPoint, ...]
-    options: tuple[ChangedOption, ...]
+    options: tuple[dict[str, str], ...]
+    """Those that the preset sets otherwise than the engine does: name, value, default and reason."""
     law: str
     """Formula of its law, or why it has none."""
     script: str
@@ -171,7 +162,7 @@ def card(name: str, evaluator: Evaluator) -> Card:
                 steps=tuple(point for point in steps if point.variant == variant),
                 options=_options(variant),
                 law=_law(variant),
-                script=_script(variant, evaluator),
+                script=script(checked(str(variant), "static-hold"), evaluator) if has_reproducer(variant) else "",
             )
             for variant, own in zip(variants, exactness, strict=True)
         ),
@@ -207,12 +198,11 @@ def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
     return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=where)]
 
 
-def _options(variant: Variant) -> tuple[ChangedOption, ...]:
-    options = variant.preset.options
+def _options(variant: Variant) -> tuple[dict[str, str], ...]:
+    changed = {name: own for name, own in variant.preset.options.items() if own.value != own.default}
     return tuple(
-        ChangedOption(name, _plain(option.value), _plain(option.default), option.reason)
-        for name, option in options.items()
-        if option.value != option.default
+        {"name": name, "value": _plain(own.value), "default": _plain(own.default), "reason": own.reason}
+        for name, own in changed.items()
     )
 
 
@@ -226,7 +216,3 @@ def _law(variant: Variant) -> str:
     if stated is None:
         return "the reference's own step"
     return f"not modelled: {stated.reason}" if isinstance(stated, NotModelled) else stated.formula
-
-
-def _script(variant: Variant, evaluator: Evaluator) -> str:
-    return script(checked(str(variant), "static-hold"), evaluator) if has_reproducer(variant) else ""

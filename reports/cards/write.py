@@ -7,14 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
 from reports.cards.card import GOAL_DB, Card, Row, VariantCard
 from reports.export.files import CARD, PAGE
-from reports.formatting import MISSING, card_number
-from reports.page.render import environment
+from reports.formatting import MISSING, card_number, environment
+from reports.page.section import SUITE_TEMPLATES
 from scenarios.studies.accuracy import ACCURACY_MAP, ACCURACY_MAP_STEPS
+from scenarios.tables import json_text
 
 TEMPLATES = "reports.cards"
 ENDINGS = ("html", "md", "json")
@@ -54,22 +53,13 @@ def write_card(shown: Card, folder: Path) -> list[Path]:
 
 def html(shown: Card, *, linked: bool) -> str:
     """Give the page of a card; `linked` to the report that lies beside it."""
-    templates = environment(TEMPLATES)
-    templates.filters["number"] = card_number
-    return templates.get_template("card.html").render(_context(shown), report=PAGE if linked else "")
+    template = environment(TEMPLATES, SUITE_TEMPLATES).get_template("card.html")
+    return template.render(_context(shown), report=PAGE if linked else "")
 
 
 def markdown(shown: Card) -> str:
     """Give a card as Markdown."""
-    templates = Environment(
-        loader=PackageLoader(TEMPLATES),
-        undefined=StrictUndefined,
-        autoescape=False,  # Markdown is no HTML
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    templates.filters["number"] = card_number
+    templates = environment(TEMPLATES, markup=False)
     templates.filters["cell"] = lambda text: str(text).replace("|", "\\|")
     return templates.get_template("card.md").render(_context(shown))
 
@@ -86,8 +76,10 @@ def _context(shown: Card) -> dict[str, Any]:
 
 def _table(variants: Sequence[VariantCard]) -> list[tuple[str, list[Cell]]]:
     """Give the rows of the table of numbers: what they are, and a cell a variant."""
+    notes = [f"{own.certified} of {own.points} points certified" for own in variants]
+    certified = [(own, note if own.certified < own.points else "") for own, note in zip(variants, notes, strict=True)]
     rows = [
-        ("error to truth, largest [dB]", [Cell(card_number(own.largest_db), _uncertified(own)) for own in variants]),
+        ("error to truth, largest [dB]", [Cell(card_number(own.largest_db), note) for own, note in certified]),
         ("error to truth, median [dB]", [Cell(card_number(own.median_db)) for own in variants]),
     ]
     for name in dict.fromkeys(_label(row) for own in variants for row in own.rows):
@@ -123,11 +115,6 @@ def _with_error_seen(row: Row) -> str:
     return f"{row.value:.{-math.floor(math.log10(abs(row.error)))}f}".replace("-", "−")
 
 
-def _uncertified(own: VariantCard) -> str:
-    """Say at how many points there is a certified steady state, unless at all."""
-    return "" if own.certified == own.points else f"{own.certified} of {own.points} points certified"
-
-
 def _steps(own: VariantCard) -> str:
     """Give the fewest steps that were tried and suffice; fewer than the first of them were not."""
     if own.steps_to_goal is None:
@@ -143,13 +130,4 @@ def _json(shown: Card) -> str:
         own["step_seconds"] = variant.step_seconds
         for point in own["steps"]:
             del point["variant"]
-    return json.dumps(_without_nan(content), ensure_ascii=False, indent=2, allow_nan=False) + "\n"
-
-
-def _without_nan(value: Any) -> Any:
-    """Give the same with ``null`` where there is no number."""
-    if isinstance(value, dict):
-        return {name: _without_nan(own) for name, own in value.items()}
-    if isinstance(value, list | tuple):
-        return [_without_nan(own) for own in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return json.dumps(json.loads(json_text(content)), ensure_ascii=False, indent=2) + "\n"  # null where NaN was

@@ -26,7 +26,6 @@ from scenarios.studies.friction_map import (
 )
 from scenarios.studies.work_precision import (
     STUDY_STEPS,
-    StepPoint,
     coarse_steps,
     exact_step_tasks,
     step_tasks,
@@ -81,12 +80,7 @@ QUICK = Scope(
 
 
 def collect(
-    sweep: Sweep,
-    store: ResultStore,
-    evaluator: Evaluator,
-    command: str,
-    *,
-    scope: Scope | None = None,
+    sweep: Sweep, store: ResultStore, evaluator: Evaluator, command: str, *, scope: Scope | None = None
 ) -> Report:
     """Collect everything that the report of a sweep shows."""
     scope = scope or Scope()
@@ -100,21 +94,24 @@ def collect(
     periods: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
     for (point, variant), recorded in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
-    variants = (*sweep.variants, *scope.beside)
     evaluator.stage("exact motions")
     # before steps that are read from the store: these compare with the exact motion
     result = with_truths(result, evaluator)
     evaluator.stage("other steps, friction map and further variants")
+    steps = None
+    if _is_canonical(sweep):
+        stored = StoredResults(store)
+        steps = tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
     return Report(
         result,
         command,
         periods,
-        steps=_step_study(sweep, scope, evaluator, StoredResults(store)),
+        steps=steps,
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
         beside=few_points(result, scope.beside, scope.beside_points, evaluator),
         one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
-        catalogue=catalogue_outcomes(variants, store, evaluator, scope.scenarios),
+        catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),
     )
 
 
@@ -128,29 +125,16 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     return Report(known, command, steps=None, recorded=recorded)
 
 
-def _varies_friction_alone(sweep: Sweep) -> bool:
-    return sweep.case_axes == ("friction_ratio",)
-
-
 def _map(sweep: Sweep, scope: Scope) -> Sweep | None:
     """Give the sweep of the friction map; ``None`` where more than friction is varied: there is no one chain then."""
-    if not _varies_friction_alone(sweep):
+    if sweep.case_axes != ("friction_ratio",):
         return None
     return map_sweep(sweep, scope.map_friction_ratios, scope.map_frequency_ratios)
 
 
-def _has_step_study(sweep: Sweep) -> bool:
+def _is_canonical(sweep: Sweep) -> bool:
     """Whether the sweep is about the canonical chain, which the six points of the step study belong to."""
-    return _varies_friction_alone(sweep) and sweep.ratios == ChainRatios()
-
-
-def _step_study(
-    sweep: Sweep, scope: Scope, evaluator: Evaluator, stored: StoredResults
-) -> tuple[StepPoint, ...] | None:
-    """Give error and cost by steps under the drive of the sweep; ``None`` for other chains."""
-    if not _has_step_study(sweep):
-        return None
-    return tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
+    return sweep.case_axes == ("friction_ratio",) and sweep.ratios == ChainRatios()
 
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
@@ -159,7 +143,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     mapped = _map(sweep, scope)
     if mapped is not None:
         tasks += mapped.tasks()
-    if scope.steps and _has_step_study(sweep):
+    if scope.steps and _is_canonical(sweep):
         steps = coarse_steps(scope.steps)
         tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, steps)]
         tasks += exact_step_tasks(sweep.excitation)

@@ -2,144 +2,150 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from engines.interface.variant import Variant
 from reports.data.points import NAMES, names_of
-from reports.data.variants import VariantErrors
+from reports.data.variants import Errors
 from scenarios.studies.few_points import tuned_options, with_single_options
 
 FEWEST_VALUES = 3
 """Values from which on there is a curve; two variants stand beside each other in the table."""
 
 
-@dataclass(frozen=True)
-class SingleOption:
+class SingleOption(NamedTuple):
     """A default preset with one option of the tuned one: errors of all three, at the same points."""
 
-    default: VariantErrors
-    tuned: VariantErrors
+    default: Any
+    tuned: Any
     option: str
     value: str
     """That the tuned preset gives the option, as commands take it."""
-    errors: VariantErrors
+    errors: Any
 
     @property
     def halves(self) -> bool:
         """Whether the option alone takes off more than half of the largest error."""
-        return self.errors.known == self.default.known and self.errors.size < self.default.size / 2
+        return self.errors.points_known == self.default.points_known and self.errors.size < self.default.size / 2
 
 
-def single_options(errors: Mapping[Variant, VariantErrors]) -> list[SingleOption]:
+def single_options(errors: Errors) -> list[SingleOption]:
     """Give the single options of every default whose errors are known, by engine and formulation, smallest first."""
-    every = []
-    for default in errors.values():
-        own = default.variant
-        tuned = errors.get(own.tuned)
-        if own.preset_name == "default" and tuned is not None:
-            for changed in (errors[variant] for variant in with_single_options(own) if variant in errors):
-                name, _, value = changed.variant.preset.settings[0].partition("=")
-                every += [SingleOption(default, tuned, name, value, changed)] if changed.known else []
+    every = [
+        SingleOption(default, errors[own.tuned], *_setting(changed), errors[changed])
+        for own, default in errors.items()
+        if own.preset_name == "default" and own.tuned in errors
+        for changed in with_single_options(own)
+        if changed in errors and errors[changed].points_known
+    ]
     return sorted(every, key=lambda single: (str(single.default.variant), single.errors.size))
 
 
-@dataclass(frozen=True)
-class Installed:
-    """Both presets of one formulation of an engine."""
-
-    default: VariantErrors
-    tuned: VariantErrors
-    options: Mapping[str, Any]
-    """What the tuned preset sets otherwise than the default one, by name."""
-    decisive: SingleOption | None = None
-    """The one of them that alone leaves the least of the default's error, if that is less than half and known."""
+def _setting(changed: Variant) -> tuple[str, str]:
+    """Give the option of a variant with a single one, and its value."""
+    name, _, value = changed.preset.settings[0].partition("=")
+    return name, value
 
 
-def installed(errors: Mapping[Variant, VariantErrors], singles: Sequence[SingleOption] = ()) -> list[Installed]:
-    """Give every formulation of which both presets have an error, the largest default error first."""
-    best = {single.default.variant: single for single in reversed(singles) if single.halves}
-    pairs = []
-    for own, default in errors.items():
-        tuned = errors.get(own.tuned) if own.preset_name == "default" else None
-        if tuned is not None and tuned.known and default.known:
-            pairs.append(Installed(default, tuned, tuned_options(own.engine, own.formulation), best.get(own)))
-    return sorted(pairs, key=lambda pair: -pair.default.size)
+def sentences(errors: Errors, singles: Sequence[SingleOption], points: int) -> list[dict[str, Any]]:
+    """Say of each engine how far it is off as installed, and how far with which options; the farthest first.
 
-
-def by_engine(pairs: Iterable[Installed]) -> dict[str, list[Installed]]:
-    """Give the formulations of each engine, joints first, by the title of the engine."""
-    engines: dict[str, list[Installed]] = {}
-    for pair in sorted(pairs, key=lambda pair: pair.tuned.variant.formulation != "joint"):
-        engines.setdefault(pair.tuned.variant.capabilities.title, []).append(pair)
-    return engines
-
-
-@dataclass(frozen=True)
-class OptionCurve:
-    """Variants of one engine and formulation that differ in one option: their errors by its value, ascending."""
-
-    option: str
-    errors: Mapping[float, VariantErrors]
-    creep: Sequence[float]
-    """Largest slip velocity within a stick of each, over ω U0, at all points with a steady state; NaN without any."""
-
-    @property
-    def title(self) -> str:
-        """The engine, and its formulation where that is not the joint."""
-        return next(iter(self.errors.values())).variant.tuned.title
-
-
-def option_curves(errors: Mapping[Variant, VariantErrors], points: pd.DataFrame) -> list[OptionCurve]:
-    """Give a curve an option with a number in which at least `FEWEST_VALUES` variants differ, and in nothing else."""
-    creeps = points.groupby("variant", sort=False)["creep"].max().to_dict()
-    families: dict[tuple[Any, ...], dict[float, VariantErrors]] = {}
-    for group in _by_formulation(errors).values():
-        options = _values(own.variant for own in group)
-        for own in group:
-            for name, value in options[own.variant].items():
-                if isinstance(value, int | float) and not isinstance(value, bool):
-                    rest = tuple(sorted((key, repr(v)) for key, v in options[own.variant].items() if key != name))
-                    families.setdefault((own.variant.engine, own.variant.formulation, name, rest), {})[value] = own
-    return [
-        OptionCurve(name, dict(sorted(own.items())), [creeps.get(own[v].variant, math.nan) for v in sorted(own)])
-        for (_, _, name, _), own in families.items()
-        if len(own) >= FEWEST_VALUES
+    `points` is at how many the truth is known: fewer points of a variant are named.
+    """
+    pairs = [
+        (default, errors[own.tuned])
+        for own, default in errors.items()
+        if own.preset_name == "default" and own.tuned in errors and default.points_known
     ]
+    pairs = sorted((pair for pair in pairs if pair[1].points_known), key=lambda pair: -pair[0].size)
+    engines: dict[str, list[tuple[Any, Any]]] = {}
+    for pair in sorted(pairs, key=lambda pair: pair[1].variant.formulation != "joint"):
+        engines.setdefault(pair[1].variant.capabilities.title, []).append(pair)
+    decisive = {single.default.variant: single for single in reversed(singles) if single.halves}
+    return [_sentence(title, own, decisive, points) for title, own in engines.items()]
 
 
-def _by_formulation(errors: Mapping[Variant, VariantErrors]) -> dict[tuple[str, str], list[VariantErrors]]:
-    """Give the variants with an error, by engine and formulation."""
-    groups: dict[tuple[str, str], list[VariantErrors]] = {}
-    for variant, own in errors.items():
-        if own.known:
-            groups.setdefault((variant.engine, variant.formulation), []).append(own)
-    return groups
-
-
-def _values(variants: Iterable[Variant]) -> dict[Variant, dict[str, Any]]:
-    """Give the value of every option that any of the variants sets, in each: where it is not set, the engine's own."""
-    presets = {variant: variant.preset.options for variant in variants}
-    defaults = {name: option.default for options in presets.values() for name, option in options.items()}
+def _sentence(
+    title: str, pairs: Sequence[tuple[Any, Any]], decisive: Mapping[Variant, SingleOption], points: int
+) -> dict[str, Any]:
+    several = len(pairs) > 1
+    tuned = [own for _, own in pairs]
+    options = [option for own in tuned for option in tuned_options(own.variant.engine, own.variant.formulation)]
+    singles = [decisive[own.variant] for own, _ in pairs if own.variant in decisive]
+    alike = len({f"{own.size:.4g}" for own in tuned}) == 1
     return {
-        variant: defaults | {name: option.value for name, option in options.items()}
-        for variant, options in presets.items()
+        "engine": title,
+        "default": " and ".join(_off(own, points, several=several) for own, _ in pairs),
+        "tuned": f"{tuned[0].size:.4g} dB" if alike else " and ".join(_off(own, points, several=True) for own in tuned),
+        "options": list(dict.fromkeys(options)),
+        "decisive": [
+            {
+                "setting": f"{single.option}={single.value}",
+                "left": _off(single.errors, single.errors.points + 1, several=several),
+            }
+            for single in singles
+        ],
     }
 
 
-def option_table(curves: Iterable[OptionCurve], singles: Iterable[SingleOption] = ()) -> pd.DataFrame:
+def _off(own: Any, points: int, *, several: bool) -> str:
+    """Give the largest error, with the formulation where there are several, and the points where they are few."""
+    formulation = [own.variant.formulation] if several else []
+    few = [f"at {own.points_known} points"] if own.points_known < points else []
+    notes = ", ".join(formulation + few)
+    return f"{own.size:.4g} dB ({notes})" if notes else f"{own.size:.4g} dB"
+
+
+def option_curves(errors: Errors, points: pd.DataFrame) -> list[pd.DataFrame]:
+    """Give a table an option with a number in which at least `FEWEST_VALUES` variants differ, and in nothing else.
+
+    A row is a variant of one engine and formulation, the ``curve``: value of its ``option``, ascending, largest
+    and median error, and largest slip velocity within a stick over ω U0; NaN without a steady state.
+    """
+    creeps = points.groupby("variant", sort=False)["creep"].max().to_dict()
+    families: dict[tuple[Any, ...], dict[float, dict[str, Any]]] = {}
+    for variant, values in _values([own.variant for own in errors.values() if own.points_known]).items():
+        for name, value in values.items():
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                rest = tuple(sorted((key, repr(v)) for key, v in values.items() if key != name))
+                row = _row(name, value, errors[variant], creeps.get(variant, math.nan))
+                families.setdefault((variant.engine, variant.formulation, name, rest), {})[value] = row
+    return [
+        pd.DataFrame([own[value] for value in sorted(own)]) for own in families.values() if len(own) >= FEWEST_VALUES
+    ]
+
+
+def _values(variants: Iterable[Variant]) -> dict[Variant, dict[str, Any]]:
+    """Give the value of every option that any variant of a formulation sets, in each; the engine's own by default."""
+    presets: dict[tuple[str, str], dict[Variant, Mapping[str, Any]]] = {}
+    for variant in variants:
+        presets.setdefault((variant.engine, variant.formulation), {})[variant] = variant.preset.options
+    values = {}
+    for own in presets.values():
+        defaults = {name: option.default for options in own.values() for name, option in options.items()}
+        for variant, options in own.items():
+            values[variant] = defaults | {name: option.value for name, option in options.items()}
+    return values
+
+
+def _row(option: str, value: Any, own: Any, creep: float) -> dict[str, Any]:
+    return {
+        "curve": own.variant.tuned.title,
+        "variant": own.variant.title,
+        **names_of(own.variant),
+        "option": option,
+        "value": value,
+        "largest_error_db": own.size,
+        "median_error_db": own.median_error_db,
+        "largest_creep": creep,
+    }
+
+
+def option_table(curves: Iterable[pd.DataFrame], singles: Iterable[SingleOption] = ()) -> pd.DataFrame:
     """Give every variant of every curve over one option, and every default with one option of the tuned preset."""
-    shown: list[tuple[str, Any, VariantErrors, float]] = [
-        (curve.option, value, own, creep)
-        for curve in curves
-        for (value, own), creep in zip(curve.errors.items(), curve.creep, strict=True)
-    ]
-    shown += [(own.option, own.value, own.errors, math.nan) for own in singles]
-    rows = [
-        (*names_of(own.variant).values(), option, value, own.size, own.median_db, creep)
-        for option, value, own, creep in shown
-    ]
+    rows: list[Any] = [row for curve in curves for row in curve.to_dict("records")]
+    rows += [_row(own.option, own.value, own.errors, math.nan) for own in singles]
     columns = ("option", "value", "largest_error_db", "median_error_db", "largest_creep")
     return pd.DataFrame(rows, columns=[*NAMES, *columns])

@@ -1,17 +1,21 @@
 """Tables of a report: a row a point, a row an edge, with scalars; what it shows of variants are group-bys of them."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import pandas as pd
 
 from engines.interface.variant import Variant
+from scenarios.runs.result import Result
+from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.truths import truth_error
-from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Finding, Prediction, unexplained
+from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Finding, Prediction, unexplained
 from scenarios.verdicts.judge import metric_difference
+from scenarios.verdicts.steady_case import CONVERGED
 
 AS_PREDICTED, UNEXPLAINED = "as its law predicts", "unexplained"
 """Outcomes of a point or an edge that departs from what it is compared with."""
@@ -28,10 +32,11 @@ POINT_COLUMNS = (
 """Columns of a point that are written, after the names of its variant and the values of its case."""
 
 MORE_COLUMNS = (
-    "variant", "case", "truth_exact", "step_db", "scheme_db", "periods", "steps_per_period", "seconds", "creep"
+    "part", "variant", "case", "truth_exact", "step_db", "scheme_db", "baseline_db", "periods", "steps_per_period",
+    "seconds", "creep",
 )  # fmt: skip
-"""Columns that the page needs beside them: what the truth leaves open of an error, the difference from the reference at
-equal time step, and the largest slip velocity within a stick over ω U0."""
+"""Columns that the page needs beside them: what the truth leaves open of an error, the differences from the reference
+at equal time step and from the converged one, and the largest slip velocity within a stick over ω U0."""
 
 EDGE_COLUMNS = (
     "edge", "frequency_ratio", "difference", "verdict", "outcome", "law_value", "law_left", "law_allowed",
@@ -56,56 +61,55 @@ def written(table: pd.DataFrame, result: ComparedSweep, columns: Iterable[str]) 
     return table[[*NAMES, *result.sweep.case_axes, *columns]]
 
 
-def point_table(result: ComparedSweep, points: Sequence[Point]) -> pd.DataFrame:
-    """Give a row for each of the points; NaN where a number is not known."""
-    return table_of(result, point_rows(points))
+def point_table(result: ComparedSweep, **others: Sequence[Point]) -> pd.DataFrame:
+    """Give a row for each point of the grid, and of `others` by their part; NaN where a number is not known.
 
-
-def table_of(result: ComparedSweep, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Give the table of `point_rows`."""
+    The column ``part`` says of which: ``grid``, or the name of the others.
+    """
+    whole = CONVERGED in result.sweep.variants
+    rows = [
+        {"part": part, **_row(point, point.converged if whole else point.reference)}
+        for part, points in {"grid": result.points, **others}.items()
+        for point in points
+    ]
     return pd.DataFrame(rows, columns=[*MORE_COLUMNS, *NAMES, *result.sweep.case_axes, *POINT_COLUMNS])
 
 
-def point_rows(points: Sequence[Point]) -> list[dict[str, Any]]:
-    """Give the rows of `point_table`."""
-    rows = []
-    for point in points:
-        own, truth = point.result, point.truth
-        error_db, step_db = truth_error(point)
-        creeps = [creep for creep in own.creep if own.converged and not math.isnan(creep)]
-        rows.append({
-            "variant": point.variant,
-            "case": point.case,
-            **names_of(point.variant),
-            **point.case.by_axis,
-            "frequency_ratio": point.frequency_ratio,
-            "status": str(own.status),
-            "transmittance_db": own.transmittance_db,
-            "truth_db": truth.transmittance_db,
-            "truth_error_db": truth.error_db,
-            "truth_exact": truth.exact,
-            "error_db": error_db,
-            "step_db": step_db,
-            "scheme_db": metric_difference(TRANSMITTANCE, own.transmittance_db, point.reference.transmittance_db),
-            "residual": own.residual,
-            "periods": own.periods,
-            "steps_per_period": own.steps_per_period,
-            "seconds": own.seconds,
-            "creep": max(creeps, default=math.nan),
-            "difference_db": point.difference(TRANSMITTANCE),
-            "phase_rad": own.phase,
-            "difference_phase_deg": point.difference(PHASE),
-            **({"verdict": str(point.comparison.verdict), "reason": point.comparison.reason} if point.findings else {}),
-            "outcome": outcome(point.findings),
-            **_laws(point),
-        })  # fmt: skip
-    return rows
+def _row(point: Point, baseline: Result) -> dict[str, Any]:
+    own, level, truth = point.result, point.result.transmittance_db, point.truth
+    error_db, step_db = truth_error(point)
+    creeps = [creep for creep in own.creep if own.converged and not math.isnan(creep)]
+    certified = own.converged and baseline.converged and baseline.transmittance_db > FLOOR_DB
+    return {
+        **_labels(point),
+        "frequency_ratio": point.frequency_ratio,
+        "status": str(own.status),
+        "transmittance_db": level,
+        "truth_db": truth.transmittance_db,
+        "truth_error_db": truth.error_db,
+        "truth_exact": truth.exact,
+        "error_db": error_db,
+        "step_db": step_db,
+        "scheme_db": metric_difference(TRANSMITTANCE, level, point.reference.transmittance_db),
+        "baseline_db": level - baseline.transmittance_db if certified else math.nan,
+        "residual": own.residual,
+        "periods": own.periods,
+        "steps_per_period": own.steps_per_period,
+        "seconds": own.seconds,
+        "creep": max(creeps, default=math.nan),
+        "difference_db": point.difference(TRANSMITTANCE),
+        "phase_rad": own.phase,
+        "difference_phase_deg": point.difference(PHASE),
+        **({"verdict": str(point.comparison.verdict), "reason": point.comparison.reason} if point.findings else {}),
+        "outcome": outcome(point.findings),
+        **_law(point.prediction(TRANSMITTANCE), "_db"),
+        **_law(point.prediction(PHASE), "_phase_deg"),
+        **_motion(point.prediction(TRANSMITTANCE, PHASE)),
+    }
 
 
-def _laws(point: Point) -> dict[str, float]:
-    """Give what the law of a variant says of a point."""
-    numbers = {**_law(point.prediction(TRANSMITTANCE), "_db"), **_law(point.prediction(PHASE), "_phase_deg")}
-    return numbers | _motion(point.prediction(TRANSMITTANCE, PHASE))
+def _labels(row: Point | BandEdge) -> dict[str, Any]:
+    return {"variant": row.variant, "case": row.case, **names_of(row.variant), **row.case.by_axis}
 
 
 def _law(prediction: Prediction | None, unit: str = "") -> dict[str, float]:
@@ -121,15 +125,14 @@ def _motion(prediction: Prediction | None) -> dict[str, float]:
 
 def edge_table(result: ComparedSweep) -> pd.DataFrame:
     """Give both edges of every curve; NaN where the grid does not hold the edge or nothing could be compared."""
-    rows: list[dict[str, Any]] = [
+    rows = [
         {
-            "variant": edge.variant,
-            "case": edge.case,
-            **names_of(edge.variant),
-            **edge.case.by_axis,
+            **_labels(edge),
             "edge": str(edge.edge),
             "frequency_ratio": math.nan if edge.frequency_ratio is None else edge.frequency_ratio,
+            "absent": absent_edge(result, edge) if edge.frequency_ratio is None else "",
             "difference": edge.comparison.difference,
+            "allowed": edge.comparison.tolerance,
             "verdict": str(edge.comparison.verdict),
             "outcome": outcome((edge.finding,)),
             **_law(edge.prediction),
@@ -138,7 +141,20 @@ def edge_table(result: ComparedSweep) -> pd.DataFrame:
         }
         for edge in result.edges
     ]
-    return pd.DataFrame(rows, columns=["variant", "case", *NAMES, *result.sweep.case_axes, *EDGE_COLUMNS])
+    more = ("variant", "case", "absent", "allowed")
+    return pd.DataFrame(rows, columns=[*more, *NAMES, *result.sweep.case_axes, *EDGE_COLUMNS])
+
+
+def absent_edge(result: ComparedSweep, edge: BandEdge) -> str:
+    """Describe an edge that the grid does not hold."""
+    curve = [point for point in result.curve(edge.variant, edge.case) if point.result.converged]
+    if not curve:
+        return "unknown"
+    if all(point.result.transmittance_db >= result.sweep.band.depth_db for point in curve):
+        return "none"
+    if edge.edge is Edge.LOWER:
+        return f"below {curve[0].frequency_ratio:g}"
+    return f"above {curve[-1].frequency_ratio:g}"
 
 
 def transition_table(result: ComparedSweep) -> pd.DataFrame:
@@ -151,6 +167,11 @@ def transition_table(result: ComparedSweep) -> pd.DataFrame:
     ]
     columns = (*NAMES, *result.sweep.case_axes, "frequency_ratio", "cell", "time_s", "kind")
     return pd.DataFrame(rows, columns=columns)
+
+
+def rows_of(table: pd.DataFrame) -> list[Any]:
+    """Give the rows of a table; their columns are attributes."""
+    return list(table.itertuples(index=False))
 
 
 def by_variant(table: pd.DataFrame, variants: Iterable[Variant] | None = None) -> dict[Variant, pd.DataFrame]:

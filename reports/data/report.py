@@ -1,7 +1,7 @@
 """The content of a report, from which its sections are made."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -10,11 +10,11 @@ import pandas as pd
 
 from engines.interface.variant import Variant
 from reports.data.catalogue import Outcomes
-from reports.data.options import Installed, OptionCurve, SingleOption, installed, option_curves, single_options
-from reports.data.points import by_variant, edge_table, point_rows, point_table, table_of
+from reports.data.options import SingleOption, option_curves, single_options
+from reports.data.points import by_variant, edge_table, point_table
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
-from reports.data.variants import VariantErrors, blocked_reason, departures, variant_errors, verdict_row
+from reports.data.variants import Errors, departures, error_table, errors_of, verdict_row
 from reports.data.versions import version_pairs
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
@@ -23,7 +23,9 @@ from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.start_check import StartCheck
+from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import failures
+from scenarios.verdicts.steady_case import REFERENCE
 
 
 @dataclass(frozen=True)
@@ -57,13 +59,60 @@ class Report:
         return Counter(point.variant for point in self.result.points if point.result.status is ResultStatus.MISSING)
 
     @cached_property
-    def points(self) -> pd.DataFrame:
-        """Every point of the grid, a row each."""
-        return table_of(self.result, self._rows)
+    def blocked(self) -> Mapping[Variant, str]:
+        """Why variants have no result at all; those that have one are left out."""
+        results = {variant: [point.result for point in self.result.points_of(variant)] for variant in self.variants}
+        return {
+            variant: own[0].reason
+            for variant, own in results.items()
+            if own and all(result.status is ResultStatus.BLOCKED for result in own)
+        }
+
+    @property
+    def variants(self) -> Sequence[Variant]:
+        """Those of the grid."""
+        return self.result.sweep.variants
 
     @cached_property
-    def _rows(self) -> list[dict[str, Any]]:
-        return point_rows(self.result.points)
+    def _every(self) -> pd.DataFrame:
+        return point_table(self.result, beside=self.beside, one_option=self.one_option)
+
+    @cached_property
+    def points(self) -> pd.DataFrame:
+        """Every point of the grid, a row each."""
+        return self._every[self._every["part"] == "grid"]
+
+    @cached_property
+    def _curves(self) -> dict[Any, pd.DataFrame]:
+        return dict(iter(self.points.groupby(["variant", "case"], sort=False)))
+
+    def curve(self, variant: Variant, case: Case) -> pd.DataFrame:
+        """Points of one curve."""
+        return self._curves.get((variant, case), self.points.iloc[:0])
+
+    @cached_property
+    def reference_lines(self) -> Mapping[Case, pd.Series]:
+        """Transmittance [dB] of the reference by η_r in each case: its dense curve, and the grid with resonances."""
+        lines = {}
+        for case in self.result.cases:
+            eta, dense = self.result.dense_reference.get(case, ((), ()))
+            own = self.curve(REFERENCE, case).set_index("frequency_ratio")
+            known = own["transmittance_db"].where(own["status"] == ResultStatus.CONVERGED)
+            line = pd.Series(dense, eta, dtype=float).drop(known.index, errors="ignore")
+            lines[case] = pd.concat([line, known]).sort_index()
+        return lines
+
+    @cached_property
+    def _wide(self) -> pd.DataFrame:
+        """Points of the grid, and those of variants that are compared with the truth at a few."""
+        return self._every[self._every["part"] != "one_option"]
+
+    @cached_property
+    def _few(self) -> pd.DataFrame:
+        """All points at the places of those with single options."""
+        places = {point.place[1:] for point in self.one_option}
+        every = zip(self._every["case"], self._every["frequency_ratio"], strict=True)
+        return self._every[[place in places for place in every]]
 
     @cached_property
     def edges(self) -> pd.DataFrame:
@@ -73,45 +122,32 @@ class Report:
     @cached_property
     def verdicts(self) -> Mapping[Variant, dict[str, Any]]:
         """What the points and edges of each variant come to, see `verdict_row`."""
-        variants = self.result.sweep.variants
-        points, edges = by_variant(self.points, variants), by_variant(self.edges, variants)
-        return {variant: verdict_row(points[variant], edges[variant]) for variant in variants}
-
-    @cached_property
-    def blocked(self) -> Mapping[Variant, str]:
-        """Why variants have no result at all; those that have one are left out."""
-        reasons = {variant: blocked_reason(self.result, variant) for variant in self.result.sweep.variants}
-        return {variant: reason for variant, reason in reasons.items() if reason is not None}
+        return {variant: verdict_row(points, edges) for variant, points, edges in self._by_variant}
 
     @cached_property
     def departures(self) -> list[dict[str, Any]]:
         """What departs of each variant, and what its law leaves of it."""
-        variants = self.result.sweep.variants
-        points, edges = by_variant(self.points, variants), by_variant(self.edges, variants)
-        rows = (departures(variant, points[variant], edges[variant]) for variant in variants)
-        return [row for row in rows if row is not None]
+        return [row for own in self._by_variant if (row := departures(*own)) is not None]
+
+    @property
+    def _by_variant(self) -> Iterator[tuple[Variant, pd.DataFrame, pd.DataFrame]]:
+        edges = by_variant(self.edges, self.variants)
+        return ((variant, points, edges[variant]) for variant, points in by_variant(self.points, self.variants).items())
 
     @cached_property
-    def errors(self) -> Mapping[Variant, VariantErrors]:
+    def error_table(self) -> pd.DataFrame:
         """How far each variant is from the truth, the smallest error first."""
-        return variant_errors(self._wide)
+        return error_table(self._wide, self.result.sweep.case_axes)
 
     @cached_property
-    def few_errors(self) -> Mapping[Variant, VariantErrors]:
+    def errors(self) -> Errors:
+        """Its rows."""
+        return errors_of(self.error_table)
+
+    @cached_property
+    def few_errors(self) -> Errors:
         """Errors of the variants that differ in one option from a preset, and of all others at the same points."""
-        return variant_errors(self._few)
-
-    @cached_property
-    def _wide(self) -> pd.DataFrame:
-        """Points of the grid, and those of variants that are compared with the truth at a few."""
-        return table_of(self.result, [*self._rows, *point_rows(self.beside)])
-
-    @cached_property
-    def _few(self) -> pd.DataFrame:
-        """All points at the places of those with single options."""
-        places = {point.place[1:] for point in self.one_option}
-        others = (point for point in (*self.result.points, *self.beside) if point.place[1:] in places)
-        return point_table(self.result, [*others, *self.one_option])
+        return errors_of(error_table(self._few)) if self.one_option else {}
 
     @cached_property
     def single_options(self) -> list[SingleOption]:
@@ -119,21 +155,16 @@ class Report:
         return single_options(self.few_errors)
 
     @cached_property
-    def installed(self) -> list[Installed]:
-        """Engines as installed beside their tuned presets, the largest error first."""
-        return installed(self.errors, self.single_options)
-
-    @cached_property
-    def option_curves(self) -> list[OptionCurve]:
+    def option_curves(self) -> list[pd.DataFrame]:
         """Errors over one option of an engine, where variants differ in that alone: over the grid, or a few points."""
         wide, few = option_curves(self.errors, self._wide), option_curves(self.few_errors, self._few)
-        shown = {(curve.title, curve.option) for curve in wide}
-        return wide + [curve for curve in few if (curve.title, curve.option) not in shown]
+        shown = {(curve["curve"][0], curve["option"][0]) for curve in wide}
+        return wide + [curve for curve in few if (curve["curve"][0], curve["option"][0]) not in shown]
 
     @cached_property
     def versions(self) -> list[dict[str, Any]]:
         """How versions of one engine differ, see `version_pairs`."""
-        described = dict(zip(self.result.sweep.variants, self.provenance["variants"], strict=True))
+        described = dict(zip(self.variants, self.provenance["variants"], strict=True))
         return version_pairs(self.result, described)
 
     @cached_property
@@ -149,4 +180,4 @@ class Report:
     @cached_property
     def provenance(self) -> dict[str, Any]:
         """Everything that a reader needs to reproduce the numbers, as plain data."""
-        return provenance(self.result, self.command, self.points, self.recorded, self.starts)
+        return provenance(self)

@@ -6,6 +6,7 @@ from typing import Any
 
 from engines.interface.variant import Variant
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
+from reports.data.points import names_of
 from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import Point
@@ -29,6 +30,16 @@ def compared_points(result: ComparedSweep) -> list[CasePoint]:
     ]
 
 
+def points_at(result: ComparedSweep, case: Case, frequency_ratio: float) -> dict[Variant, Point]:
+    """Give the point of the reference and of every variant whose curve holds it, to round-off."""
+    return {
+        point.variant: point
+        for variant in (REFERENCE, *result.sweep.variants)
+        for point in result.curve(variant, case)
+        if math.isclose(point.frequency_ratio, frequency_ratio, rel_tol=1e-9)
+    }
+
+
 def stick_slip_rows(result: ComparedSweep) -> list[dict[str, Any]]:
     """Compare modes of every variant with the reference's at the `compared_points` that the grid holds.
 
@@ -36,47 +47,30 @@ def stick_slip_rows(result: ComparedSweep) -> list[dict[str, Any]]:
     the largest of a cell, time errors are absolute values.
     """
     rows = []
-    for compared in compared_points(result):
-        expected = point_at(result, REFERENCE, *compared)
-        if expected is None or not expected.result.converged:
-            continue
-        for variant in dict.fromkeys((REFERENCE, *result.sweep.variants)):
-            point = point_at(result, variant, *compared)
-            if point is not None:
-                rows.append(_row(point, expected.result))
+    for place in compared_points(result):
+        points = points_at(result, *place)
+        if REFERENCE in points and points[REFERENCE].result.converged:
+            rows += [_row(point, points[REFERENCE].result) for point in points.values()]
     return rows
-
-
-def point_at(result: ComparedSweep, variant: Variant, case: Case, frequency_ratio: float) -> Point | None:
-    """Give the point of the grid that is there to round-off."""
-    curve = result.curve(variant, case)
-    return next((p for p in curve if math.isclose(p.frequency_ratio, frequency_ratio, rel_tol=1e-9)), None)
 
 
 def _row(point: Point, expected: Result) -> dict[str, Any]:
     """Compare one point; without a steady state there is only its status."""
-    result = point.result
-    row: dict[str, Any] = {
-        "engine": point.variant.engine,
-        "formulation": point.variant.formulation,
-        "preset": point.variant.preset_name,
+    return {
+        **names_of(point.variant),
         "title": point.variant.title,
         **point.case.by_axis,
         "frequency_ratio": point.frequency_ratio,
-        "status": result.status,
+        "status": point.result.status,
+        **(_compared(point.result, expected) if point.result.converged else dict.fromkeys(COMPARED)),
     }
-    return row | (_compared(result, expected) if result.converged else dict.fromkeys(COMPARED))
 
 
 def _compared(result: Result, expected: Result) -> dict[str, Any]:
     match = result.matched(expected.transitions)
     errors = [abs(error) for error in match.time_errors]
-    return {
-        "stuck_fraction": mean(result.stuck_fraction),
-        "stuck_fraction_error": result.stuck_difference(expected),
-        "transitions": len(result.transitions),
-        "missed": len(match.missed),
-        "spurious": len(match.spurious),
-        "median_time_error": median(errors) if errors else math.nan,
-        "largest_time_error": max(errors, default=math.nan),
-    }
+    numbers = (
+        mean(result.stuck_fraction), result.stuck_difference(expected), len(result.transitions), len(match.missed),
+        len(match.spurious), median(errors) if errors else math.nan, max(errors, default=math.nan),
+    )  # fmt: skip
+    return dict(zip(COMPARED, numbers, strict=True))

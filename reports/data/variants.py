@@ -1,74 +1,60 @@
 """What each variant comes to, in one row of numbers: how far it is from the truth, its verdicts, what departs."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import pandas as pd
 
 from engines.interface.law import NotModelled
 from engines.interface.variant import Variant
-from reports.data.points import UNEXPLAINED, by_variant, largest
+from reports.data.points import UNEXPLAINED, by_variant, largest, names_of, rows_of
 from scenarios.runs.result import ResultStatus
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.truths import ErrorClass, error_class
+from scenarios.sweeps.truths import error_class
 from scenarios.verdicts.finding import FLOOR_DB, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 
-
-@dataclass(frozen=True)
-class VariantErrors:
-    """One variant against the truth, over all points at which this is above `FLOOR_DB`."""
-
-    variant: Variant
-    known: int = 0
-    points: int = 0
-    """Points with a steady state that can be compared, of how many."""
-    worst_db: float = math.nan
-    """The largest error, with its sign."""
-    worst_case: Case | None = None
-    worst_frequency_ratio: float = math.nan
-    median_db: float = math.nan
-    """Of the sizes of errors."""
-    beyond_step: int = 0
-    """Points at which the variant is farther from the truth than the scheme is with as many steps."""
-    from_scheme_db: float = math.nan
-    """The largest difference from the reference at equal time step: agreement with the scheme, not with truth."""
-    error_class: ErrorClass | None = None
-
-    @property
-    def size(self) -> float:
-        """Size of the largest error [dB]."""
-        return abs(self.worst_db)
-
-    @property
-    def shares_scheme(self) -> bool:
-        """Whether it solves the equations of the reference's scheme; the converged reference does, with finer steps."""
-        return self.variant.engine == REFERENCE.engine or self.variant.preset.shares_scheme
+Errors = Mapping[Variant, Any]
+"""Rows of an `error_table` by variant; their columns are attributes."""
 
 
-def variant_errors(points: pd.DataFrame) -> dict[Variant, VariantErrors]:
-    """Compare every variant of a table of points with the truth, the smallest error first; without any come last."""
-    every = [_errors(variant, own[own["truth_db"] > FLOOR_DB]) for variant, own in by_variant(points).items()]
-    return {own.variant: own for own in sorted(every, key=lambda own: math.inf if math.isnan(own.size) else own.size)}
+def error_table(points: pd.DataFrame, axes: Iterable[str] = ()) -> pd.DataFrame:
+    """Compare every variant of a table of points with the truth, the smallest error first; without any come last.
+
+    Over all points at which the truth is above `FLOOR_DB`: how many there are, and how many have a steady state that
+    can be compared; the largest error, with its sign, its size and its place; the median size; points farther from the
+    truth than the scheme is with as many steps; and the largest difference from the reference at equal time step, which
+    is agreement with the scheme, not with truth.
+    """
+    comparable = points[points["truth_db"] > FLOOR_DB]
+    every = by_variant(comparable, dict.fromkeys(points["variant"]))
+    rows = [{"variant": variant, **names_of(variant), **_errors(variant, own, axes)} for variant, own in every.items()]
+    return pd.DataFrame(rows, dtype=object).sort_values("size", kind="stable", na_position="last")
 
 
-def _errors(variant: Variant, points: pd.DataFrame) -> VariantErrors:
+def _errors(variant: Variant, points: pd.DataFrame, axes: Iterable[str]) -> dict[str, Any]:
     known = points[points["error_db"].notna()]
     worst = largest(known, "error_db")
-    return VariantErrors(
-        variant=variant,
-        known=len(known),
-        points=len(points),
-        worst_db=worst["error_db"],
-        worst_case=worst["case"],
-        worst_frequency_ratio=worst["frequency_ratio"],
-        median_db=float(known["error_db"].abs().median()),
-        beyond_step=int((~(known["error_db"].abs() <= known["step_db"])).sum()),
-        from_scheme_db=largest(known, "scheme_db")["scheme_db"],
-        error_class=error_class(known),
-    )
+    solves_the_scheme = variant.engine == REFERENCE.engine or variant.preset.shares_scheme
+    return {
+        "size": abs(worst["error_db"]),
+        "worst_case": worst["case"],
+        "worst_error_db": worst["error_db"],
+        **{f"worst_{name}": math.nan if worst["case"] is None else worst["case"].by_axis[name] for name in axes},
+        "worst_frequency_ratio": worst["frequency_ratio"],
+        "median_error_db": float(known["error_db"].abs().median()),
+        "error_class": str(error_class(known) or ""),
+        "points_beyond_step": int((~(known["error_db"].abs() <= known["step_db"])).sum()),
+        "points_known": len(known),
+        "points": len(points),
+        "same_equations": "yes" if solves_the_scheme else "no",
+        "difference_from_scheme_db": largest(known, "scheme_db")["scheme_db"],
+    }
+
+
+def errors_of(table: pd.DataFrame) -> Errors:
+    """Give the rows of an `error_table`, by variant."""
+    return {row.variant: row for row in rows_of(table)}
 
 
 def verdict_row(points: pd.DataFrame, edges: pd.DataFrame) -> dict[str, Any]:
@@ -91,14 +77,6 @@ def verdict_row(points: pd.DataFrame, edges: pd.DataFrame) -> dict[str, Any]:
         "median_periods": float(converged["periods"].median()),
         "seconds": float(points["seconds"].sum(min_count=1)),
     }
-
-
-def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
-    """Give the reason why a variant has no result at all; ``None`` if it has one."""
-    results = [point.result for point in result.points_of(variant)]
-    if not results or any(own.status is not ResultStatus.BLOCKED for own in results):
-        return None
-    return results[0].reason
 
 
 def departures(variant: Variant, points: pd.DataFrame, edges: pd.DataFrame) -> dict[str, Any] | None:

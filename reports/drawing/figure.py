@@ -15,6 +15,8 @@ from reference_lcp.validation import FloatArray
 from reports.drawing.style import Style
 from reports.formatting import ratio
 
+Draw = Literal["lines", "markers", "lines+markers"]
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -52,7 +54,7 @@ class Series:
     style: Style
     name: str = ""
     """In the legend, once for all series of that name, which are shown and hidden together; none without."""
-    draw: Literal["lines", "markers", "lines+markers"] = "lines"
+    draw: Draw = "lines"
     hover: str = ""
     notes: Sequence[str] = ()
     """Text at the pointer, see the module, and the text of each point in it; nothing without."""

@@ -6,12 +6,12 @@ import multiprocessing
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
-from dataclasses import fields, is_dataclass
+from dataclasses import asdict
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -24,15 +24,10 @@ DRAWN_BY = ("matplotlib_backend.py", "style.py")
 """Our own part of what draws: files beside this one."""
 
 
-class _Hash(Protocol):
-    def update(self, data: bytes, /) -> None: ...
-
-
 def described(figure: Figure) -> str:
     """Give the digest of a figure's description and of what draws it."""
-    digest = hashlib.sha256(_backend())
-    _add(figure, digest)
-    return digest.hexdigest()
+    content = json.dumps(asdict(figure), default=lambda values: np.asarray(values).tolist())
+    return _digest(_backend() + content.encode())
 
 
 @cache
@@ -40,24 +35,6 @@ def _backend() -> bytes:
     """Give the versions of what draws, and our part of it."""
     sources = [(Path(__file__).with_name(name)).read_text() for name in DRAWN_BY]
     return "\0".join([version("matplotlib"), version("pillow"), *sources]).encode()
-
-
-def _add(value: Any, digest: _Hash) -> None:
-    """Add a value to a digest, such that different values are different bytes."""
-    if is_dataclass(value):
-        for field in fields(value):
-            _add(getattr(value, field.name), digest)
-    elif isinstance(value, np.ndarray):
-        digest.update(f"{value.dtype}{value.shape}".encode())
-        digest.update(np.ascontiguousarray(value).tobytes())
-    elif isinstance(value, Mapping):
-        _add([*value.items()], digest)
-    elif isinstance(value, Sequence) and not isinstance(value, str):
-        digest.update(f"{len(value)} values\0".encode())
-        for item in value:
-            _add(item, digest)
-    else:
-        digest.update(f"{value!r}\0".encode())
 
 
 class DrawnFigures:

@@ -12,6 +12,7 @@ from scenarios.junit import JUnitCase, junit_text
 from scenarios.runs.result import ResultStatus
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
 from scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
+from scenarios.verdicts.stored import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
 
 MOST_SHOWN = 10
@@ -45,43 +46,46 @@ def _short(value: Any) -> str:
     return f"{value:g}" if isinstance(value, int | float) else f"({', '.join(f'{number:g}' for number in value)})"
 
 
-VARIANT_COLUMN = Column[Change]("variant", lambda change: change.variant, "engine:formulation:preset")
-POINT_COLUMN = Column[Change]("point", point_text, "point")
-BEYOND_COLUMN = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
-DIRECTION_COLUMN = Column[Change]("direction", lambda change: change.direction or "")
-BEFORE_COLUMN = Column[Change]("error_db_before", lambda change: change.error_db(change.first), "before [dB]", "{:.3g}")
-NOW_COLUMN = Column[Change]("error_db_now", lambda change: change.error_db(change.second), "now [dB]", "{:.3g}")
-
-PRINTED_COLUMNS = (POINT_COLUMN, BEFORE_COLUMN, NOW_COLUMN, BEYOND_COLUMN)
-"""Of a point of a variant, for a terminal."""
+def _difference(name: str) -> Callable[[Change], float]:
+    return lambda change: change.differences.get(name, math.nan)
 
 
 def _of_task(name: str) -> Column[Change]:
     return Column(name, lambda change: change.first.task.get(name))
 
 
+def _both_sides(name: str, value: Callable[[StoredResult], Any]) -> tuple[Column[Change], Column[Change]]:
+    return (
+        Column(f"{name}_before", lambda change: value(change.first)),
+        Column(f"{name}_now", lambda change: value(change.second)),
+    )
+
+
+VARIANT_COLUMN = Column[Change]("variant", lambda change: change.variant, "engine:formulation:preset")
+BEYOND_COLUMN = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
+ERROR_COLUMNS = (
+    Column[Change]("error_db_before", lambda change: change.error_db(change.first), "before [dB]", "{:.3g}"),
+    Column[Change]("error_db_now", lambda change: change.error_db(change.second), "now [dB]", "{:.3g}"),
+)
+
+PRINTED_COLUMNS = (Column[Change]("point", point_text, "point"), *ERROR_COLUMNS, BEYOND_COLUMN)
+"""Of a point of a variant, for a terminal."""
+
 CHANGE_COLUMNS: tuple[Column[Change], ...] = (
     VARIANT_COLUMN,
-    _of_task("friction_ratio"),
-    _of_task("frequency_ratio"),
-    _of_task("steps_per_period"),
-    Column("version_before", lambda change: change.first.version),
-    Column("version_now", lambda change: change.second.version),
-    Column("status_before", lambda change: change.first.result.status),
-    Column("status_now", lambda change: change.second.result.status),
-    Column("reason_before", lambda change: change.first.result.reason),
-    Column("reason_now", lambda change: change.second.result.reason),
-    Column("transmittance_db_before", lambda change: change.first.result.transmittance_db),
-    Column("transmittance_db_now", lambda change: change.second.result.transmittance_db),
+    *map(_of_task, ("friction_ratio", "frequency_ratio", "steps_per_period")),
+    *_both_sides("version", lambda side: side.version),
+    *_both_sides("status", lambda side: side.result.status),
+    *_both_sides("reason", lambda side: side.result.reason),
+    *_both_sides("transmittance_db", lambda side: side.result.transmittance_db),
     Column("transmittance_db_change", lambda change: change.transmittance_db),
-    Column("stuck_fraction_change", lambda change: change.differences.get("stuck fraction", math.nan)),
-    Column("transition_change", lambda change: change.differences.get("transition", math.nan)),
-    Column("unmatched_transitions", lambda change: change.differences.get("unmatched", math.nan)),
-    Column("motion_change", lambda change: change.differences.get("motion", math.nan)),
-    BEFORE_COLUMN,
-    NOW_COLUMN,
+    Column("stuck_fraction_change", _difference("stuck fraction")),
+    Column("transition_change", _difference("transition")),
+    Column("unmatched_transitions", _difference("unmatched")),
+    Column("motion_change", _difference("motion")),
+    *ERROR_COLUMNS,
     Column("truth", lambda change: None if change.truth is None else change.truth.source),
-    DIRECTION_COLUMN,
+    Column("direction", lambda change: change.direction or ""),
     BEYOND_COLUMN,
 )
 """Everything about a point, for programs."""
@@ -128,16 +132,12 @@ def counted(changes: Sequence[Change]) -> str:
 
 def counted_by_variant(comparison: StoreComparison) -> list[str]:
     """Say so of each variant, with its largest changes."""
-    return [
-        f"{variant}: {', '.join([counted(changes), *_at_most(changes)])}"
-        for variant, changes in _by_variant(comparison.changes).items()
-    ]
-
-
-def _at_most(changes: Sequence[Change]) -> list[str]:
-    """Say by how much transmittances and motions have changed."""
-    largest = {"by {} dB at most": _largest(changes, "transmittance"), "motions by {}": _largest(changes, "motion")}
-    return [text.format(size) for text, size in largest.items() if size != NONE]
+    lines = []
+    for variant, changes in _by_variant(comparison.changes).items():
+        sizes = {"by {} dB at most": _largest(changes, "transmittance"), "motions by {}": _largest(changes, "motion")}
+        known = [text.format(size) for text, size in sizes.items() if size != NONE]
+        lines.append(f"{variant}: {', '.join([counted(changes), *known])}")
+    return lines
 
 
 def overview(comparison: StoreComparison) -> pd.DataFrame:
@@ -163,43 +163,32 @@ def _largest(changes: Sequence[Change], measure: str) -> str:
 
 def identities(comparison: StoreComparison) -> list[str]:
     """Name every change of a version, of an option, and of the points that are there, once a variant."""
-    lines = []
-    for variant, own in _by_variant(comparison.changes).items():
-        lines += [
-            f"{variant}: {line}" for line in (*_versions(own), *_options(own), *_blocked(own), *_uncertified(own))
-        ]
+    lines = [
+        f"{variant}: {line}" for variant, own in _by_variant(comparison.changes).items() for line in _identities(own)
+    ]
     return lines + [
         f"{variant}: {count} points in the store now only" for variant, count in comparison.only_second.items()
     ]
 
 
-def _versions(changes: Sequence[Change]) -> list[str]:
+def _identities(changes: Sequence[Change]) -> list[str]:
     sides = [(change.first, change.second) for change in changes]
-    engines = {("engine", old.engine, new.engine) for old, new in sides}
-    versions = {("version", str(old.version), str(new.version)) for old, new in sides}
-    return [f"{what} {old} → {new}" for what, old, new in sorted(engines | versions) if old != new]
-
-
-def _options(changes: Sequence[Change]) -> list[str]:
+    named = {("engine", old.engine, new.engine) for old, new in sides}
+    named |= {("version", str(old.version), str(new.version)) for old, new in sides}
+    lines = [f"{what} {old} → {new}" for what, old, new in sorted(named) if old != new]
     options = {
-        (name, change.first.options.get(name, "not set"), change.second.options.get(name, "not set"))
-        for change in changes
-        for name in {*change.first.options, *change.second.options}
+        (name, old.options.get(name, "not set"), new.options.get(name, "not set"))
+        for old, new in sides
+        for name in {*old.options, *new.options}
     }
-    return [f"option {name} {old} → {new}" for name, old, new in sorted(options) if old != new]
-
-
-def _blocked(changes: Sequence[Change]) -> list[str]:
-    before, now = (
-        sum(stored.result.status is ResultStatus.BLOCKED for stored in side)
-        for side in ([change.first for change in changes], [change.second for change in changes])
-    )
-    return [f"{before} points blocked before, {now} blocked now"] if before or now else []
-
-
-def _uncertified(changes: Sequence[Change]) -> list[str]:
-    count = sum(change.uncertified for change in changes)
-    return [f"{count} points without a certified steady state before and now: not compared"] if count else []
+    lines += [f"option {name} {old} → {new}" for name, old, new in sorted(options) if old != new]
+    before, now = (sum(own.result.status is ResultStatus.BLOCKED for own in side) for side in zip(*sides, strict=True))
+    if before or now:
+        lines.append(f"{before} points blocked before, {now} blocked now")
+    uncertified = sum(change.uncertified for change in changes)
+    if uncertified:
+        lines.append(f"{uncertified} points without a certified steady state before and now: not compared")
+    return lines
 
 
 def _by_variant(changes: Iterable[Change]) -> dict[str, list[Change]]:
@@ -282,15 +271,13 @@ def _junit_case(change: Change, *, strict: bool) -> JUnitCase:
     )
 
 
-def _junit(regression: Regression) -> str:
-    cases = [_junit_case(change, strict=regression.strict) for change in regression.comparison.changes]
-    return junit_text("multibody-xval compare", cases)
-
-
 CHANGE_FORMATS: dict[str, Callable[[Regression], str]] = {
     ".md": changes_markdown,
     ".json": lambda regression: json_text(_content(regression), indent=1),
-    ".xml": _junit,
+    ".xml": lambda regression: junit_text(
+        "multibody-xval compare",
+        [_junit_case(change, strict=regression.strict) for change in regression.comparison.changes],
+    ),
     ".csv": lambda regression: csv_text(full_table(CHANGE_COLUMNS, regression.comparison.changes)),
 }
 """What is written into a file, by its ending."""

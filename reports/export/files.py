@@ -1,19 +1,18 @@
 """Every file of a report: the page, its tables, its figures."""
 
 import dataclasses
-import math
+import itertools
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from reference_lcp.output import write_whole
+from reports.data.points import edge_table
 from reports.data.report import Report
 from reports.drawing.printing import DrawnFigures
 from reports.export.tables import table_files
-from reports.page.render import FIGURES, page, sections
+from reports.page.render import FIGURES, TABLES, page, sections
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import sweep_dataset
@@ -24,18 +23,16 @@ PAGE = "index.html"
 NETCDF = "report.nc"
 CARD = "card-"
 """What the names of an engine's card begin with."""
-FILES = (
-    "errors.csv",
-    "band_edges.csv",
-    "transmittance.csv",
-    "transitions.csv",
-    "work_precision.csv",
-    "options.csv",
-    "catalogue.csv",
-    "report.json",
-    NETCDF,
-    PAGE,
-)
+FILES = (*TABLES, PAGE)
+
+EDGE_VARIABLES = {
+    "band_edge": ("frequency_ratio", {"long_name": "η_r of the edge"}),
+    "band_edge_difference": (
+        "difference", {"long_name": "edge less that of the baseline", "ancillary_variables": "band_edge_allowed"},
+    ),
+    "band_edge_allowed": ("allowed", {"long_name": "largest such difference that counts as agreement"}),
+}  # fmt: skip
+"""Variables of the dataset by column of an `edge_table`, and what they are."""
 
 
 def files_of(
@@ -79,27 +76,13 @@ def report_dataset(result: ComparedSweep) -> xr.Dataset:
     data = with_truth_variables(sweep_dataset(sweep, result.points), sweep, result)
     if not result.edges:
         return data
-    edge = ("edge", [str(edge) for edge in Edge], {"long_name": "edge of the attenuation band"})
-    return data.assign(_edges(result)).assign_coords(edge=edge)
-
-
-def _edges(result: ComparedSweep) -> dict[str, Any]:
-    sweep = result.sweep
-    edges = [result.edge(variant, case, edge) for variant in sweep.variants for case in sweep.cases for edge in Edge]
+    every = itertools.product(sweep.variants, sweep.cases, Edge)
+    rows = edge_table(result).set_index(["variant", "case", "edge"]).loc[list(every)]
     dimensions = ("variant", *sweep.case_axes, "edge")
     sizes = (len(sweep.variants), *(len(sweep.axes[name]) for name in sweep.case_axes), len(Edge))
-    etas = [math.nan if edge.frequency_ratio is None else edge.frequency_ratio for edge in edges]
-    differences = [edge.comparison.difference for edge in edges]
-    return {
-        "band_edge": (dimensions, np.reshape(etas, sizes), {"units": "1", "long_name": "η_r of the edge"}),
-        "band_edge_difference": (
-            dimensions,
-            np.reshape(differences, sizes),
-            {"units": "1", "long_name": "edge less that of the baseline", "ancillary_variables": "band_edge_allowed"},
-        ),
-        "band_edge_allowed": (
-            dimensions,
-            np.reshape([edge.comparison.tolerance for edge in edges], sizes),
-            {"units": "1", "long_name": "largest such difference that counts as agreement"},
-        ),
+    variables = {
+        name: (dimensions, rows[column].to_numpy().reshape(sizes), {"units": "1", **attributes})
+        for name, (column, attributes) in EDGE_VARIABLES.items()
     }
+    edge = ("edge", [str(edge) for edge in Edge], {"long_name": "edge of the attenuation band"})
+    return data.assign(variables).assign_coords(edge=edge)

@@ -1,6 +1,5 @@
 """Tables and the JSON file beside the page: the numbers in full."""
 
-import math
 from collections.abc import Sequence
 
 import pandas as pd
@@ -11,29 +10,6 @@ from reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, tr
 from reports.data.report import Report
 from scenarios.studies.work_precision import StepPoint
 from scenarios.tables import csv_text, json_text, records
-
-
-def error_table(report: Report) -> pd.DataFrame:
-    """Every variant against the truth, the smallest error first."""
-    axes = report.result.sweep.case_axes
-    unknown = dict.fromkeys(axes, math.nan)
-    rows = [
-        {
-            **names_of(own.variant),
-            "worst_error_db": own.worst_db,
-            **{f"worst_{name}": (own.worst_case.by_axis if own.worst_case else unknown)[name] for name in axes},
-            "worst_frequency_ratio": own.worst_frequency_ratio,
-            "median_error_db": own.median_db,
-            "class": "" if own.error_class is None else str(own.error_class),
-            "points_beyond_step": own.beyond_step,
-            "points_known": own.known,
-            "points": own.points,
-            "same_equations": "yes" if own.shares_scheme else "no",
-            "difference_from_scheme_db": own.from_scheme_db,
-        }
-        for own in report.errors.values()
-    ]
-    return pd.DataFrame(rows, dtype=object)
 
 
 def catalogue_table(known: Outcomes) -> pd.DataFrame:
@@ -66,7 +42,7 @@ def table_files(report: Report) -> dict[str, str]:
     """Give every table as CSV, and the numbers of all but the transitions as JSON, with where they come from."""
     result = report.result
     points, edges = written(report.points, result, POINT_COLUMNS), written(report.edges, result, EDGE_COLUMNS)
-    errors = error_table(report)
+    errors = report.error_table.drop(columns=["variant", "size", "worst_case"]).rename(columns={"error_class": "class"})
     content = {
         "provenance": report.provenance,
         "errors": records(errors),

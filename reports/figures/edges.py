@@ -4,14 +4,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
 from engines.interface.variant import Variant
-from reports.data.variants import blocked_reason
+from reports.data.points import by_variant, rows_of
+from reports.data.report import Report
 from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
 from reports.drawing.style import RULE, Style, compared_variants, style_of
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 LINEAR = 1e-4
@@ -25,18 +24,18 @@ DECIMALS = 7
 ROW_SPREAD = 0.32
 """Largest distance of a variant from the middle of a row, over the distance of rows."""
 
-EdgeRow = tuple[Case, Edge]
 
-
-def edge_forest(result: ComparedSweep) -> Figure:
+def edge_forest(report: Report) -> Figure:
     """Draw the differences of all band edges from those they are compared with, with what is allowed of each."""
-    rows = _rows(result)
-    count, height = len(compared_variants(result.sweep)), max(len(rows), 1)
-    names = {float(k): _label(row) for k, row in enumerate(rows)}
+    edges = _rows(report.edges)
+    sweep, names = report.result.sweep, dict(zip(edges["row"], edges["name"], strict=True))
+    count, height = len(compared_variants(sweep)), max(len(names), 1)
+    limit = 1.6 * max((edges["difference"].abs() + edges["allowed"]).dropna(), default=TICKS[0])
+    axis = difference_axis("difference of η_r [-]", LINEAR, TICKS, limit, DECIMALS)
     panel = Panel(
-        difference_axis("difference of η_r [-]", LINEAR, TICKS, _limit(result, rows), DECIMALS),
+        axis,
         Axis(range=(height - 0.5, -0.5), ticks=names, grid=False),
-        [Rule("x", 0.0, RULE), *_marks(result, rows)],
+        [Rule("x", 0.0, RULE), *_marks(report, edges)],
     )
     return Figure(
         "band-edges",
@@ -48,55 +47,41 @@ def edge_forest(result: ComparedSweep) -> Figure:
     )
 
 
-def reference_error(result: ComparedSweep, row: EdgeRow) -> float:
-    """Error bar of the reference's edge in η_r: what is allowed of it; NaN where it was not compared."""
-    return result.edge(REFERENCE, *row).comparison.tolerance
+def _rows(edges: pd.DataFrame) -> pd.DataFrame:
+    """Give the edges that the converged reference has, with the number and the name of their row."""
+    converged = edges[(edges["variant"] == CONVERGED) & edges["frequency_ratio"].notna()]
+    rows = {place: float(k) for k, place in enumerate(zip(converged["case"], converged["edge"], strict=True))}
+    places = pd.Series(list(zip(edges["case"], edges["edge"], strict=True)), index=edges.index)
+    names = [f"{case}, {edge}" for case, edge in places]
+    return edges.assign(row=places.map(rows), name=names)[places.isin(list(rows))]
 
 
-def _rows(result: ComparedSweep) -> list[EdgeRow]:
-    """Edges that the converged reference has."""
-    every = [(case, edge) for case in result.cases for edge in Edge]
-    etas = [(row, result.edge(CONVERGED, *row).frequency_ratio) for row in every]
-    return [row for row, eta in etas if eta is not None and not math.isnan(eta)]
-
-
-def _limit(result: ComparedSweep, rows: list[EdgeRow]) -> float:
-    compared = [result.edge(variant, *row).comparison for variant in result.sweep.variants for row in rows]
-    ends = [abs(comparison.difference) + comparison.tolerance for comparison in compared]
-    return 1.6 * max((end for end in ends if not math.isnan(end)), default=TICKS[0])
-
-
-def _label(row: EdgeRow) -> str:
-    return f"{row[0]}, {row[1]}"
-
-
-def _marks(result: ComparedSweep, rows: list[EdgeRow]) -> list[Mark]:
+def _marks(report: Report, edges: pd.DataFrame) -> list[Mark]:
     """Give the reference's error bars, and every variant a little above or below the middle of each row."""
-    errors = [reference_error(result, row) for row in rows]
-    notes = [f"{_label(row)}\nerror bar ± {error:.4g}" for row, error in zip(rows, errors, strict=True)]
+    own = by_variant(edges)
+    reference = own.get(REFERENCE, edges.iloc[:0])
     bars = Series(
-        [0.0] * len(rows), range(len(rows)), Style("#000000", "line-ns", 5.0, width=1.4), "Reference, error bar",
-        "markers", "%{text}", notes, x_error=errors,
+        [0.0] * len(reference), reference["row"], Style("#000000", "line-ns", 5.0, width=1.4), "Reference, error bar",
+        "markers", "%{text}", [f"{row.name}\nerror bar ± {row.allowed:.4g}" for row in rows_of(reference)],
+        x_error=reference["allowed"],
     )  # fmt: skip
-    variants = compared_variants(result.sweep)
+    variants = compared_variants(report.result.sweep)
     offsets = np.linspace(-ROW_SPREAD, ROW_SPREAD, len(variants)) if len(variants) > 1 else [0.0]
+    drawn = zip(variants, offsets, strict=False)
     return [
         bars,
         *(
-            _variant(result, variant, rows, float(offset))
-            for variant, offset in zip(variants, offsets, strict=False)
-            if blocked_reason(result, variant) is None
+            _variant(report, variant, own.get(variant, edges.iloc[:0]), float(offset))
+            for variant, offset in drawn
+            if variant not in report.blocked
         ),
     ]
 
 
-def _variant(result: ComparedSweep, variant: Variant, rows: list[EdgeRow], offset: float) -> Series:
-    edges = [result.edge(variant, *row) for row in rows]
-    etas = ["–" if edge.frequency_ratio is None else f"{edge.frequency_ratio:.4f}" for edge in edges]
-    style = replace(style_of(result.sweep, variant), width=0.6)
+def _variant(report: Report, variant: Variant, edges: pd.DataFrame, offset: float) -> Series:
     return Series(
-        [edge.comparison.difference for edge in edges], np.arange(len(rows)) + offset, style, variant.title,
-        "markers", "%{text}\ndifference %{x:.4~g}",
-        [f"{_label(row)}: {eta}" for row, eta in zip(rows, etas, strict=True)],
-        x_error=[edge.comparison.tolerance for edge in edges],
+        edges["difference"], edges["row"] + offset, replace(style_of(report.result.sweep, variant), width=0.6),
+        variant.title, "markers", "%{text}\ndifference %{x:.4~g}",
+        [f"{row.name}: {'–' if row.absent else format(row.frequency_ratio, '.4f')}" for row in rows_of(edges)],
+        x_error=edges["allowed"],
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,9 +10,8 @@ import pandas as pd
 from engines.interface.variant import Variant
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reference_lcp.validation import FloatArray
-from reports.data.options import OptionCurve
 from reports.data.points import by_variant
-from reports.data.variants import VariantErrors
+from reports.data.variants import Errors
 from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Rule, Series
 from reports.drawing.style import DASHED, DOTTED, Style, style_of
 from reports.formatting import ratio, signed
@@ -23,30 +22,29 @@ from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 JOINING = Style("#9aa4ae", width=2.0)
-DEFAULT = Style("#D55E00", "circle", 7.0)
-TUNED = Style("#0072B2", "dot", 6.5)
-OTHER = Style("#8c8c8c", "diamond", 5.0)
+PRESETS = {
+    "as installed": Style("#D55E00", "circle", 7.0),
+    "tuned": Style("#0072B2", "dot", 6.5),
+    "other presets": Style("#8c8c8c", "diamond", 5.0),
+}
 LIMIT = Style("#666666", dash=DASHED, width=0.7)
 
-Row = dict[str, VariantErrors]
-"""Errors of one formulation of an engine by preset."""
 
-
-def installed_figure(errors: Mapping[Variant, VariantErrors]) -> Figure | None:
+def installed_figure(errors: Errors) -> Figure | None:
     """Draw a row an engine and formulation, the largest error on top; ``None`` without any but the reference's."""
-    rows: dict[str, Row] = {}
+    rows: dict[str, list[Any]] = {}
     for variant, own in errors.items():
         if variant.engine != REFERENCE.engine and own.size > 0:
-            rows.setdefault(variant.tuned.title, {})[variant.preset_name] = own
+            rows.setdefault(variant.tuned.title, []).append(own)
     if not rows:
         return None
-    names = sorted(rows, key=lambda name: -max(own.size for own in rows[name].values()))
-    count = len(names)
-    ends = [own.size for row in rows.values() for own in row.values()]
+    rows = dict(sorted(rows.items(), key=lambda row: -max(own.size for own in row[1])))
+    count = len(rows)
+    ends = [own.size for row in rows.values() for own in row]
     panel = Panel(
         Axis("largest error [dB]", (min(0.5 * min(ends), 0.01), 2 * max(*ends, WRONG_DB)), "log"),
-        Axis(range=(count - 0.5, -0.5), ticks={float(k): name for k, name in enumerate(names)}, grid=False),
-        [Rule("x", WRONG_DB, LIMIT), *_marks([rows[name] for name in names])],
+        Axis(range=(count - 0.5, -0.5), ticks={float(k): name for k, name in enumerate(rows)}, grid=False),
+        [Rule("x", WRONG_DB, LIMIT), *_marks(list(rows.values()))],
     )
     return Figure(
         "installed",
@@ -59,33 +57,26 @@ def installed_figure(errors: Mapping[Variant, VariantErrors]) -> Figure | None:
     )
 
 
-def _marks(rows: list[Row]) -> list[Mark]:
+def _marks(rows: list[list[Any]]) -> list[Mark]:
     """Give the lines from the smallest to the largest error of each row, and the presets above them."""
     joining = [
         Series([min(sizes), max(sizes)], [k, k], JOINING)
         for k, row in enumerate(rows)
-        if len(sizes := [own.size for own in row.values()]) > 1
+        if len(sizes := [own.size for own in row]) > 1
     ]
-    other = [name for row in rows for name in row if name not in ("default", "tuned")]
-    presets = [("as installed", ("default",), DEFAULT), ("tuned", ("tuned",), TUNED), ("other presets", other, OTHER)]
-    return [*joining, *(_preset(rows, title, names, style) for title, names, style in presets if _any(rows, names))]
+    presets: dict[str, list[tuple[float, Any]]] = {title: [] for title in PRESETS}
+    for k, own in ((k, own) for k, row in enumerate(rows) for own in row):
+        title = {"default": "as installed", "tuned": "tuned"}.get(own.variant.preset_name, "other presets")
+        presets[title].append((float(k), own))
+    return [*joining, *(_preset(title, own) for title, own in presets.items() if own)]
 
 
-def _any(rows: list[Row], names: Sequence[str]) -> bool:
-    return any(name in row for row in rows for name in names)
-
-
-def _preset(rows: list[Row], title: str, names: Sequence[str], style: Style) -> Series:
-    every = [(k, own) for k, row in enumerate(rows) for name, own in row.items() if name in names]
+def _preset(title: str, own: list[tuple[float, Any]]) -> Series:
+    places = [f"{row.worst_case.numbers}, {row.worst_frequency_ratio:.6g}" for _, row in own]
     return Series(
-        [own.size for _, own in every], [float(k) for k, _ in every], style, title, "markers", "%{text}\n%{x:.4g} dB",
-        [f"{own.variant.title}, at ({_place(own)})" for _, own in every],
+        [row.size for _, row in own], [k for k, _ in own], PRESETS[title], title, "markers", "%{text}\n%{x:.4g} dB",
+        [f"{row.variant.title}, at ({place})" for (_, row), place in zip(own, places, strict=True)],
     )  # fmt: skip
-
-
-def _place(own: VariantErrors) -> str:
-    case = own.worst_case
-    return f"{'' if case is None else case.numbers}, {own.worst_frequency_ratio:.6g}"
 
 
 LOWEST_DB = 1e-3
@@ -105,59 +96,53 @@ MOST_ROWS = 24
 """Cases beyond which their rows are too thin to be told apart."""
 
 
-@dataclass(frozen=True)
-class ErrorMap:
-    """Errors of one variant over cases, from below, and frequency ratios, ascending: those of all cases together."""
-
-    variant: Variant
-    cases: tuple[Case, ...]
-    frequency_ratios: FloatArray
-    error_db: FloatArray
-    """Transmittance less the true one [dB], shape (cases, frequency ratios); NaN where the truth is too small to be
-    compared with, see `FLOOR_DB`, or there is no steady state. Between a case's points, that of the nearest."""
-    unsteady: tuple[tuple[int, float], ...]
-    """Points without a steady state that can be compared, as (number of the case, frequency ratio)."""
-
-
-def error_maps(points: pd.DataFrame, cases: Sequence[Case], order: Iterable[Variant]) -> list[ErrorMap]:
+def error_maps(points: pd.DataFrame, cases: Sequence[Case], order: Iterable[Variant]) -> dict[Variant, pd.DataFrame]:
     """Give the map of each of the variants in this order, but for the converged reference, which has next to no error.
 
     There is none where the sweep is one curve, or more than can be told apart, and none of a variant without errors.
+    A map has a row a case and a column a frequency ratio of any case: transmittance less the true one [dB]; NaN where
+    the truth is below `FLOOR_DB`, or there is no steady state; between a case's points, that of the nearest.
     """
     if not 1 < len(cases) <= MOST_ROWS:
-        return []
+        return {}
     etas = np.unique(points["frequency_ratio"].to_numpy(dtype=float))
-    comparable = points[points["truth_db"] > FLOOR_DB]
-    groups = by_variant(points.assign(error_db=comparable["error_db"]))
-    maps = []
+    shown = points.assign(error_db=points["error_db"].where(points["truth_db"] > FLOOR_DB))
+    groups = by_variant(shown)
+    maps = {}
     for variant in (own for own in order if own != CONVERGED and own in groups):
-        rows, unsteady = np.full((len(cases), etas.size), np.nan), []
-        for number, case in enumerate(cases):
-            own = groups[variant][groups[variant]["case"] == case]
-            missing = own[own["error_db"].isna() & (own["truth_db"] > FLOOR_DB)]
-            unsteady += [(number, float(eta)) for eta in missing["frequency_ratio"]]
-            if len(own):
-                nearest = np.abs(own["frequency_ratio"].to_numpy(dtype=float) - etas[:, None]).argmin(axis=1)
-                rows[number] = own["error_db"].to_numpy(dtype=float)[nearest]
+        rows = [_nearest(groups[variant][groups[variant]["case"] == case], etas) for case in cases]
         if np.isfinite(rows).any():
-            maps.append(ErrorMap(variant, tuple(cases), etas, rows, tuple(unsteady)))
+            maps[variant] = pd.DataFrame(rows, index=list(cases), columns=etas)
     return maps
 
 
-def error_map_figure(maps: Sequence[ErrorMap], rows: str) -> Figure:
-    """Draw the maps of all variants; `rows` names what their rows are."""
+def _nearest(curve: pd.DataFrame, etas: FloatArray) -> FloatArray:
+    if curve.empty:
+        return np.full(etas.size, np.nan)
+    nearest = np.abs(curve["frequency_ratio"].to_numpy(dtype=float) - etas[:, None]).argmin(axis=1)
+    return curve["error_db"].to_numpy(dtype=float)[nearest]
+
+
+def unsteady(points: pd.DataFrame) -> pd.DataFrame:
+    """Give the points without a steady state that could be compared with the truth."""
+    return points[points["error_db"].isna() & (points["truth_db"] > FLOOR_DB)]
+
+
+def error_map_figure(maps: Mapping[Variant, pd.DataFrame], lost: pd.DataFrame, rows: str) -> Figure:
+    """Draw the maps of all variants, with the points that are `lost`; `rows` names what their rows are."""
     columns = min(COLUMNS, len(maps))
     lines = -(-len(maps) // columns)
-    cases = len(maps[0].cases)
+    cases = max(map(len, maps.values()))
+    crosses = by_variant(lost, maps)
     return Figure(
         "error-map",
         f"Error of transmittance to the truth over {rows} and frequency: size, in colours that are common to all "
         "variants",
-        [_panel(own) for own in maps],
+        [_panel(variant, own, crosses[variant]) for variant, own in maps.items()],
         height=0.6 + lines * (0.65 + INCHES_A_ROW * cases),
         pixels=40 + lines * (95 + PIXELS_A_ROW * cases),
         columns=columns,
-        legend_columns=int(any(own.unsteady for own in maps)),
+        legend_columns=int(any(len(own) for own in crosses.values())),
         x_label="frequency ratio η_r [-]",
         y_label=rows,
         wide=True,
@@ -165,36 +150,25 @@ def error_map_figure(maps: Sequence[ErrorMap], rows: str) -> Figure:
     )
 
 
-def _panel(own: ErrorMap) -> Panel:
-    rows = np.arange(len(own.cases), dtype=float)
-    size = np.maximum(np.abs(own.error_db), LOWEST_DB)
+def _panel(variant: Variant, errors: pd.DataFrame, lost: pd.DataFrame) -> Panel:
+    etas, places = errors.columns.to_numpy(), {case: float(row) for row, case in enumerate(errors.index)}
     notes = [
         [f"{case.numbers}: {signed(error, 4)} dB" for error in row]
-        for case, row in zip(own.cases, own.error_db, strict=True)
+        for case, row in zip(places, errors.to_numpy(), strict=True)
     ]
+    size = np.maximum(errors.abs().to_numpy(), LOWEST_DB)
     marks: list[Mark] = [
         HeatMap(
-            own.frequency_ratios,
-            rows,
-            size,
-            LOWEST_DB,
-            HIGHEST_DB,
-            "error to truth [dB]",
-            "η_r %{x}\n%{text}",
-            "log",
-            notes,
+            etas, np.array(list(places.values())), size, LOWEST_DB, HIGHEST_DB, "error to truth [dB]",
+            "η_r %{x}\n%{text}", "log", notes,
         )
-    ]
-    if own.unsteady:
-        places, etas = zip(*own.unsteady, strict=True)
-        marks.append(Series(etas, places, UNSTEADY, "no steady state", "markers", "no steady state at η_r %{x}"))
-    ticks = {float(row): case.numbers for row, case in zip(rows, own.cases, strict=True)}
-    return Panel(
-        Axis(range=(own.frequency_ratios[0], own.frequency_ratios[-1]), grid=False),
-        Axis(ticks=ticks, grid=False),
-        marks,
-        own.variant.title,
-    )
+    ]  # fmt: skip
+    if len(lost):
+        rows = [places[case] for case in lost["case"]]
+        what = "no steady state"
+        marks.append(Series(lost["frequency_ratio"], rows, UNSTEADY, what, "markers", f"{what} at η_r %{{x}}"))
+    ticks = {row: case.numbers for case, row in places.items()}
+    return Panel(Axis(range=(etas[0], etas[-1]), grid=False), Axis(ticks=ticks, grid=False), marks, variant.title)
 
 
 SMALLEST_DB = 1e-5
@@ -220,28 +194,18 @@ def curves(points: Iterable[StepPoint]) -> Curves:
     return complete
 
 
-def steps_of(drawn: Curves) -> list[int]:
-    """Give the steps a period of all curves, ascending."""
-    return sorted({point.steps_per_period for own in drawn.values() for point in own})
-
-
-def work_precision_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
+def work_precision_figure(sweep: Sweep, drawn: Curves) -> Figure:
     """Draw the error over the cost of a step and over the time to the steady state."""
-    drawn = curves(points)
-    steps = steps_of(drawn)
+    steps = _steps(drawn)
+    step = _series(sweep, drawn, lambda point: 1e6 * point.step_seconds)
+    whole = _series(sweep, drawn, lambda point: point.seconds)
     return Figure(
         "work-precision",
         "Work and precision: error over the cost of a step, and over the time to a certified steady state; "
         f"points of one variant from {steps[0]} to {steps[-1]} steps a period are joined",
         [
-            Panel(
-                Axis("time of a step, seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"),
-                _series(sweep, drawn, lambda point: 1e6 * point.step_seconds),
-            ),
-            Panel(
-                Axis("time to the steady state [s]", scale="log"), Axis(scale="log"),
-                _series(sweep, drawn, lambda point: point.seconds),
-            ),
+            Panel(Axis("time of a step, seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"), step),
+            Panel(Axis("time to the steady state [s]", scale="log"), Axis(scale="log"), whole),
         ],
         height=2.9 + 0.13 * (len(drawn) // 4),
         pixels=430,
@@ -249,34 +213,32 @@ def work_precision_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
         legend_columns=4,
         wide=True,
         dense=_is_dense(drawn),
-    )  # fmt: skip
+    )
 
 
-def convergence_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
+def convergence_figure(sweep: Sweep, drawn: Curves) -> Figure:
     """Draw the error over the number of steps a period, with the slope of a first-order scheme."""
-    drawn = curves(points)
-    steps = steps_of(drawn)
+    ticks = {float(step): str(step) for step in _steps(drawn)}
+    lines = [*_series(sweep, drawn, lambda point: point.steps_per_period), *_first_order(drawn)]
     return Figure(
         "convergence",
         "Convergence in the time step",
-        [
-            Panel(
-                Axis("steps a period [-]", scale="log", ticks={float(step): str(step) for step in steps}),
-                Axis(ERROR_LABEL, scale="log"),
-                [*_series(sweep, drawn, lambda point: point.steps_per_period), *_first_order(drawn)],
-            )
-        ],
+        [Panel(Axis("steps a period [-]", scale="log", ticks=ticks), Axis(ERROR_LABEL, scale="log"), lines)],
         height=2.9 + 0.13 * (len(drawn) // 2),
         pixels=430,
         dense=_is_dense(drawn),
     )
 
 
+def _steps(drawn: Curves) -> list[int]:
+    return sorted({point.steps_per_period for own in drawn.values() for point in own})
+
+
 def _is_dense(drawn: Curves) -> bool:
     return sum(map(len, drawn.values())) > MOST_VECTOR_POINTS
 
 
-def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Series]:
+def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Mark]:
     return [
         Series(
             [cost(point) for point in own], _shown(own), style_of(sweep, variant), variant.title, "lines+markers",
@@ -311,27 +273,27 @@ SMALLEST_CREEP = 1e-10
 """Likewise of creep: round-off over a period."""
 
 
-def option_figure(number: int, curve: OptionCurve) -> Figure:
+def option_figure(number: int, curve: pd.DataFrame) -> Figure:
     """Draw a curve, the `number`-th of the report: errors, and beside them the creep if anything sticks."""
-    axis = _option_axis(curve)
-    values, every = list(curve.errors), list(curve.errors.values())
-    largest = [max(own.size, SMALLEST_DB) for own in every]
-    median = [max(own.median_db, SMALLEST_DB) for own in every]
-    notes = [own.variant.title for own in every]
-    hover = "%{text}\n%{y:.3g} dB"
+    title, option = curve["curve"][0], curve["option"][0]
+    values, notes, axis = list(curve["value"]), list(curve["variant"]), _option_axis(option, list(curve["value"]))
+
+    def series(column: str, smallest: float, style: Style, unit: str) -> Series:
+        name, hover = column.replace("_error_db", " error").replace("_", " "), f"%{{text}}\n%{{y:.3g}} {unit}"
+        return Series(values, curve[column].clip(lower=smallest), style, name, "lines+markers", hover, notes)
+
     errors: list[Mark] = [
         Rule("y", WRONG_DB, LIMIT),
-        Series(values, largest, LARGEST, "largest error", "lines+markers", hover, notes),
-        Series(values, median, MEDIAN, "median error", "lines+markers", hover, notes),
+        series("largest_error_db", SMALLEST_DB, LARGEST, "dB"),
+        series("median_error_db", SMALLEST_DB, MEDIAN, "dB"),
     ]
     panels = [Panel(axis, Axis("error to truth [dB]", scale="log"), errors)]
-    creep = [max(creep, SMALLEST_CREEP) for creep in curve.creep]  # NaN stays
-    if any(each > SMALLEST_CREEP for each in creep):
-        series = Series(values, creep, CREEP, "largest creep", "lines+markers", "%{text}\n%{y:.3g} ω U0", notes)
-        panels.append(Panel(axis, Axis("creep within sticks / (ω U0) [-]", scale="log"), [series]))
+    if (curve["largest_creep"] > SMALLEST_CREEP).any():
+        creep = series("largest_creep", SMALLEST_CREEP, CREEP, "ω U0")
+        panels.append(Panel(axis, Axis("creep within sticks / (ω U0) [-]", scale="log"), [creep]))
     return Figure(
-        f"option-{number}-{curve.option}",
-        f"{curve.title}: error to the truth over {curve.option}, all else equal; dashed: {ratio(WRONG_DB)} dB, from "
+        f"option-{number}-{option}",
+        f"{title}: error to the truth over {option}, all else equal; dashed: {ratio(WRONG_DB)} dB, from "
         "which on a variant is wrong",
         panels,
         height=2.2 * len(panels) + 0.5,
@@ -341,12 +303,12 @@ def option_figure(number: int, curve: OptionCurve) -> Figure:
     )
 
 
-def _option_axis(curve: OptionCurve) -> Axis:
+def _option_axis(option: str, values: Sequence[float]) -> Axis:
     """Give the axis of an option: by powers where its values span a decade; to scale about zero."""
-    sizes = [abs(value) for value in curve.errors if value]
-    ticks = {value: ratio(value) for value in curve.errors}
+    sizes = [abs(value) for value in values if value]
+    ticks = {value: ratio(value) for value in values}
     if max(sizes) < 10 * min(sizes):
-        return Axis(curve.option, ticks=ticks)
-    if min(curve.errors) > 0:
-        return Axis(curve.option, scale="log", ticks=ticks)
-    return Axis(curve.option, scale="asinh", linear=min(sizes), ticks=ticks)
+        return Axis(option, ticks=ticks)
+    if min(values) > 0:
+        return Axis(option, scale="log", ticks=ticks)
+    return Axis(option, scale="asinh", linear=min(sizes), ticks=ticks)

@@ -2,7 +2,8 @@
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,7 @@ NAMED = 8
 """Variants beyond which the strips of the first cell only are named in print."""
 
 
-@dataclass(frozen=True)
-class Phase:
+class Phase(NamedTuple):
     """An uninterrupted mode of one contact."""
 
     cell: int
@@ -62,19 +62,22 @@ def phases(result: Result) -> list[Phase]:
 
 def raster(point: CasePoint, results: dict[Variant, Result]) -> Figure:
     """Draw one point: cells over time, and within each cell a strip for each variant, the first on top."""
-    rows = {variant: phases(result) for variant, result in results.items()}
-    count, cells = len(rows), max(len(result.stuck_fraction) for result in results.values())
+    count, cells = len(results), max(len(result.stuck_fraction) for result in results.values())
     named = range(1, cells + 1 if count <= NAMED else 2)
+    height = 0.86 / count  # of a strip, on an axis on which cell k takes 1 and lies about k
+    above = {variant: height * (strip - (count - 1) / 2) for strip, variant in enumerate(results)}
+    every = [(variant, phase) for variant, result in results.items() for phase in phases(result)]
+    bars = [_bars(mode, [own for own in every if own[1].mode is mode], above, 0.92 * height) for mode in MODE_COLOURS]
     panel = Panel(
         Axis("time / period [-]", (0.0, 1.0), decimals=5),
         Axis(range=(cells + 0.5, 0.5), ticks={float(k): f"cell {k}" for k in range(1, cells + 1)}, grid=False),
-        [_bars(rows, mode) for mode in MODE_COLOURS],
-        names_at_right={_middle(count, strip, k): v.title for k in named for strip, v in enumerate(rows)},
+        bars,
+        names_at_right={k + above[variant]: variant.title for k in named for variant in results},
     )
     return Figure(
         f"stick-slip-{file_name(point)}",
         f"Stick and slip at {point[0].title}, η_r = {ratio(point[1])}; in each cell, from top to "
-        f"bottom: {'; '.join(variant.title for variant in rows)}",
+        f"bottom: {'; '.join(variant.title for variant in results)}",
         [panel],
         height=0.9 + cells * max(0.34, 0.085 * count),
         pixels=100 + round(cells * max(36, 9 * count)),
@@ -84,27 +87,15 @@ def raster(point: CasePoint, results: dict[Variant, Result]) -> Figure:
     )
 
 
-def _height(count: int) -> float:
-    """Height of a strip among so many, where a cell takes 1."""
-    return 0.86 / count
-
-
-def _middle(count: int, strip: int, cell: int) -> float:
-    """Middle of a strip among so many in a cell, on an axis on which cell k lies about k."""
-    return cell + _height(count) * (strip - (count - 1) / 2)
-
-
-def _bars(rows: dict[Variant, list[Phase]], mode: Mode) -> Bars:
-    count = len(rows)
-    drawn = [(strip, v, p) for strip, (v, phases) in enumerate(rows.items()) for p in phases if p.mode is mode]
+def _bars(mode: Mode, drawn: list[tuple[Variant, Phase]], above: Mapping[Variant, float], height: float) -> Bars:
     return Bars(
-        start=[phase.start for _, _, phase in drawn],
-        length=[phase.length for _, _, phase in drawn],
-        middle=[_middle(count, strip, phase.cell) for strip, _, phase in drawn],
-        height=0.92 * _height(count),
+        start=[phase.start for _, phase in drawn],
+        length=[phase.length for _, phase in drawn],
+        middle=[phase.cell + above[variant] for variant, phase in drawn],
+        height=height,
         colour=MODE_COLOURS[mode],
         name=str(mode),
-        notes=[f"cell {p.cell}, {v.title}\n{p.start:.4f} to {p.start + p.length:.4f}" for _, v, p in drawn],
+        notes=[f"cell {p.cell}, {v.title}\n{p.start:.4f} to {p.start + p.length:.4f}" for v, p in drawn],
     )
 
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
@@ -16,58 +15,21 @@ from reports.data.report import Report
 from reports.drawing.figure import Figure
 from reports.drawing.plotly_backend import plot
 from reports.drawing.printing import INDEX, DrawnFigures, Printer, index_of
-from reports.formatting import fixed, per_cell, ratio, scientific, signed, span, typeset
+from reports.formatting import environment
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
-from reports.page.sections import (
-    BandEdges,
-    Catalogue,
-    DeparturesSection,
-    ErrorMaps,
-    FrictionMapSection,
-    OpenPoints,
-    OptionCurves,
-    Provenance,
-    StickSlip,
-    Summary,
-    Transmittance,
-    Verdicts,
-    Versions,
-    WorkPrecision,
-)
+from reports.page.sections import FIRST_SECTIONS, LAST_SECTIONS
 
 FIGURES = "figures"
 """Folder of the figures, beside the page."""
 
 TABLES = (
-    "errors.csv",
-    "transmittance.csv",
-    "band_edges.csv",
-    "transitions.csv",
-    "work_precision.csv",
-    "options.csv",
-    "catalogue.csv",
-    "report.json",
-    "report.nc",
-)
+    "errors.csv", "transmittance.csv", "band_edges.csv", "transitions.csv", "work_precision.csv", "options.csv",
+    "catalogue.csv", "report.json", "report.nc",
+)  # fmt: skip
 """Files of numbers beside the page."""
 
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
-
-DEFAULT_SECTIONS = (
-    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, Catalogue, ErrorMaps, FrictionMapSection,
-    StickSlip, WorkPrecision, OptionCurves, OpenPoints,
-)  # fmt: skip
-"""Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
-
-
-@dataclass(frozen=True)
-class RenderedSection:
-    """A section as the page takes it."""
-
-    title: str
-    anchor: str
-    html: Markup
 
 
 @dataclass(frozen=True)
@@ -81,7 +43,7 @@ class RenderedPage:
 
 def sections(report: Report) -> list[Section]:
     """Give the sections of a report that have anything to show, in order."""
-    every = [make(report) for make in (*DEFAULT_SECTIONS, *registered_sections(), Provenance)]
+    every = [make(report) for make in (*FIRST_SECTIONS, *registered_sections(), *LAST_SECTIONS)]
     return [section for section in every if section.shown]
 
 
@@ -150,7 +112,8 @@ def _figures(part: Section) -> Sequence[Figure] | Exception:
         return problem
 
 
-def _rendered(part: Section, figures: Sequence[Figure] | Exception, registry: _Registry) -> RenderedSection:
+def _rendered(part: Section, figures: Sequence[Figure] | Exception, registry: _Registry) -> dict[str, str]:
+    """Give a section as the page takes it; one of another package may fail."""
     try:
         html = _content(part, figures, registry)
     except Exception as problem:
@@ -158,29 +121,15 @@ def _rendered(part: Section, figures: Sequence[Figure] | Exception, registry: _R
             raise
         print(f"section {part.title!r} failed: {type(problem).__name__}: {problem}", file=sys.stderr)
         html = Markup("<p class='blocked'>This section failed: {}: {}</p>").format(type(problem).__name__, problem)
-    return RenderedSection(part.title, part.template, Markup(html))
+    return {"title": part.title, "anchor": part.template, "html": Markup(html)}
 
 
 def _content(part: Section, figures: Sequence[Figure] | Exception, registry: _Registry) -> str:
     if isinstance(figures, Exception):
         raise figures
     drawn = {figure.name: registry.html(figure, part.numbers) for figure in figures}
-    template = environment(part.templates).get_template(f"{part.template}.html")
+    template = environment(part.templates, SUITE_TEMPLATES).get_template(f"{part.template}.html")
     return template.render(**part.context(), figure=drawn.__getitem__, figures=list(drawn.values()))
-
-
-def environment(package: str) -> Environment:
-    """Templates that escape what they print and refuse names that are not there."""
-    templates = Environment(
-        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, SUITE_TEMPLATES))]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    for display in (fixed, signed, scientific, ratio, per_cell, span, typeset):
-        templates.filters[display.__name__] = display
-    return templates
 
 
 def _packed(text: str) -> str:

@@ -79,15 +79,12 @@ class BlockQuestion(Question):
         return {str(each): each for each in self._scenario.cases}[case]
 
     def cases(self) -> Iterable[str]:
-        """Give the names of all cases."""
         return map(str, self._scenario.cases)
 
     def task(self, variant: Variant, case: str) -> TransientTask:
-        """Give the motion from which the number is read, with the step that is judged."""
         return self._scenario.simulated(self._case(case).task(variant))[-1]
 
     def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
-        """Give the suite's own number, as its finding has it."""
         findings = self._scenario.case_findings(variant, self._case(case), evaluator)
         finding = next(finding for finding in findings if finding.metric is self.metric)
         reason = finding.comparison.reason if np.isnan(finding.value) else ""
@@ -100,7 +97,6 @@ class StaticHoldQuestion(BlockQuestion):
     scenario, metric, case = "static-hold", CREEP, "1 kg, load 0.99"
 
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
-        """Give the time that the load lasts."""
         return {"time": HOLD_TIME}
 
 
@@ -110,7 +106,6 @@ class BreakawayQuestion(BlockQuestion):
     scenario, metric, case = "breakaway", FRACTION, "1 kg, 2 ms"
 
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
-        """Give the speed that counts, and when the reference reaches it, in finer steps."""
         pull = self._case(case)
         assert isinstance(pull, Pull)
         (fine,) = evaluator.evaluate([pull.task(REFERENCE).refined(REFERENCE_REFINEMENT)])
@@ -124,7 +119,6 @@ class StoppingQuestion(BlockQuestion):
     scenario, metric, case = "stopping-distance", DISTANCE, "1 kg, 4.9 m/s"
 
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
-        """Give the velocity at first, and the distance of a free block."""
         throw = self._case(case)
         assert isinstance(throw, Throw)
         return {"velocity": throw.velocity, "distance": throw.distance}
@@ -143,11 +137,9 @@ class ChainQuestion(Question):
         return self._case(case).task(variant)
 
     def cases(self) -> Iterable[str]:
-        """Give the names of all cases."""
         return [case.label for case in Figure3Points.cases]
 
     def task(self, variant: Variant, case: str) -> TransientTask:
-        """Give the motion from rest."""
         steady = self._steady(case, variant)
         lane, _ = steady.lane()
         assert isinstance(lane.drive, HarmonicBase), "figure 3 is driven at its base"
@@ -161,7 +153,6 @@ class ChainQuestion(Question):
         )
 
     def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
-        """Give the transmittance of the last period: the variant's, and the exact motion's over the same periods."""
         steps = self._steady(case, variant).steps_per_period
         own, exact = evaluator.evaluate([self.task(variant, case), self.task(EXACT, case)])
         value, expected = (_transmittance(result, steps) for result in (own, exact))
@@ -169,7 +160,6 @@ class ChainQuestion(Question):
         return Number(value, expected, "" if gap is None else gap.reason)
 
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
-        """Give the drive, and the length of a period."""
         steady = self._steady(case, REFERENCE)
         _, drive = steady.setting()
         return {

@@ -4,11 +4,10 @@ import math
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import singledispatch
 from importlib import import_module
 from importlib.resources import files
 
-from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation
@@ -20,6 +19,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray
+from reports.formatting import environment
 from reports.reproducers.questions import QUESTIONS, Number, Question
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator
@@ -94,10 +94,10 @@ def script(shown: Reproduction, evaluator: Evaluator) -> str:
     variant, question = shown.variant, shown.question
     task = question.task(variant, shown.case)
     lane, reproducer = task.lane(), reproducer_of(variant)
-    environment = _environment(variant, reproducer)
+    templates = _environment(variant, reproducer)
     number = question.number(variant, shown.case, evaluator)
-    reading = environment.get_template(f"{question.scenario}.py.jinja")
-    text = environment.get_template("engine").render(
+    reading = templates.get_template(f"{question.scenario}.py.jinja")
+    text = templates.get_template("engine").render(
         header=_header(shown, number),
         lists=_lists(lane.chain, task.initial_state(), lane.time_step, task.steps),
         base_motion=base_motion(lane.drive),
@@ -119,16 +119,12 @@ def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
     own = files(import_module(package)).joinpath(reproducer.template).read_text(encoding="utf-8")
     shared = PackageLoader("reports.reproducers")
     frame = files("reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
-    environment = Environment(
-        loader=ChoiceLoader([DictLoader({"engine": own, "script": frame}), shared, PackageLoader("engines", "")]),
-        undefined=StrictUndefined,
-        autoescape=False,  # a script is no HTML
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
+    templates = environment(markup=False)
+    templates.loader = ChoiceLoader(
+        [DictLoader({"engine": own, "script": frame}), shared, PackageLoader("engines", "")]
     )
-    environment.filters["listed"] = _list
-    return environment
+    templates.filters["listed"] = _list
+    return templates
 
 
 def _header(shown: Reproduction, number: Number) -> str:
@@ -179,29 +175,15 @@ def _list(values: FloatArray) -> str:
     return f"[{numbers[0]!r}] * {len(numbers)}" if len(numbers) > 2 and len(set(numbers)) == 1 else repr(numbers)
 
 
-@singledispatch
 def base_motion(drive: Drive) -> str:
-    """Give both expressions; an empty text where the base stands still."""
+    """Give position and velocity of the base as expressions; an empty text where it stands still."""
+    match drive:
+        case StillBase():
+            return ""
+        case HarmonicBase(amplitude=amplitude, angular_frequency=omega):
+            return f"{amplitude!r} * np.sin({omega!r} * t), {amplitude * omega!r} * np.cos({omega!r} * t)"
+        case Vibration(swing=swing, angular_frequency=omega):
+            return f"{swing!r} * (1 - np.cos({omega!r} * t)), {swing * omega!r} * np.sin({omega!r} * t)"
+        case GrowingAcceleration():
+            return f"{drive.amplitude / drive.duration**3!r} * t**3, {drive.jerk / 2!r} * t**2"
     raise TypeError(f"{type(drive).__name__} is no drive of a reproducer")
-
-
-@base_motion.register
-def _still(_drive: StillBase) -> str:
-    return ""
-
-
-@base_motion.register
-def _harmonic(drive: HarmonicBase) -> str:
-    amplitude, omega = drive.amplitude, drive.angular_frequency
-    return f"{amplitude!r} * np.sin({omega!r} * t), {amplitude * omega!r} * np.cos({omega!r} * t)"
-
-
-@base_motion.register
-def _vibration(drive: Vibration) -> str:
-    swing, omega = drive.swing, drive.angular_frequency
-    return f"{swing!r} * (1 - np.cos({omega!r} * t)), {swing * omega!r} * np.sin({omega!r} * t)"
-
-
-@base_motion.register
-def _growing(drive: GrowingAcceleration) -> str:
-    return f"{drive.amplitude / drive.duration**3!r} * t**3, {drive.jerk / 2!r} * t**2"

@@ -2,13 +2,15 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
 from reports.data.report import Report
+from reports.data.variants import Errors
 from reports.export.files import files_of
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result
@@ -91,6 +93,17 @@ def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Po
         converged=answer(CONVERGED, *place),
         refined=tuple(answer(REFERENCE, *place, times) for times in refinements(REFERENCE)),
     )
+
+
+def made_errors(sizes: Mapping[Variant, float], points: int) -> Errors:
+    """Errors of variants to the truth [dB], all of them over so many points."""
+    return {
+        variant: SimpleNamespace(
+            variant=variant, size=abs(error), worst_error_db=error, median_error_db=1e-3, points=points,
+            points_known=points,
+        )
+        for variant, error in sizes.items()
+    }  # fmt: skip
 
 
 @pytest.fixture(scope="session")

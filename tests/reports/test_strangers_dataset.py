@@ -168,7 +168,7 @@ def test_a_damaged_dataset_is_refused_or_read(file, tmp_path, trials) -> None:
         damaged.write_bytes(changed[: draw.randrange(len(changed))] if seed % 5 == 0 else changed)
         try:
             read = collect_dataset(read_dataset(damaged), "")
-            table = point_table(read.result, read.result.points)
+            table = point_table(read.result)
         except ParameterError as problem:
             message, refused = str(problem), refused + 1
         else:

@@ -5,19 +5,9 @@ from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSli
 from reports.page.sections.summary import Provenance, Summary
 from reports.page.sections.verdicts import Catalogue, DeparturesSection, OpenPoints, Verdicts, Versions
 
-__all__ = [
-    "BandEdges",
-    "Catalogue",
-    "DeparturesSection",
-    "ErrorMaps",
-    "FrictionMapSection",
-    "OpenPoints",
-    "OptionCurves",
-    "Provenance",
-    "StickSlip",
-    "Summary",
-    "Transmittance",
-    "Verdicts",
-    "Versions",
-    "WorkPrecision",
-]
+FIRST_SECTIONS = (
+    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, Catalogue, ErrorMaps, FrictionMapSection,
+    StickSlip, WorkPrecision, OptionCurves, OpenPoints,
+)  # fmt: skip
+LAST_SECTIONS = (Provenance,)
+"""Sections of every report, in order; those of other packages stand between."""

@@ -3,22 +3,25 @@
 from functools import cached_property
 from typing import Any
 
+import pandas as pd
+
+from engines.interface.variant import Variant
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reports.data.descriptions import named_axes
 from reports.drawing.figure import Figure
 from reports.figures.errors import (
     HIGHEST_DB,
     LOWEST_DB,
-    ErrorMap,
     convergence_figure,
     curves,
     error_map_figure,
     error_maps,
     option_figure,
+    unsteady,
     work_precision_figure,
 )
 from reports.page.section import Section
-from scenarios.studies.work_precision import FINEST_STEPS
+from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
 
@@ -35,27 +38,29 @@ class ErrorMaps(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether there is a map."""
         return bool(self._maps)
 
     def figures(self) -> list[Figure]:
-        """The maps."""
-        return [error_map_figure(self._maps[-MOST_MAPS:], named_axes(self.result.sweep, plural=False))]
+        drawn = dict(list(self._maps.items())[-MOST_MAPS:])
+        return [error_map_figure(drawn, self._unsteady, named_axes(self.result.sweep, plural=False))]
 
     def context(self) -> dict[str, Any]:
-        """What the text names."""
         return {
             "lowest": LOWEST_DB,
             "highest": HIGHEST_DB,
             "floor": FLOOR_DB,
             "wrong": WRONG_DB,
-            "unsteady": any(own.unsteady for own in self._maps),
+            "unsteady": bool(self._unsteady["variant"].isin(list(self._maps)).any()),
             "left_out": max(len(self._maps) - MOST_MAPS, 0),
         }
 
     @cached_property
-    def _maps(self) -> list[ErrorMap]:
+    def _maps(self) -> dict[Variant, pd.DataFrame]:
         return error_maps(self.report.points, self.result.cases, self.report.errors)
+
+    @property
+    def _unsteady(self) -> pd.DataFrame:
+        return unsteady(self.report.points)
 
 
 class WorkPrecision(Section):
@@ -67,33 +72,30 @@ class WorkPrecision(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether any variant was simulated at these steps."""
-        return any(point.evaluated for point in self.report.steps or ())
+        return bool(self._evaluated)
+
+    @property
+    def _evaluated(self) -> list[StepPoint]:
+        return [point for point in self.report.steps or () if point.evaluated]
 
     def figures(self) -> list[Figure]:
-        """The diagrams, if any variant was simulated at these steps."""
-        steps = self.report.steps or ()
-        return (
-            [work_precision_figure(self.result.sweep, steps), convergence_figure(self.result.sweep, steps)]
-            if curves(steps)
-            else []
-        )
+        drawn, sweep = curves(self.report.steps or ()), self.result.sweep
+        return [work_precision_figure(sweep, drawn), convergence_figure(sweep, drawn)] if drawn else []
 
     def context(self) -> dict[str, Any]:
-        """Rows, one a variant and number of steps, and the variants that are left out."""
         steps = self.report.steps or ()
         drawn = curves(steps)
-        reasons = {point.variant: point.reason for point in steps if point.reason}
+        reasons = dict.fromkeys(self.result.sweep.variants, "not run at these steps so far")
+        reasons |= {point.variant: "not all six points have a steady state" for point in self._evaluated}
+        reasons |= {point.variant: point.reason for point in steps if point.reason}
         absent: dict[str, list[str]] = {}
         for variant in self.result.sweep.variants:
             if variant not in drawn:
-                evaluated = any(point.variant == variant and point.evaluated for point in steps)
-                default = "not all six points have a steady state" if evaluated else "not run at these steps so far"
-                absent.setdefault(reasons.get(variant, default), []).append(variant.title)
+                absent.setdefault(reasons[variant], []).append(variant.title)
         return {
-            "rows": [point for point in steps if point.evaluated],
+            "rows": self._evaluated,
             "points": STICK_SLIP_POINTS,
-            "steps": sorted({point.steps_per_period for point in steps if point.evaluated}),
+            "steps": sorted({point.steps_per_period for point in self._evaluated}),
             "finest": FINEST_STEPS[0],
             "absent": absent,
         }
@@ -108,15 +110,12 @@ class OptionCurves(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether any such variant is known."""
         return bool(self.report.option_curves or self.report.single_options)
 
     def figures(self) -> list[Figure]:
-        """The diagrams."""
         return [option_figure(number, curve) for number, curve in enumerate(self.report.option_curves, 1)]
 
     def context(self) -> dict[str, Any]:
-        """Rows of defaults with one option each, by their presets."""
         singles = self.report.single_options
         defaults = dict.fromkeys(single.default.variant for single in singles)
         groups = {variant: [own for own in singles if own.default.variant == variant] for variant in defaults}

@@ -1,6 +1,5 @@
 """What the chain does: transmittance, edges of the band, the map over friction and frequency, stick and slip."""
 
-import math
 from functools import cached_property
 from typing import Any
 
@@ -8,10 +7,10 @@ from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import MATCHING_WINDOW
 from reports.data.descriptions import axis_name
-from reports.data.points import outcome
-from reports.data.stick_slip import CasePoint, compared_points, point_at
+from reports.data.points import rows_of
+from reports.data.stick_slip import CasePoint, compared_points, points_at
 from reports.drawing.figure import Figure
-from reports.figures.edges import edge_forest, reference_error
+from reports.figures.edges import edge_forest
 from reports.figures.stick_slip import hysteresis, raster
 from reports.figures.transmittance import (
     LINEAR_DB,
@@ -26,9 +25,6 @@ from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.runs.result import Result
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge
-from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
@@ -44,12 +40,10 @@ class Transmittance(Section):
     numbers = "transmittance.csv"
 
     def figures(self) -> list[Figure]:
-        """The overview, then the panels."""
-        lines = [overview(self.result)] if REFERENCE in self.result.sweep.variants else []
-        return [*lines, *(panel(self.result, case) for case in self.result.cases[:MOST_PANELS])]
+        lines = [overview(self.report)] if REFERENCE in self.result.sweep.variants else []
+        return [*lines, *(panel(self.report, case) for case in self.result.cases[:MOST_PANELS])]
 
     def context(self) -> dict[str, Any]:
-        """What the captions name."""
         return {
             "panels": min(len(self.result.cases), MOST_PANELS),
             "left_out": max(len(self.result.cases) - MOST_PANELS, 0),
@@ -70,57 +64,30 @@ class BandEdges(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether any edge was refined."""
         return bool(self.result.edges)
 
     def figures(self) -> list[Figure]:
-        """The forest."""
-        return [edge_forest(self.result)]
+        return [edge_forest(self.report)]
 
     def context(self) -> dict[str, Any]:
-        """Rows, one a case and edge; cells, one a variant."""
         variants = self.result.sweep.variants
+        cells = {(row.variant, row.case, row.edge): row for row in rows_of(self.report.edges)}
         return {
             "variants": variants,
+            "baseline": CONVERGED,
             "axes": [axis_name(name) for name in self.result.sweep.case_axes],
             "rows": [
                 {
                     "values": [ratio(value) for value in case.by_axis.values()],
                     "edge": str(edge),
-                    "error_bar": reference_error(self.result, (case, edge)),
-                    "cells": [self._cell(v, case, edge) for v in variants],
+                    "error_bar": cells[REFERENCE, case, edge].allowed,
+                    "cells": [cells[variant, case, edge] for variant in variants],
                 }
                 for case in self.result.cases
                 for edge in Edge
             ],
             "resolution": EDGE_RESOLUTION,
         }
-
-    def _cell(self, variant: Variant, case: Case, edge: Edge) -> dict[str, Any]:
-        band_edge = self.result.edge(variant, case, edge)
-        comparison = band_edge.comparison
-        return {
-            "frequency_ratio": band_edge.frequency_ratio,
-            "absent": absent_edge(self.result, band_edge),
-            "difference": comparison.difference,
-            "allowed": comparison.tolerance,
-            "verdict": str(comparison.verdict),
-            "outcome": outcome((band_edge.finding,)),
-            "left": math.nan if band_edge.prediction is None else band_edge.prediction.difference,
-            "is_baseline": variant == CONVERGED,
-        }
-
-
-def absent_edge(result: ComparedSweep, edge: BandEdge) -> str:
-    """Describe an edge that the grid does not hold."""
-    curve = [point for point in result.curve(edge.variant, edge.case) if point.result.converged]
-    if not curve:
-        return "unknown"
-    if all(point.result.transmittance_db >= result.sweep.band.depth_db for point in curve):
-        return "none"
-    if edge.edge is Edge.LOWER:
-        return f"below {curve[0].frequency_ratio:g}"
-    return f"above {curve[-1].frequency_ratio:g}"
 
 
 class FrictionMapSection(Section):
@@ -131,16 +98,13 @@ class FrictionMapSection(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether any point of the map is known."""
         return self.report.friction_map is not None and self.report.friction_map.known > 0
 
     def figures(self) -> list[Figure]:
-        """The map."""
         data = self.report.friction_map
         return [] if data is None else [friction_map_figure(data)]
 
     def context(self) -> dict[str, Any]:
-        """What the caption names, and how much is missing."""
         data = self.report.friction_map
         return {
             "lowest": MAP_LOWEST_DB,
@@ -163,16 +127,13 @@ class StickSlip(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether the grid holds any of the points that are compared, or a period is recorded."""
         return bool(self.report.periods) or bool(self.report.stick_slip)
 
     def figures(self) -> list[Figure]:
-        """A raster for every point, then the loops of those whose period is known."""
         rasters = [raster(point, results) for point, results in self._results.items()]
         return [*rasters, *self._loops()]
 
     def context(self) -> dict[str, Any]:
-        """The rows, and the periods that are missing."""
         unknown = [
             {"point": (case.title, eta), "title": variant.title, "reason": period.reason}
             for (case, eta), periods in self.report.periods.items()
@@ -196,12 +157,12 @@ class StickSlip(Section):
     @cached_property
     def _results(self) -> dict[CasePoint, dict[Variant, Result]]:
         """Certified results of every variant but the converged reference, at the points that the grid holds."""
-        by_point: dict[CasePoint, dict[Variant, Result]] = {}
-        for point in compared_points(self.result)[:MOST_RASTERS]:
-            points = [point_at(self.result, v, *point) for v in self.result.sweep.variants if v != CONVERGED]
-            results = {p.variant: p.result for p in points if p is not None and p.result.converged}
+        by_point = {}
+        for place in compared_points(self.result)[:MOST_RASTERS]:
+            points = points_at(self.result, *place)
+            results = {v: p.result for v, p in points.items() if v != CONVERGED and p.result.converged}
             if REFERENCE in results:
-                by_point[point] = results
+                by_point[place] = {v: results[v] for v in self.result.sweep.variants if v in results}
         return by_point
 
     def _loops(self) -> list[Figure]:

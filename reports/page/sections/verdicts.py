@@ -2,12 +2,12 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reports.data.catalogue import SIGNS, Outcome, cell_of
+from reports.data.catalogue import SIGNS, cell_of
 from reports.data.descriptions import axis_name, compared_with
 from reports.data.points import outcome
 from reports.drawing.style import compared_variants
@@ -16,7 +16,7 @@ from reports.reproducers.script import has_reproducer
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import FLOOR_DB, Finding, Prediction, Verdict
+from scenarios.verdicts.finding import FLOOR_DB, Comparison, Finding, Metric, Prediction, Verdict
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 
@@ -27,7 +27,6 @@ class Verdicts(Section):
     template = "verdicts"
 
     def context(self) -> dict[str, Any]:
-        """Rows, tiles and sentences; the converged reference is compared with nothing."""
         sweep = self.result.sweep
         rows = [self._row(variant) for variant in sweep.variants]
         compared = [row for row in rows if row["variant"].engine != REFERENCE.engine]
@@ -64,16 +63,13 @@ class Verdicts(Section):
     @staticmethod
     def _sentences(rows: list[dict[str, Any]]) -> dict[str, list[str]]:
         """Group variants: all points agree, some do, or there is nothing that could be compared."""
-        sorted_rows: dict[str, list[str]] = {"all": [], "some": [], "nothing": []}
+        groups: dict[str, list[str]] = {"all": [], "some": [], "nothing": []}
         for row in rows:
             title, agreed, points = row["variant"].title, row["findings"]["verdicts"]["agree"], row["points"]
-            if row["blocked"] or points == row["missing"]:
-                sorted_rows["nothing"].append(title)
-            elif agreed == points:
-                sorted_rows["all"].append(title)
-            else:
-                sorted_rows["some"].append(f"{title} ({agreed} of {points})")
-        return sorted_rows
+            nothing = row["blocked"] or points == row["missing"]
+            group = "nothing" if nothing else "all" if agreed == points else "some"
+            groups[group].append(title if group != "some" else f"{title} ({agreed} of {points})")
+        return groups
 
 
 class Versions(Section):
@@ -84,11 +80,9 @@ class Versions(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether two versions of an engine take part."""
         return bool(self.report.versions)
 
     def context(self) -> dict[str, Any]:
-        """Rows."""
         return {"rows": self.report.versions}
 
 
@@ -104,14 +98,16 @@ class DeparturesSection(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether anything departs."""
         return bool(self.report.departures)
 
     def context(self) -> dict[str, Any]:
-        """Rows, what fails, and the command that shows a variant's number without the suite, where there is one."""
         variants = [row["variant"] for row in self.report.departures]
         commands = {own: f"multibody-xval reproduce {own} {POINT}" for own in variants if has_reproducer(own)}
         return {"rows": self.report.departures, "failures": self.report.failures, "commands": commands}
+
+
+UNKNOWN = {"outcome": "", "text": "", "words": "not known"}
+"""A cell of a variant that was not run in full."""
 
 
 class Catalogue(Section):
@@ -123,23 +119,20 @@ class Catalogue(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether any scenario is known."""
         return bool(self.report.catalogue)
 
     def context(self) -> dict[str, Any]:
-        """Names and questions of the scenarios, and the cells of each variant."""
         known = self.report.catalogue
         variants = [variant for variant in self.report.errors if any(variant in own for own in known.values())]
         return {
             "scenarios": {name: CATALOGUE[name].question for name in known},
-            "rows": [(variant, [_cell(own.get(variant)) for own in known.values()]) for variant in variants],
+            "rows": [
+                (variant, [cell_of(own[variant]) if variant in own else UNKNOWN for own in known.values()])
+                for variant in variants
+            ],
             "signs": {str(outcome): sign for outcome, sign in SIGNS.items()},
             "numbers": self.numbers,
         }
-
-
-def _cell(counts: Mapping[Outcome, int] | None) -> dict[str, str]:
-    return cell_of(counts) if counts else {"outcome": "", "text": "", "words": "not known"}
 
 
 LONGEST = 10
@@ -153,7 +146,6 @@ class OpenPoints(Section):
     template = "open_points"
 
     def context(self) -> dict[str, Any]:
-        """Variants with their open rows."""
         shown = []
         for variant in self.result.sweep.variants:
             rows = self._rows(variant)
@@ -171,36 +163,18 @@ class OpenPoints(Section):
         if not self.result.points_of(variant):
             reason = "the dataset holds none of its points"
         if reason is not None:
-            everywhere = "every point and every edge"
-            blocked = {"verdict": str(Verdict.BLOCKED), "outcome": "", "law": "", "size": math.nan, "reason": reason}
-            blocked |= {"difference": math.nan, "unit": ""}
-            return [{"places": everywhere} | blocked]
-        rows = [*self._edges(variant), *self._points(variant)]
-        return sorted(rows, key=_order)
-
-    def _points(self, variant: Variant) -> list[dict[str, Any]]:
+            missing = Comparison(Verdict.BLOCKED, reason)
+            finding = Finding(variant, "", Metric("", "", ""), math.nan, math.nan, missing)
+            return [{"places": "every point and every edge", **_judged(finding, (finding,))}]
         groups: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
         for point in self.result.points_of(variant):
-            verdict = point.comparison.verdict
-            if verdict is not Verdict.AGREE:
-                groups[point.case, verdict, point.comparison.reason].append(point)
-        return [
-            {
-                "places": f"{case}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
-                **_judged(points[0].finding, points[0].findings),
-            }
-            for (case, _, _), points in groups.items()
-        ]
-
-    def _edges(self, variant: Variant) -> list[dict[str, Any]]:
-        return [
-            {
-                "places": f"{edge.case}, {edge.edge} edge",
-                **_judged(edge.finding, (edge.finding,)),
-            }
-            for edge in self.result.edges
-            if edge.variant == variant and edge.comparison.verdict is not Verdict.AGREE
-        ]
+            groups[point.case, point.comparison.verdict, point.comparison.reason].append(point)
+        edges = [edge for edge in self.result.edges if edge.variant == variant]
+        rows = [{"places": edge.finding.case, **_judged(edge.finding, (edge.finding,))} for edge in edges]
+        for (case, _, _), points in groups.items():
+            etas = ", ".join(f"{point.frequency_ratio:g}" for point in points)
+            rows.append({"places": f"{case}, η_r = {etas}", **_judged(points[0].finding, points[0].findings)})
+        return sorted((row for row in rows if row["verdict"] != Verdict.AGREE), key=_order)
 
 
 def _order(row: dict[str, Any]) -> tuple[bool, float]:

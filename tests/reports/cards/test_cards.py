@@ -11,7 +11,7 @@ from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from reference_lcp.errors import ParameterError
 from reports.cards import card as cards
-from reports.cards.card import Card, ChangedOption, Row, VariantCard, card, card_variants
+from reports.cards.card import Card, Row, VariantCard, card, card_variants
 from reports.cards.write import check_card_files, html, markdown, write_card
 from reports.export.files import cards_beside
 from scenarios.runs.store import opened_store
@@ -43,7 +43,7 @@ def made_up() -> Card:
             Row("lower band edge", "η_r", math.nan, 0.637, "friction 0.3", "no edge | nearby"),
         ),
         steps=(step_point(400, 0.5), step_point(800, 0.09), step_point(1600, 0.01)),
-        options=(ChangedOption("noslip_iterations", "1", "0", "R | softness"),),
+        options=({"name": "noslip_iterations", "value": "1", "default": "0", "reason": "R | softness"},),
         law="λ = −clip(a, ±μ λ_N)",
         script='print("a < b")\n',
     )

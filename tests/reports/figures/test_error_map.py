@@ -10,7 +10,7 @@ from reports.data.points import point_table
 from reports.data.report import Report
 from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.plotly_backend import plot
-from reports.figures.errors import HIGHEST_DB, LOWEST_DB, error_map_figure, error_maps
+from reports.figures.errors import HIGHEST_DB, LOWEST_DB, error_map_figure, error_maps, unsteady
 from reports.page.sections import ErrorMaps
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
@@ -22,16 +22,16 @@ ERROR = STEP_ERROR + CONVERGED_ERROR
 
 
 def test_a_variant_is_off_where_it_is_wrong_and_by_the_step_elsewhere(report: Report) -> None:
-    maps = {own.variant: own for own in error_maps(report.points, report.result.cases, report.errors)}
+    maps = error_maps(report.points, report.result.cases, report.errors)
     assert list(maps) == [REFERENCE, RUNS], "neither the converged reference nor what is not installed"
-    assert maps[REFERENCE].error_db == pytest.approx(np.full((2, 4), ERROR), abs=1e-9)
-    own = maps[RUNS]
+    assert maps[REFERENCE].to_numpy() == pytest.approx(np.full((2, 4), ERROR), abs=1e-9)
     expected = np.full((2, 4), ERROR)
     expected[0, GRID.index(OFF[2])] += 0.03
     expected[1, 3] = math.nan
-    assert own.error_db == pytest.approx(expected, abs=1e-9, nan_ok=True)
-    assert own.unsteady == ((1, 1.3),)
-    assert maps[REFERENCE].unsteady == ()
+    assert maps[RUNS].to_numpy() == pytest.approx(expected, abs=1e-9, nan_ok=True)
+    lost = unsteady(report.points)
+    lost = lost[lost["variant"].isin([REFERENCE, RUNS])]
+    assert lost[["variant", "case", "frequency_ratio"]].to_numpy().tolist() == [[RUNS, report.result.cases[1], 1.3]]
 
 
 def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Report) -> None:
@@ -39,12 +39,12 @@ def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Repo
     coarse = Case.of(friction_ratio=0.3)
     points = [p for p in report.result.points if p.case != coarse or p.frequency_ratio in (0.3, 0.9)]
     result = replace(report.result, points=points, edges=())
-    (own,) = error_maps(replace(report, result=result, beside=()).points, result.cases, [RUNS])
+    own = error_maps(replace(report, result=result, beside=()).points, result.cases, [RUNS])[RUNS]
     wrong = result.curve(RUNS, Case.of(friction_ratio=0.0))[2]
-    assert own.frequency_ratios.tolist() == list(GRID)
-    assert own.error_db[0, 2] == pytest.approx(ERROR + 0.03)
+    assert own.columns.tolist() == list(GRID)
+    assert own.iloc[0, 2] == pytest.approx(ERROR + 0.03)
     assert wrong.frequency_ratio == 0.9
-    assert np.isfinite(own.error_db).all()
+    assert np.isfinite(own.to_numpy()).all()
 
 
 def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(report: Report) -> None:
@@ -52,14 +52,17 @@ def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(re
         replace(point, truth=replace(point.truth, transmittance_db=-100.0)) if point.frequency_ratio == 1.3 else point
         for point in report.result.points
     ]
-    (own,) = error_maps(point_table(report.result, points), report.result.cases, [RUNS])
-    assert np.isnan(own.error_db[:, 3]).all()
-    assert np.isfinite(own.error_db[:, :3]).all()
-    assert own.unsteady == ()
+    table = point_table(replace(report.result, points=points))
+    own = error_maps(table, report.result.cases, [RUNS])[RUNS]
+    assert np.isnan(own[1.3]).all()
+    assert np.isfinite(own.drop(columns=1.3).to_numpy()).all()
+    assert RUNS not in set(unsteady(table)["variant"])
 
 
 def test_colours_are_of_the_logarithm_and_common_to_all_maps_with_one_scale(report: Report) -> None:
-    figure = error_map_figure(error_maps(report.points, report.result.cases, report.errors), "friction ratio")
+    figure = error_map_figure(
+        error_maps(report.points, report.result.cases, report.errors), unsteady(report.points), "friction ratio"
+    )
     maps = [trace for trace in plot(figure)["data"] if trace["type"] == "heatmap"]
     assert [(trace["zmin"], trace["zmax"]) for trace in maps] == [(-3.0, 1.0)] * 2
     assert ["colorbar" in trace for trace in maps] == [True, False]

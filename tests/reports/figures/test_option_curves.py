@@ -13,7 +13,7 @@ from engines.interface.variant import Variant
 from reports.data.options import option_curves, option_table
 from reports.data.points import point_table
 from reports.data.report import Report
-from reports.data.variants import VariantErrors
+from reports.data.variants import Errors
 from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.plotly_backend import plot
 from reports.figures.errors import SMALLEST_CREEP, option_figure
@@ -21,6 +21,7 @@ from reports.page.render import sections
 from scenarios.runs.result import Result
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
+from tests.reports.conftest import made_errors
 
 SWEEPS = {"zero": 0, "three": 3, "fifty": 50}
 ERRORS = {"zero": 4.0, "three": 0.3, "fifty": 0.2}
@@ -44,9 +45,8 @@ def presets(monkeypatch: pytest.MonkeyPatch) -> None:
         with_option(name, "noslip_iterations", value)
 
 
-def errors_of(*names: str) -> dict[Variant, VariantErrors]:
-    variants = [Variant("mujoco", "joint", name) for name in names]
-    return {v: VariantErrors(v, 6, 6, -ERRORS.get(v.preset_name, 1.0), CASE, 0.9, 1e-3) for v in variants}
+def errors_of(*names: str) -> Errors:
+    return made_errors({Variant("mujoco", "joint", name): -ERRORS.get(name, 1.0) for name in names}, points=6)
 
 
 def points(report: Report, creeps: Mapping[str, float] = CREEPS) -> pd.DataFrame:
@@ -59,16 +59,16 @@ def points(report: Report, creeps: Mapping[str, float] = CREEPS) -> pd.DataFrame
         )
         for name, creep in creeps.items()
     ]
-    return point_table(report.result, every)
+    return point_table(report.result, beside=every)
 
 
 @pytest.mark.usefixtures("presets")
 def test_variants_that_differ_in_one_number_are_a_curve_by_its_value(report: Report) -> None:
     (curve,) = option_curves(errors_of("fifty", "zero", "three", "default"), points(report))
-    assert (curve.option, curve.title) == ("noslip_iterations", "MuJoCo")
-    assert list(curve.errors) == [0, 3, 50]
-    assert [own.size for own in curve.errors.values()] == [4.0, 0.3, 0.2]
-    assert list(curve.creep) == [2e-2, 1e-4, 0.0]
+    assert (curve["option"][0], curve["curve"][0]) == ("noslip_iterations", "MuJoCo")
+    assert list(curve["value"]) == [0, 3, 50]
+    assert list(curve["largest_error_db"]) == [4.0, 0.3, 0.2]
+    assert list(curve["largest_creep"]) == [2e-2, 1e-4, 0.0]
 
 
 @pytest.mark.usefixtures("presets")
@@ -87,7 +87,7 @@ def test_an_option_that_a_preset_does_not_set_has_the_value_of_the_engine(report
     own = tuned.options["noslip_iterations"]
     every["unset"] = replace(tuned, options={n: o for n, o in tuned.options.items() if o is not own})
     (curve,) = option_curves(errors_of("unset", "three", "fifty"), points(report, {}))
-    assert [(value, own.variant.preset_name) for value, own in curve.errors.items()] == [
+    assert list(zip(curve["value"], curve["preset"], strict=True)) == [
         (own.default, "unset"), (3, "three"), (50, "fifty"),
     ]  # fmt: skip
 

@@ -11,14 +11,12 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.descriptions import band_definition, compared_with
-from reports.data.options import by_engine, installed
+from reports.data.options import sentences
+from reports.data.points import absent_edge
 from reports.data.report import Report
 from reports.data.stick_slip import stick_slip_rows
-from reports.data.variants import VariantErrors
 from reports.export.files import FILES, files_of
 from reports.page.render import LARGEST_PAGE, sections
-from reports.page.sections.motion import absent_edge
-from reports.page.sections.summary import sentence
 from reports.page.sections.verdicts import OpenPoints, Verdicts
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
@@ -31,6 +29,7 @@ from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
 from scenarios.verdicts.judge import missing
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from tests.reports.conftest import made_errors
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -349,18 +348,14 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
 
 
 def test_the_page_says_of_each_engine_what_it_does_as_installed_and_with_which_options() -> None:
-    case = Case.of(friction_ratio=0.1)
-    default = VariantErrors(Variant("mujoco", "joint", "default"), 4, 4, 14.734, case, 1.6)
-    tuned = VariantErrors(Variant("mujoco"), 4, 4, -0.12449, case, 1.5)
-    contact = [replace(own, variant=replace(own.variant, formulation="contact")) for own in (default, tuned)]
-    contact[0] = replace(contact[0], worst_db=-42.851)
-    pairs = installed({own.variant: own for own in (tuned, default, *contact)})
-    assert [pair.default.size for pair in pairs] == [42.851, 14.734]
-    ((name, own),) = by_engine(pairs).items()
-    said = sentence(name, own, 4)
+    tuned, default = Variant("mujoco"), Variant("mujoco", "joint", "default")
+    contact = {replace(tuned, formulation="contact"): -0.12449, replace(default, formulation="contact"): -42.851}
+    errors = made_errors({tuned: -0.12449, default: 14.734, **contact}, points=4)
+    (said,) = sentences(errors, [], 4)
+    assert said["engine"] == "MuJoCo"
     assert said["default"] == "14.73 dB (joint) and 42.85 dB (contact)"
     assert said["tuned"] == "0.1245 dB"
-    few = sentence(name, own, 299)
+    (few,) = sentences(errors, [], 299)
     assert few["default"] == "14.73 dB (joint, at 4 points) and 42.85 dB (contact, at 4 points)"
     assert {"solver", "noslip_iterations", "solref_friction", "cone"} <= set(said["options"])
     assert "tolerance" not in said["options"], "both presets have it"

@@ -7,9 +7,10 @@ import pytest
 from engines.interface.variant import Variant
 from reports.data.report import Report
 from reports.page.render import page, sections
+from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.point import Truth
 from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.steady_case import REFERENCE
 
 NEW, OLD = Variant("mujoco"), Variant("mujoco@3.3.7")
 
@@ -18,9 +19,7 @@ def with_old_version(report: Report, off_db: float) -> Report:
     """Add an older version that is off at one point by so many dB; nothing of it needs to be installed."""
     result = report.result
     rows = [
-        dataclasses.replace(point, result=dataclasses.replace(point.result, amplification=1.0))
-        if point.variant == REFERENCE
-        else point
+        dataclasses.replace(point, reference=dataclasses.replace(point.reference, amplification=1.0))
         for point in result.points
     ]
     old = [dataclasses.replace(point, variant=OLD) for point in rows if point.variant == NEW]
@@ -51,7 +50,8 @@ def test_without_the_reference_every_difference_counts(report: Report, off_db: f
     """What residuals leave open is not known then."""
     result = with_old_version(report, off_db).result
     alone = dataclasses.replace(result.sweep, variants=(NEW, OLD))
-    rows = [point for point in result.points if point.variant in alone.variants]
+    missing = {"reference": Result.missing(), "converged": Result.missing(), "truth": Truth()}
+    rows = [dataclasses.replace(point, **missing) for point in result.points if point.variant in alone.variants]
     (pair,) = dataclasses.replace(report, result=ComparedSweep(alone, rows)).versions
     assert (pair["points"], pair["differing"]) == (7, differing)
 

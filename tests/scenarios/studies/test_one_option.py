@@ -5,11 +5,9 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from reports.data.options import installed, single_options
-from reports.data.variants import VariantErrors
-from reports.page.sections.summary import sentence
+from reports.data.options import sentences, single_options
 from scenarios.studies.few_points import one_option_variants, with_single_options
-from scenarios.sweeps.sweep import Case
+from tests.reports.conftest import made_errors
 
 DEFAULT, TUNED = Variant("mujoco", "joint", "default"), Variant("mujoco")
 SOLREF, NOSLIP = (DEFAULT.changed(*own) for own in (("solref_friction", (-1.0, -1.0)), ("noslip_iterations", 1)))
@@ -56,20 +54,12 @@ def test_varied_values_are_others_than_the_presets_own(name: str) -> None:
         assert len(values) >= 2, "three values make a curve"
 
 
-def errors(**sizes: tuple[Variant, float]) -> dict[Variant, VariantErrors]:
-    case = Case.of(friction_ratio=0.1)
-    return {variant: VariantErrors(variant, 5, 5, size, case, 1.6, 0.1) for variant, size in sizes.values()}
-
-
 def test_the_option_that_takes_off_most_of_an_error_is_named() -> None:
     """MuJoCo's time constant of friction does, its sweeps without slip alone do not."""
-    few = errors(default=(DEFAULT, 14.6), tuned=(TUNED, 0.2), solref=(SOLREF, -0.24), noslip=(NOSLIP, 14.6))
+    few = made_errors({DEFAULT: 14.6, TUNED: 0.2, SOLREF: -0.24, NOSLIP: 14.6}, points=5)
     singles = single_options(few)
     assert [own.option for own in singles] == ["solref_friction", "noslip_iterations"]
-    (pair,) = installed(few, singles)
-    assert pair.decisive is not None
-    assert sentence("MuJoCo", [pair], 299)["decisive"] == [
-        {"setting": "solref_friction=-1.0,-1.0", "left": "0.24 dB (at 5 points)"}
-    ]
-    (pair,) = installed(few, singles[1:])
-    assert pair.decisive is None
+    (said,) = sentences(few, singles, 299)
+    assert said["decisive"] == [{"setting": "solref_friction=-1.0,-1.0", "left": "0.24 dB (at 5 points)"}]
+    (said,) = sentences(few, singles[1:], 299)
+    assert said["decisive"] == []
