@@ -97,18 +97,11 @@ def test_results_out_of_a_file_are_those_of_the_store(
         xr.testing.assert_equal(read, data)
         results = DatasetResults(read)
     tasks = list(sweep.tasks())
+    names = ("status", "transmittance_db", "residual", "periods", "period", "stuck_fraction", "transitions")
     assert results.sweep == sweep
     with ResultStore(store) as kept:
         for ours, theirs in zip(results.evaluate(tasks), StoredResults(kept).evaluate(tasks), strict=True):
-            for name in (
-                "status",
-                "transmittance_db",
-                "residual",
-                "periods",
-                "period",
-                "stuck_fraction",
-                "transitions",
-            ):
+            for name in names:
                 assert getattr(ours, name) == getattr(theirs, name)
 
 

@@ -52,15 +52,8 @@ def made_up() -> Card:
 
 def test_page_of_a_card_has_its_numbers_with_their_errors_and_the_script_as_it_is() -> None:
     page = html(made_up(), linked=True)
-    for text in (
-        "14.73",
-        "5166",
-        "0.8738",
-        "−0.13",
-        "no edge | nearby",
-        "print(&#34;a &lt; b&#34;)",
-        "As &lt;it&gt; comes.",
-    ):
+    numbers = ("14.73", "5166", "0.8738", "−0.13", "no edge | nearby")
+    for text in (*numbers, "print(&#34;a &lt; b&#34;)", "As &lt;it&gt; comes."):
         assert text in page
     assert 'href="index.html"' in page
     assert 'href="index.html"' not in html(made_up(), linked=False)

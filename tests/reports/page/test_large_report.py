@@ -12,6 +12,7 @@ import pytest
 from engines.interface.registry import engine, engine_names
 from engines.interface.variant import Variant, variants_of
 from reports.page.render import LARGEST_PAGE
+from reports.plan import sweep_of
 from scenarios.runs.evaluator import StoredResults
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
@@ -62,9 +63,7 @@ def sweep_text(variants: Sequence[Variant]) -> str:
     count = math.ceil(POINTS / len(variants) / len(FRICTION_RATIOS))
     etas = sorted({0.6, 0.9, 1.3, *(round(0.3 + 1.7 * k / count, 4) for k in range(count))})
     names = [f"{v.engine}:{v.formulation}:{v.preset_name}" for v in variants]
-    return (
-        f"engines = {names!r}\n[grid]\nfriction_ratio = {list(FRICTION_RATIOS)}\nfrequency_ratio = {etas}\n"
-    )  # fmt: skip
+    return f"engines = {names!r}\n[grid]\nfriction_ratio = {list(FRICTION_RATIOS)}\nfrequency_ratio = {etas}\n"
 
 
 @pytest.mark.slow
@@ -73,26 +72,14 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     variants = [variant for name in installed for variant in variants_of(name)]
     sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     sweep.write_text(sweep_text(variants))
-    from reports.plan import planned_report
-
-    asked = planned_report([], sweep, quick=False, stored_in=None).sweep
+    asked = sweep_of(sweep)
     assert len(read_sweep(sweep).variants) == len(variants)
     with ResultStore(store) as kept:
         result = compare_sweep(asked, Inventor(kept))
     assert len(result.points) >= POINTS
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [
-        "-m",
-        "reports",
-        "--sweep",
-        str(sweep),
-        "--store",
-        str(store),
-        "--no-run",
-        "--out",
-        str(tmp_path / "out"),
-    ]
-    subprocess.run([sys.executable, *command], check=True, cwd=Path(__file__).parents[3])
+    files = ["--sweep", str(sweep), "--store", str(store), "--out", str(tmp_path / "out")]
+    subprocess.run([sys.executable, "-m", "reports", "--no-run", *files], check=True, cwd=Path(__file__).parents[3])
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     size = (tmp_path / "out" / "index.html").stat().st_size
