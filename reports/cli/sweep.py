@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -113,19 +115,22 @@ def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
 
 def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
     """Print how every variant compares with the reference, if the file has a tolerance for it."""
-    from scenarios.sweeps.run import verdict_summaries
+    from scenarios.sweeps.run import compared_points
     from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 
     if sweep.tolerance is None:
         return
     axes = ", ".join([*(name.removesuffix("_ratio").replace("_", " ") for name in sweep.case_axes), "frequency"])
     rows = []
-    for variant, summary in verdict_summaries(sweep, points).items():
-        point, largest = summary.largest, ["–", "–"]
-        if point is not None:
-            size = abs(point.difference(TRANSMITTANCE))
-            largest = [f"{size:.3g}", f"{point.case.numbers}, {point.frequency_ratio:.4g}"]
-        rows.append([str(variant), *(str(summary.counts[verdict]) for verdict in Verdict), *largest])
+    for variant, own in compared_points(sweep, points).items():
+        counts = Counter(point.comparison.verdict for point in own)
+        known = [point for point in own if not math.isnan(point.difference(TRANSMITTANCE))]
+        worst = max(known, key=lambda point: abs(point.difference(TRANSMITTANCE)), default=None)
+        largest = ["–", "–"]
+        if worst is not None:
+            size = abs(worst.difference(TRANSMITTANCE))
+            largest = [f"{size:.3g}", f"{worst.case.numbers}, {worst.frequency_ratio:.4g}"]
+        rows.append([str(variant), *(str(counts[verdict]) for verdict in Verdict), *largest])
     print_table(["engine:formulation:preset", *map(str, Verdict), "largest [dB]", f"at {axes}"], rows)
 
 

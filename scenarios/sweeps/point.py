@@ -9,14 +9,13 @@ The transmittance is a complex number: its level and its phase are judged alike,
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Protocol
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
-from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.sweep import Case, GivenTolerance, GridPoint, Sweep, baseline, refinements
@@ -30,13 +29,23 @@ from scenarios.verdicts.finding import (
     Prediction,
     Tolerance,
     Verdict,
-    amplitude_in_degrees,
-    phase_reader,
 )
-from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, decide, friction_effect, missing
+from scenarios.verdicts.judge import (
+    FrictionEffect,
+    Number,
+    Read,
+    Steps,
+    certified,
+    decide,
+    friction_effect,
+    missing,
+    of_amplitude,
+    of_response,
+    response_readers,
+)
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification, is_resolved, resolution
 
-UNBOUNDED = FrictionEffect(math.inf, math.inf)
+UNBOUNDED: FrictionEffect = {TRANSMITTANCE: math.inf, PHASE: math.inf}
 """No step is too coarse for it."""
 
 _SEVERITY = (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.TOO_COARSE, Verdict.DISAGREE, Verdict.BLOCKED)
@@ -83,7 +92,7 @@ class Point:
     """The reference's results at the same point with other numbers of steps."""
     given: GivenTolerance | None = None
     """The tolerance, where it is given; without it, it is derived."""
-    effect: FrictionEffect = UNBOUNDED
+    effect: FrictionEffect = field(default_factory=lambda: UNBOUNDED)
     findings: tuple[Finding, ...] = ()
     """The comparisons of its transmittance and of its phase with those of its baseline; empty until it is judged."""
     truth: Truth = Truth()
@@ -178,7 +187,7 @@ def judged(points: Iterable[Point]) -> list[Point]:
 
 def point_findings(point: Point) -> tuple[Finding, ...]:
     """Compare transmittance and phase with those of the baseline; no phase where none is expected."""
-    readers = _readers(point.expected)
+    readers = response_readers(point.expected.transmittance_db, point.expected.phase)
     gap = (None if point.is_known else missing("engine", [point.result])) or missing("reference", [point.expected])
     if gap is not None:
         return tuple(Finding.without_numbers(point.variant, point.label, readers, gap))
@@ -192,30 +201,18 @@ def point_findings(point: Point) -> tuple[Finding, ...]:
     )  # fmt: skip
 
 
-Read = Callable[[Result], float]
-"""Gives a number of a result."""
+def _compared(point: Point, metric: Metric, read: Read) -> Comparison:
+    """Compare one number of a point."""
+    expected = point.expected
+    comparison = decide(
+        metric, read(point.result), read(expected), tolerance(point, metric, read), point.effect[metric]
+    )
+    comparison = of_response(unless_own_error_is_unknown(point, comparison), metric, expected.transmittance_db)
+    return comparison if metric == TRANSMITTANCE else replace(comparison, reason=f"{metric.name}: {comparison.reason}")
 
 
 def _level(result: Result) -> float:
     return result.transmittance_db
-
-
-def _readers(expected: Result) -> dict[Metric, Read]:
-    """Give what is read of results, by metric."""
-    phase = {} if math.isnan(expected.phase) else {PHASE: phase_reader(expected.phase, expected.transmittance_db)}
-    return {TRANSMITTANCE: _level, **phase}
-
-
-def _compared(point: Point, metric: Metric, read: Read) -> Comparison:
-    """Compare one number of a point."""
-    expected = point.expected
-    effect = point.effect.transmittance_db if metric == TRANSMITTANCE else point.effect.phase
-    comparison = decide(metric, read(point.result), read(expected), tolerance(point, metric, read), effect)
-    comparison = unless_own_error_is_unknown(point, comparison)
-    if metric == TRANSMITTANCE:
-        return comparison
-    per_amplitude = amplitude_in_degrees(1.0, expected.transmittance_db)
-    return replace(comparison, per_amplitude=per_amplitude, reason=f"{metric.name}: {comparison.reason}")
 
 
 def unless_own_error_is_unknown(point: Point, comparison: Comparison) -> Comparison:
@@ -256,8 +253,7 @@ def scheme_by_steps(point: Point, read: Read = _level) -> dict[int, Number]:
 
 def point_resolution(point: Point, metric: Metric, expected: Result) -> float:
     """Give what the result leaves open of a number, in the unit of the metric, near an expected result."""
-    level = max(expected.transmittance_db, FLOOR_DB)
-    return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(point.left_open, level)
+    return of_amplitude(metric, point.left_open, max(expected.transmittance_db, FLOOR_DB))
 
 
 def _given(transmittance_db: float, metric: Metric) -> float:

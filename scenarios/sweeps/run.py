@@ -1,6 +1,5 @@
 """Sweeps as they are: run with what their verdicts need, summed up, and noted in the store of their results."""
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, fields, replace
@@ -24,7 +23,6 @@ from scenarios.sweeps.point import Point, evaluated, judged, tasks_of
 from scenarios.sweeps.predictions import predicted
 from scenarios.sweeps.refinement import ForTheAccuracy, refined
 from scenarios.sweeps.sweep import Sweep, baseline_of, refinements
-from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import CONVERGED
 
 
@@ -64,34 +62,15 @@ def reason_of(ended: Result) -> str:
     return ended.reason or ended.status
 
 
-@dataclass
-class VerdictSummary:
-    """The verdicts of one variant, counted."""
-
-    counts: Counter[Verdict] = field(default_factory=Counter)
-    """Points by verdict; those that are not evaluated, of the variant or of its baseline, are not among them."""
-    largest: Point | None = None
-    """Point of the largest difference [dB] where both have a steady state; ``None`` without any."""
-
-    def add(self, point: Point) -> None:
-        """Count a point."""
-        self.counts[point.comparison.verdict] += 1
-        size = abs(point.difference(TRANSMITTANCE))
-        if not math.isnan(size) and (self.largest is None or size > abs(self.largest.difference(TRANSMITTANCE))):
-            self.largest = point
-
-
-def verdict_summaries(sweep: Sweep, points: Iterable[Point]) -> dict[Variant, VerdictSummary]:
-    """Sum up the judged points of every variant but the baseline, where both are evaluated."""
+def compared_points(sweep: Sweep, points: Iterable[Point]) -> dict[Variant, list[Point]]:
+    """Give the judged points of every variant but the baseline, where both are evaluated."""
     baseline = baseline_of(sweep.variants)
     if baseline is None:
         return {}
     known = {point.place: point for point in points if point.result.status is not ResultStatus.MISSING}
-    summaries = {variant: VerdictSummary() for variant in sweep.variants if variant != baseline}
-    for point in known.values():
-        if point.variant != baseline and (baseline, *point.place[1:]) in known:
-            summaries[point.variant].add(point)
-    return summaries
+    both = [point for place, point in known.items() if (baseline, *place[1:]) in known]
+    others = (variant for variant in sweep.variants if variant != baseline)
+    return {variant: [point for point in both if point.variant == variant] for variant in others}
 
 
 def evaluate_sweep(

@@ -7,8 +7,8 @@ All errors of steps are those of `reference_lcp.steady.richardson`.
 
 import cmath
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,24 +16,27 @@ from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.observables.transmittance import decibel
-from reference_lcp.steady.richardson import SAFETY, richardson, richardson_error
+from reference_lcp.steady.richardson import SAFETY, amplitude_in_db, richardson, richardson_error
 from reference_lcp.validation import FloatArray
 from scenarios.runs.result import Result, ResultStatus, repetition
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Metric, Tolerance, Verdict
+from scenarios.verdicts.finding import (
+    PHASE,
+    TRANSMITTANCE,
+    Comparison,
+    Metric,
+    Tolerance,
+    Verdict,
+    amplitude_in_degrees,
+    phase_reader,
+)
 
+FrictionEffect = Mapping[Metric, float]
+"""How far transmittance [dB] and phase [°] of a steady state may be from the farther one of the two linear limits: how
+much friction changes them at all.
 
-@dataclass(frozen=True)
-class FrictionEffect:
-    """How far a steady state may be from the farther one of the two linear limits: how much friction changes it at all.
-
-    Between contacts that slide freely and contacts that never slide, a linear chain each, lies what friction can do. An
-    engine whose own step leaves open a large part of that has not been tested by a comparison that it passes.
-    """
-
-    transmittance_db: float
-    """Of the transmittance [dB]."""
-    phase: float
-    """Of its phase [°]."""
+Between contacts that slide freely and contacts that never slide, a linear chain each, lies what friction can do. An
+engine whose own step leaves open a large part of that has not been tested by a comparison that it passes.
+"""
 
 
 def friction_effect(
@@ -44,10 +47,32 @@ def friction_effect(
     responses = frictionless_response(chain, drive, inclination), stuck_response(chain, drive)
     limits = [complex(response[chain.cells - 1]) / scale for response in responses]
     level = TRANSMITTANCE.scaled(transmittance_db)
-    return FrictionEffect(
-        max(abs(TRANSMITTANCE.scaled(decibel(abs(limit))) - level) for limit in limits),
-        max(abs(math.degrees(math.remainder(cmath.phase(limit) - phase, 2 * math.pi))) for limit in limits),
-    )
+    return {
+        TRANSMITTANCE: max(abs(TRANSMITTANCE.scaled(decibel(abs(limit))) - level) for limit in limits),
+        PHASE: max(abs(math.degrees(math.remainder(cmath.phase(limit) - phase, 2 * math.pi))) for limit in limits),
+    }
+
+
+Read = Callable[[Result], float]
+"""Gives a number of a result."""
+
+
+def response_readers(transmittance_db: float, phase: float) -> dict[Metric, Read]:
+    """Give what is read of results beside an expected transmittance [dB] and phase [rad]; no phase if that is NaN."""
+    level: dict[Metric, Read] = {TRANSMITTANCE: lambda result: result.transmittance_db}
+    return level if math.isnan(phase) else level | {PHASE: phase_reader(phase, transmittance_db)}
+
+
+def of_amplitude(metric: Metric, amplitude: float, transmittance_db: float) -> float:
+    """Give what a change of the amplitude, over U0, makes of level or phase near this transmittance."""
+    return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(amplitude, transmittance_db)
+
+
+def of_response(comparison: Comparison, metric: Metric, transmittance_db: float) -> Comparison:
+    """Give a comparison of level or phase with what a change of the amplitude makes of it; see `per_amplitude`."""
+    if metric == TRANSMITTANCE:
+        return comparison
+    return replace(comparison, per_amplitude=amplitude_in_degrees(1.0, transmittance_db))
 
 
 COARSE_SHARE = 0.1

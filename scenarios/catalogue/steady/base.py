@@ -2,8 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
 from engines.interface.variant import Variant
@@ -22,10 +21,8 @@ from scenarios.verdicts.finding import (
     Metric,
     Tolerance,
     Verdict,
-    amplitude_in_degrees,
-    phase_reader,
 )
-from scenarios.verdicts.judge import decide, judge
+from scenarios.verdicts.judge import decide, judge, of_amplitude, of_response, response_readers
 from scenarios.verdicts.steady_case import (
     EXACT,
     REFERENCE,
@@ -206,32 +203,26 @@ def skip_reason(
 
 def response_findings(evidence: Evidence) -> list[Finding]:
     """Compare transmittance and phase with what is expected; no phase where none is."""
-    expected = evidence.expected
-    level = expected.transmittance_db
-    findings = [_response_finding(evidence, TRANSMITTANCE, lambda result: result.transmittance_db, level)]
-    if not math.isnan(expected.phase):
-        read, degrees = phase_reader(expected.phase, level), math.degrees(expected.phase)
-        findings.append(_response_finding(evidence, PHASE, read, degrees))
+    right, level = evidence.expected, evidence.expected.transmittance_db
+    numbers = {TRANSMITTANCE: (level, right.bar_db), PHASE: (math.degrees(right.phase), right.phase_bar)}
+    findings = []
+    for metric, read in response_readers(level, right.phase).items():
+        expected, bar = numbers[metric]
+        value, comparison = math.nan, evidence.missing
+        if comparison is None:
+            value = read(evidence.fine)
+            judged = judge(
+                metric,
+                evidence.steps(read),
+                expected,
+                bar=bar,
+                scheme=evidence.scheme_steps(read, expected),
+                resolution=of_amplitude(metric, evidence.resolution(level), level),
+                effect=evidence.effect[metric],
+            )
+            comparison = of_response(judged, metric, level)
+        findings.append(Finding(evidence.variant, evidence.case.label, metric, value, expected, comparison))
     return findings
-
-
-def _response_finding(evidence: Evidence, metric: Metric, read: Callable[[Result], float], expected: float) -> Finding:
-    """Compare the transmittance, or its phase."""
-    if evidence.missing is not None:
-        return Finding(evidence.variant, evidence.case.label, metric, math.nan, expected, evidence.missing)
-    level, is_phase = evidence.expected.transmittance_db, metric is PHASE
-    comparison = judge(
-        metric,
-        evidence.steps(read),
-        expected,
-        bar=evidence.expected.phase_bar if is_phase else evidence.expected.bar_db,
-        scheme=evidence.scheme_steps(read, expected),
-        resolution=(amplitude_in_degrees if is_phase else amplitude_in_db)(evidence.resolution(level), level),
-        effect=evidence.effect.phase if is_phase else evidence.effect.transmittance_db,
-    )
-    if is_phase:
-        comparison = replace(comparison, per_amplitude=amplitude_in_degrees(1.0, level))
-    return Finding(evidence.variant, evidence.case.label, metric, read(evidence.fine), expected, comparison)
 
 
 def same_step_findings(evidence: Evidence) -> list[Finding]:

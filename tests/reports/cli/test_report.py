@@ -29,7 +29,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.run import note_sweep, stored_points, verdict_summaries
+from scenarios.sweeps.run import compared_points, note_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
 from tests.scenarios.in_process import evaluator, rub_harder
@@ -269,7 +269,8 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
         asked = {(q.variant, q.frequency_ratio): q for q in read.tasks()}
         found = {place: kept.find(task) for place, task in asked.items()}
         whole, points = stored_points(read, kept)
-        expected = verdict_summaries(whole, points)
+        compared = compared_points(whole, points)
+        expected = {v: Counter(str(point.comparison.verdict) for point in own) for v, own in compared.items()}
     with sqlite3.connect(store) as connection:
         contents = [json.loads(text)["task"] for (text,) in connection.execute("SELECT content FROM answers")]
     connection.close()
@@ -284,8 +285,8 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     assert found[Variant("reference"), 0.6].transmittance_db == pytest.approx(-0.152416, abs=1e-6)  # base: -0.151560
     for variant, counted in expected.items():
         own = [row["verdict"] for (whose, eta), row in rows.items() if whose == variant and (whose, eta) in asked]
-        assert Counter(own) == Counter({str(verdict): count for verdict, count in counted.counts.items()})
-    assert {str(verdict) for one in expected.values() for verdict in one.counts} == {"agree", "disagree"}
+        assert Counter(own) == counted
+    assert {verdict for counted in expected.values() for verdict in counted} == {"agree", "disagree"}
     origin = written["provenance"]
     assert (origin["drive"]["kind"], origin["drive"]["amplitude"]) == ("force", 10.0)
     assert origin["tolerances"]["given"] == {"transmittance_db": 0.1, "baseline": "reference"}

@@ -9,8 +9,7 @@ from engines.interface.variant import Variant
 from scenarios.runs.result import Result
 from scenarios.sweeps.point import UNBOUNDED, Point, point_findings
 from scenarios.sweeps.sweep import Case, GivenTolerance, baseline, refinements
-from scenarios.verdicts.finding import FLOOR_DB, Verdict
-from scenarios.verdicts.judge import FrictionEffect
+from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN, CONVERGED, REFERENCE
 
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
@@ -154,7 +153,7 @@ def test_a_given_tolerance_is_one_of_the_phase_too() -> None:
 
 def test_a_step_that_leaves_open_what_friction_changes_shows_nothing() -> None:
     coarse = answer(-9.0, 200)
-    small, large = (FrictionEffect(effect, math.inf) for effect in (1.0, 20.0))
+    small, large = ({TRANSMITTANCE: effect, PHASE: math.inf} for effect in (1.0, 20.0))
     assert judged(OWN, -9.5, coarse, effect=small).verdict is Verdict.TOO_COARSE
     assert judged(OWN, -9.5, coarse, effect=large).verdict is Verdict.AGREE
 

@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ from scenarios.sweeps.adaptive_grid import level
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
-from scenarios.sweeps.run import SweepSummary, evaluate_sweep, stored_points, verdict_summaries
+from scenarios.sweeps.run import SweepSummary, compared_points, evaluate_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 
 CONTENT = """\
@@ -66,7 +67,7 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     with ResultStore(store) as kept:
         whole, points = stored_points(asked, kept)
     found = sweep_dataset(whole, points)
-    counts = verdict_summaries(whole, points)[Variant("mujoco")].counts
+    counts = Counter(point.comparison.verdict for point in compared_points(whole, points)[Variant("mujoco")])
     curve = found.transmittance_db.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
     eta = np.linspace(0.52, 1.48, 25)
     chain = ChainRatios(cells=2).chain(0.0)
