@@ -1,0 +1,13 @@
+from .interface.engine import Engine as Engine
+from .interface.engine import EngineNotInstalled as EngineNotInstalled
+from .interface.presets import Capabilities as Capabilities
+from .interface.presets import Formulation as Formulation
+from .interface.presets import FrictionLaw as FrictionLaw
+from .interface.presets import NormalForce as NormalForce
+from .interface.presets import Option as Option
+from .interface.presets import Preparation as Preparation
+from .interface.presets import Preset as Preset
+from .interface.registry import engine as engine
+from .interface.registry import engine_names as engine_names
+from .interface.variant import Variant as Variant
+from .interface.variant import variants_of as variants_of
