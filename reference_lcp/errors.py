@@ -57,7 +57,7 @@ class ExitCode(IntEnum):
     DONE = 0
     """The command succeeded."""
     FAILED = 1
-    """A comparison failed: an unexplained disagreement, a preset with too few certified numbers, a regression, or no
+    """A comparison failed: an unmodelled disagreement, a preset with too few certified numbers, a regression, or no
     steady state."""
     WRONG_INPUT = 2
     """The input is refused: a value, a damaged store, an output that cannot be written, an engine that is missing."""

@@ -21,7 +21,7 @@ from scenarios.studies.figure3 import (
     figure3,
     quick_frequency_ratios,
 )
-from scenarios.sweeps.run import noted_sweeps
+from scenarios.sweeps.run import saved_sweeps
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep, check_size
 from scenarios.verdicts.steady_case import REFERENCE
@@ -70,19 +70,19 @@ def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Sco
 
 
 def stored_sweep(store: Path) -> Sweep:
-    """Give the sweep that a store noted last, with all engines that it has of these points; others are named."""
-    noted = noted_sweeps(store)
-    for other in noted.others:
+    """Give the sweep that a store saved last, with all engines that it has of these points; others are named."""
+    saved = saved_sweeps(store)
+    for other in saved.others:
         names = ", ".join(map(str, other.variants))
         axes = ", ".join(f"{len(values)} of {name}" for name, values in other.axes.items())
         print(f"not shown: the store also has {axes}, of {names}; --sweep FILE shows them", file=sys.stderr)
-    return noted.sweep.with_reference()
+    return saved.sweep.with_reference()
 
 
 def _default_sweep(quick: bool) -> Sweep:
     """Give the sweep of Figure 3 with all joints, tuned and default, whose laws say what they do at every point.
 
-    What no law predicts is unexplained wherever it departs, and the comparison would always fail.
+    What no law predicts is unmodelled wherever it deviates, and the comparison would always fail.
     """
     joints = [variant for variant in default_variants() if variant.formulation == Formulation.JOINT]
     planned = _figure3(joints, quick)

@@ -24,7 +24,7 @@ from scenarios.runs.result import ResultStatus
 from scenarios.runs.store import ResultStore
 from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.dataset_reader import read_dataset
-from scenarios.sweeps.run import note_sweep, noted_sweeps
+from scenarios.sweeps.run import save_sweep, saved_sweeps
 from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.finding import Finding
 
@@ -49,7 +49,7 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
     if file.suffix == ".toml":
         return write_sweep_report(sweep_of(file), folder, command)
     if file.suffix == ".sqlite":
-        return write_sweep_report(noted_sweeps(file).sweep.with_reference(), folder, command, store=file, run=False)
+        return write_sweep_report(saved_sweeps(file).sweep.with_reference(), folder, command, store=file, run=False)
     return write_dataset_report(read_dataset(file), folder, command, file)
 
 
@@ -85,7 +85,7 @@ def write_sweep_report(
             shown = collect(sweep, stored, StoredResults(stored), command, scope=chosen)
             check_loses_nothing(folder, shown)
             return _written(shown, folder)
-        note_sweep(stored, sweep)
+        save_sweep(stored, sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants, expected_tasks(sweep, chosen)))
         evaluator = stack.enter_context(Evaluator(stored, executor, bars, retry_blocked=retry_blocked))
         report = collect(sweep, stored, evaluator, command, scope=chosen)

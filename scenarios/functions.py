@@ -29,7 +29,7 @@ from scenarios.runs.parameters import first_error
 from scenarios.runs.progress import ProgressBars
 from scenarios.runs.store import opened_store
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_points
+from scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
 from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.sweep import Sweep, check_size
 
@@ -109,7 +109,7 @@ def sweep(
     check_size(planned, yes=yes, how="yes=True")
     file = None if store is None else checked_path("store", store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
-        note_sweep(stored, planned)
+        save_sweep(stored, planned)
         evaluate_sweep(planned, stored, executor, verdicts=True, retry_blocked=retry_blocked)
         return sweep_dataset(*stored_points(planned, stored), file)
 
@@ -139,7 +139,7 @@ def check(
     -------
     pandas.DataFrame
         One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``,
-        ``value``, ``expected``, ``verdict``, ``difference``, ``allowed``, ``as predicted`` (whether the law of the
+        ``value``, ``expected``, ``verdict``, ``difference``, ``allowed``, ``modelled`` (whether the law of the
         preset predicts a disagreement), five numbers of that prediction, ``reason``.
 
     Raises

@@ -92,8 +92,8 @@ CRASHED = Result.blocked("crashed in mj_step()", by_engine=True)
 @pytest.mark.parametrize(
     ("before", "now", "code", "says"),
     [
-        (at(-5.1), at(-5.9), 1, "## Engine regression: fails\n\n4 points: 1 farther from the truth; 1 fail."),
-        (at(-5.9), at(-5.1), 0, "## Engine regression: passes\n\n4 points: 1 closer to the truth; 0 fail."),
+        (at(-5.1), at(-5.9), 1, "## Engine regression: fails\n\n4 points: 1 regressed; 1 fail."),
+        (at(-5.9), at(-5.1), 0, "## Engine regression: passes\n\n4 points: 1 improved; 0 fail."),
         (at(-5.1), CRASHED, 1, "converged before, blocked now: crashed in mj_step()"),
         (at(-5.1), None, 1, "converged before, missing now"),
     ],
@@ -145,8 +145,8 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
 @pytest.mark.parametrize(
     ("before", "now", "code", "direction"),
     [
-        ("bound@0.01", "bound@0.2", 1, ": 14 farther from the truth;"),
-        ("bound@0.2", "bound@0.01", 0, ": 14 closer to the truth;"),
+        ("bound@0.01", "bound@0.2", 1, ": 14 regressed;"),
+        ("bound@0.2", "bound@0.01", 0, ": 14 improved;"),
     ],
     ids=["worse", "better"],
 )

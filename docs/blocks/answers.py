@@ -29,7 +29,7 @@ def text(row: pd.Series) -> str:
     if row["verdict"] not in ("agree", "disagree"):
         return UNASKED if row["verdict"] == "blocked" else str(row["verdict"])
     number = "0" if abs(row["value"]) < 1e-6 else f"{row['value']:.4g}"
-    mark = "" if row["verdict"] == "agree" else " p" if row["as predicted"] is True else " *"
+    mark = "" if row["verdict"] == "agree" else " p" if row["modelled"] is True else " *"
     return number + mark
 
 

@@ -18,7 +18,7 @@ def cell(row: pd.Series) -> str:
         return str(row["verdict"])
     size = row["value"] / row["expected"] if row["expected"] else row["value"]
     text = "0" if abs(size) < 1e-9 else f"{size:.4g}" if row["expected"] == 0 else f"{size:.5f}"
-    return text + (" p" if row["as predicted"] is True else MARKS[row["verdict"]])
+    return text + (" p" if row["modelled"] is True else MARKS[row["verdict"]])
 
 
 def write(verdicts: Path, table: Path) -> None:

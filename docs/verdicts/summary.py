@@ -18,7 +18,7 @@ VARIANT = ["engine", "formulation", "preset"]
 GROUP = ["scenario", *VARIANT, "metric", "unit"]
 """What one row is about."""
 
-WORDS = {"agree": "agrees", "own step too coarse": "undecided", "inconclusive": "undecided"}
+WORDS = {"agree": "agrees", "own step too coarse": "inconclusive", "inconclusive": "inconclusive"}
 """Outcomes by verdict, where the law has no say."""
 
 WORST = ["case", "value", "expected", "difference", "allowed", "reason"]
@@ -31,8 +31,8 @@ DIGITS = 5
 def outcomes(findings: pd.DataFrame) -> pd.Series:
     """Give one word a finding."""
     words = findings["verdict"].replace(WORDS)
-    predicted = findings["as predicted"].astype(str) == "True"
-    return words.mask(words == "disagree", predicted.map({True: "as predicted", False: "unexplained"}))
+    predicted = findings["modelled"].astype(str) == "True"
+    return words.mask(words == "disagree", predicted.map({True: "modelled", False: "unmodelled"}))
 
 
 def summarised(findings: pd.DataFrame) -> pd.DataFrame:

@@ -28,7 +28,7 @@ from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.steady.neighbours import orbits_beside_euler
+from reference_lcp.steady.neighbours import orbits_from_euler
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 
@@ -49,7 +49,7 @@ def test_transmittance_at_six_points_agrees_with_the_reference(tuned: Variant) -
     tolerance = SCHEME_TOLERANCE_DB if shares else CONVERGED_TOLERANCE_DB
     expected = periodic_orbits(baseline, STEPS)
     law = law_of(tuned.preset)
-    near = expected if law is None else orbits_beside_euler(law.build(lanes), STEPS, tolerance=ORBIT_RESIDUAL)
+    near = expected if law is None else orbits_from_euler(law.build(lanes), STEPS, tolerance=ORBIT_RESIDUAL)
     starts = State.stack([orbit.trajectory.end for orbit in near[UNINFORMED_POINTS:]])
     orbits = [
         *_orbits(tuned, lanes[:UNINFORMED_POINTS], None),

@@ -79,7 +79,7 @@ class Preset:
     """Part of the relative velocity which a contact would gain in a step without its forces, along it when it sticks
     or across it, that is left to it, where no option of the engine makes it zero."""
     known_deviation: str = ""
-    """The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
+    """The law of the engine by which its motion deviates from Coulomb's with these options, by more than its time
     step explains; empty where there is none. Reports print it beside a disagreement."""
     law: "Callable[[Preset], Law | NotModelled] | None" = None
     """Gives the model that predicts its steps, with constants taken from its options, or the reason why there is

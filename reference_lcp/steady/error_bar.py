@@ -49,9 +49,9 @@ class ErrorBar:
     stuck_fraction: FloatArray
     """As `transmittance_db`, for the stuck fraction of each contact, shape (n,)."""
     transition_time: FloatArray
-    """The same for the time of each of `transitions` [s]; NaN where it is undecided: not there with every step."""
+    """The same for the time of each of `transitions` [s]; NaN where it is inconclusive: not there with every step."""
     missing_transitions: list[Transition]
-    """Transitions that other steps show and the judged one does not: undecided too."""
+    """Transitions that other steps show and the judged one does not: inconclusive too."""
     order: float
     """Measured over three step sizes, see `Estimate`."""
     extrapolated_db: float

@@ -97,7 +97,7 @@ def _jacobians(orbits: Sequence[PeriodicOrbit]) -> FloatArray:
     return (after[:, 1:] - after[:, :1]).swapaxes(1, 2) / OFFSET
 
 
-def orbits_beside(
+def orbits_warm_started(
     simulation: Simulation,
     start: State,
     known: Sequence[bool],
@@ -129,7 +129,7 @@ def orbits_beside(
     return [orbits[lane] for lane in range(len(simulation.lanes))]
 
 
-def orbits_beside_euler(
+def orbits_from_euler(
     simulation: Simulation,
     steps: int,
     *,
@@ -143,7 +143,7 @@ def orbits_beside_euler(
         return periodic_orbits(simulation, steps, tolerance=tolerance, longest_multiple=longest_multiple)
     euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
     ends = State.stack([State(orbit.trajectory.end.positions, orbit.trajectory.end.velocities) for orbit in euler])
-    return orbits_beside(
+    return orbits_warm_started(
         simulation,
         ends if start is None else start,
         [orbit.converged for orbit in euler],
@@ -159,7 +159,7 @@ def orbits_from_balance(simulation: Simulation, steps: int, *, tolerance: float)
     """Find the periodic orbit of every lane from harmonic balance: plain periods decide to which the motion goes."""
     balanced = harmonic_balance_start(simulation.lanes, steps)
     start = simulation.advance(balanced, 0, WARM_UP_PERIODS * steps)
-    orbits = orbits_beside_euler(simulation, steps, tolerance=tolerance, start=start)
+    orbits = orbits_from_euler(simulation, steps, tolerance=tolerance, start=start)
     return [replace(orbit, periods=orbit.periods + WARM_UP_PERIODS) for orbit in orbits]
 
 
@@ -178,7 +178,9 @@ def refined_orbits(
         simulation, steps = CompiledSimulation(lanes), orbits[0].trajectory.steps * factor
         known, start = [orbit.converged for orbit in ladder[-1]], _extrapolated(ladder, steps)
         ladder.append(
-            orbits_beside(simulation, start, known, inverse.newton, steps, tolerance=tolerance, max_periods=max_periods)
+            orbits_warm_started(
+                simulation, start, known, inverse.newton, steps, tolerance=tolerance, max_periods=max_periods
+            )
         )
     return ladder[1:]
 

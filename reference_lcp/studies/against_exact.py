@@ -48,7 +48,7 @@ class Convergence:
 
     steps_per_period: tuple[int, ...]
     """Shape (halvings + 1,), each twice the one before."""
-    transmittance_error_db: FloatArray
+    error_db: FloatArray
     """|Euler − exact| [dB]."""
     transition_error: FloatArray
     """Mean |time error| of the transitions that match, over the period; NaN without any."""
@@ -58,7 +58,7 @@ class Convergence:
     @property
     def transmittance_order(self) -> float:
         """Order of the transmittance: slope of a straight line through all steps, both axes logarithmic."""
-        return -float(np.polyfit(np.log(self.steps_per_period), np.log(self.transmittance_error_db), 1)[0])
+        return -float(np.polyfit(np.log(self.steps_per_period), np.log(self.error_db), 1)[0])
 
     @property
     def transition_order(self) -> float:
@@ -69,7 +69,7 @@ class Convergence:
         """Give the numbers, ready for JSON; errors of transition times are ``None`` where nothing matches."""
         return {
             "steps_per_period": list(self.steps_per_period),
-            "transmittance_error_db": self.transmittance_error_db.tolist(),
+            "error_db": self.error_db.tolist(),
             "transition_error": [None if np.isnan(error) else float(error) for error in self.transition_error],
             "unmatched_transitions": list(self.unmatched),
             "transmittance_order": self.transmittance_order,
@@ -103,7 +103,7 @@ def plot_convergence(studies: dict[str, Convergence], file: Path) -> None:
     for marker, (name, study) in zip("osD^vP*X", studies.items(), strict=False):
         step = 1 / np.array(study.steps_per_period)
         label = f"{name}: order {study.transmittance_order:.2f}"
-        axes[0].loglog(step, study.transmittance_error_db, marker=marker, label=label)
+        axes[0].loglog(step, study.error_db, marker=marker, label=label)
         axes[1].loglog(step, study.transition_error, marker=marker, label=f"{name}: order {study.transition_order:.2f}")
     for axis, title in zip(
         axes, ("error of the transmittance [dB]", "mean error of transition times / period [-]"), strict=True
@@ -131,8 +131,8 @@ class Coverage:
 
     Of a floor, floor over exact amplitude.
     """
-    undecided: int = 0
-    """Transitions that the bar flags as undecided."""
+    inconclusive: int = 0
+    """Transitions that the bar flags as inconclusive."""
 
     def covered(self, smaller: float = 1.0) -> float:
         """Part of the exact values that bars divided by `smaller` cover; NaN without any."""
@@ -151,7 +151,7 @@ class Coverage:
             "median_bar_over_error": self.median_margin,
         }
         known = {name: number if math.isfinite(number) else None for name, number in numbers.items()}
-        compared = {"compared": len(self.margins), "undecided": self.undecided}
+        compared = {"compared": len(self.margins), "inconclusive": self.inconclusive}
         return {"quantity": self.quantity, "refinement": self.refinement, **compared, **known}
 
 
@@ -216,7 +216,7 @@ def _compared(orbits: Sequence[PeriodicOrbit], place: int, exact: ExactPeriod) -
     two_steps: tuple[float, ...] = ()
     if place > 0 and bar.resolved:
         two_steps = (_transmittance_margin(orbit, error_bar(orbits[place - 1 : place + 1], 1), exact),)
-    times, undecided = _transition_margins(orbit, bar, exact)
+    times, inconclusive = _transition_margins(orbit, bar, exact)
     margins = (
         level if bar.resolved else (),
         two_steps,
@@ -225,7 +225,7 @@ def _compared(orbits: Sequence[PeriodicOrbit], place: int, exact: ExactPeriod) -
         _stuck_margins(orbit, bar, exact),
     )
     rows = [Coverage(name, refinement, values) for name, values in zip(QUANTITIES, margins, strict=False)]
-    return [*rows, Coverage(QUANTITIES[-1], refinement, times, undecided)]
+    return [*rows, Coverage(QUANTITIES[-1], refinement, times, inconclusive)]
 
 
 def _transmittance_margin(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> float:
@@ -242,7 +242,7 @@ def _stuck_margins(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> t
 
 
 def _transition_margins(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> tuple[tuple[float, ...], int]:
-    """Of the transitions that are not flagged as undecided, and how many are."""
+    """Of the transitions that are not flagged as inconclusive, and how many are."""
     period, observed = exact.period, transitions(orbit)
     bars: dict[TimedTransition, float] = dict(zip(observed, bar.transition_time, strict=True))
     match = match_transitions(observed, exact.transitions, period)
@@ -253,8 +253,8 @@ def _transition_margins(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod)
     ]
     spurious = [transition for transition in match.spurious if not math.isnan(bars[transition])]
     missed = match_transitions(bar.missing_transitions, match.missed, period).missed
-    undecided = int(np.sum(np.isnan(bar.transition_time))) + len(bar.missing_transitions)
-    return (*margins, *(0.0 for _ in (*spurious, *missed))), undecided
+    inconclusive = int(np.sum(np.isnan(bar.transition_time))) + len(bar.missing_transitions)
+    return (*margins, *(0.0 for _ in (*spurious, *missed))), inconclusive
 
 
 def _ratio(bar: float, error: float) -> float:
@@ -267,4 +267,4 @@ def _rows(chains: Sequence[Sequence[Coverage]]) -> Iterable[Coverage]:
             parts = [row for rows in chains for row in rows if (row.quantity, row.refinement) == (quantity, refinement)]
             margins = tuple(margin for part in parts for margin in part.margins)
             if margins or quantity in ("transmittance", "stuck fraction", "transition time"):
-                yield Coverage(quantity, refinement, margins, sum(part.undecided for part in parts))
+                yield Coverage(quantity, refinement, margins, sum(part.inconclusive for part in parts))

@@ -169,7 +169,7 @@ def _transitions_of(state: SteadyState, cell: int) -> str:
         if error is None:
             lines.append(f"{change.time:.5f} {change.kind}")
         elif math.isnan(error):
-            lines.append(f"{change.time:.5f} {change.kind} (undecided: not with every step)")
+            lines.append(f"{change.time:.5f} {change.kind} (inconclusive: not with every step)")
         else:
             lines.append(f"{change.time:.5f} ± {error:.1g} {change.kind}")
     missing = [] if bar is None else [change for change in bar.missing_transitions if change.cell == cell]
@@ -252,7 +252,7 @@ def print_convergence(
         study = convergence(chain, HarmonicBase.from_ratio(chain, frequency))
         name, orders = f"({friction:g}, {frequency:g})", (study.transmittance_order, study.transition_order)
         studies[name] = study
-        rows.append((name, *(f"{order:.2f}" for order in orders), f"{study.transmittance_error_db[0]:.4f}"))
+        rows.append((name, *(f"{order:.2f}" for order in orders), f"{study.error_db[0]:.4f}"))
     headings = ("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)")
     content = {name: study.as_dict() for name, study in studies.items()}
     _show(as_json, content, lambda: print_table(headings, rows))
@@ -294,10 +294,10 @@ def _print_coverage(study: CoverageStudy) -> None:
             [f"{100 * row.covered():.1f}" for row in rows],
             [f"{100 * row.covered(SAFETY):.1f}" for row in rows],
             [f"{row.median_margin:.1f}" for row in rows],
-            [str(row.undecided) for row in rows],
+            [str(row.inconclusive) for row in rows],
         )
         lines.append((quantity, *("\n".join(column) for column in columns)))
-    headings = ("quantity", "compared", "covered (%)", f"by bar / {SAFETY:g} (%)", "bar / error", "undecided")
+    headings = ("quantity", "compared", "covered (%)", f"by bar / {SAFETY:g} (%)", "bar / error", "inconclusive")
     print_table(headings, lines)
     print(f"{study.chains} chains, {study.uncertified} of them without a certified steady state; for each quantity the")
     print("fewest steps, twice and four times as many (by two steps: the last two); bar / error is the median")

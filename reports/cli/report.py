@@ -77,7 +77,7 @@ def report(
 
     Results are stored: a second run takes seconds, and an interrupted run continues.
     Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
-    disagreement is unexplained or too few points of a variant are certified; 2: wrong input; 3: results or the page
+    disagreement is unmodelled or too few points of a variant are certified; 2: wrong input; 3: results or the page
     could not be written; 130: interrupted.
 
     Example: multibody-xval report --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default

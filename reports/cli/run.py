@@ -167,7 +167,7 @@ def print_results(results: Results) -> None:
     if len(results) > 1:
         tables.print_table(matrix(results))
     every = [finding for own in results.values() for finding in own]
-    for variant in dict.fromkeys(finding.variant for finding in every if finding.as_predicted):
+    for variant in dict.fromkeys(finding.variant for finding in every if finding.modelled):
         console.print(tables.plain(f"as its law predicts, {variant}: {law_in_words(variant)}"), soft_wrap=True)
     for scenario, own in results.items():
         for line in failures(own):
@@ -211,7 +211,7 @@ def accuracy(
 @app.command()
 @grouped
 def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: Work) -> None:
-    """Compare engines with the laws of their presets: departure from the reference, and error of the prediction.
+    """Compare engines with the laws of their presets: deviation from the reference, and error of the prediction.
 
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
     130: interrupted.

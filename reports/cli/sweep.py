@@ -69,7 +69,7 @@ def sweep(
     work.check(run=run)
     from scenarios.runs.store import existing_store
     from scenarios.sweeps.dataset import sweep_dataset, write_dataset
-    from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_points
+    from scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
     from scenarios.sweeps.spec_file import read_sweep
     from scenarios.sweeps.sweep import check_size, size_text
 
@@ -84,7 +84,7 @@ def sweep(
     with opened(store if run else existing_store(store)) as stored:
         if run:
             print(size_text(planned), file=sys.stderr)
-            note_sweep(stored, planned)
+            save_sweep(stored, planned)
             retry = work.retry_blocked
             print_summary(planned, evaluate_sweep(planned, stored, executor, verdicts=whole, retry_blocked=retry))
         if not whole:

@@ -18,15 +18,16 @@ from scenarios.verdicts.finding import Finding, Verdict
 class Outcome(StrEnum):
     """Of one number; several have that of the worst, which comes first."""
 
-    UNEXPLAINED = "unexplained"
-    PREDICTED = "as predicted"
-    UNDECIDED = "undecided"
+    UNMODELLED = "unmodelled"
+    MODELLED = "modelled"
+    INCONCLUSIVE = "inconclusive"
     BLOCKED = "blocked"
     AGREES = "agrees"
 
 
 SIGNS: Mapping[str, str] = {
-    Outcome.UNEXPLAINED: "✗", Outcome.PREDICTED: "≈", Outcome.UNDECIDED: "?", Outcome.BLOCKED: "–", Outcome.AGREES: "✓",
+    Outcome.UNMODELLED: "✗", Outcome.MODELLED: "≈", Outcome.INCONCLUSIVE: "?",
+    Outcome.BLOCKED: "–", Outcome.AGREES: "✓",
 }  # fmt: skip
 """What a cell shows beside its colour."""
 
@@ -54,7 +55,7 @@ def _outcomes(
 ) -> dict[Variant, Mapping[Outcome, int]]:
     """Give the outcomes of one scenario, the worst first; nothing where no variant is known in full.
 
-    Without the results of its law nothing is known of a variant: whether it departs as predicted would be left open.
+    Without the results of its law nothing is known of a variant: whether it deviates as that says stays open.
     A variant that the scenario cannot be run with stands beside those that are known.
     """
     findings = run_with_predictions(scenario, variants, watched)
@@ -105,5 +106,5 @@ def outcome(finding: Finding) -> Outcome:
         case Verdict.BLOCKED:
             return Outcome.BLOCKED
         case Verdict.DISAGREE:
-            return Outcome.PREDICTED if finding.as_predicted else Outcome.UNEXPLAINED
-    return Outcome.UNDECIDED
+            return Outcome.MODELLED if finding.modelled else Outcome.UNMODELLED
+    return Outcome.INCONCLUSIVE

@@ -13,12 +13,12 @@ from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.truths import truth_error
-from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Finding, Prediction, unexplained
+from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Finding, Prediction, unmodelled
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import CONVERGED
 
-AS_PREDICTED, UNEXPLAINED = "as its law predicts", "unexplained"
-"""Outcomes of a point or an edge that departs from what it is compared with."""
+MODELLED, UNMODELLED = "modelled", "unmodelled"
+"""Outcomes of a point or an edge that deviates from what it is compared with."""
 
 NAMES = ("engine", "formulation", "preset")
 """Of a variant, in the order of `names_of`."""
@@ -45,10 +45,10 @@ EDGE_COLUMNS = (
 
 
 def outcome(findings: Sequence[Finding]) -> str:
-    """Say whether what departs is as the law predicts; empty where nothing departs."""
-    if unexplained(findings):
-        return UNEXPLAINED
-    return AS_PREDICTED if any(finding.as_predicted for finding in findings) else ""
+    """Say whether what deviates is as the law predicts; empty where nothing deviates."""
+    if unmodelled(findings):
+        return UNMODELLED
+    return MODELLED if any(finding.modelled for finding in findings) else ""
 
 
 def names_of(variant: Variant) -> dict[str, str]:

@@ -14,7 +14,7 @@ from reports.data.options import SingleOption, option_curves, single_options
 from reports.data.points import by_variant, edge_table, point_table
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
-from reports.data.variants import Errors, departures, error_table, errors_of, verdict_row
+from reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
 from reports.data.versions import version_pairs
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
@@ -125,9 +125,9 @@ class Report:
         return {variant: verdict_row(points, edges) for variant, points, edges in self._by_variant}
 
     @cached_property
-    def departures(self) -> list[dict[str, Any]]:
-        """What departs of each variant, and what its law leaves of it."""
-        return [row for own in self._by_variant if (row := departures(*own)) is not None]
+    def deviations(self) -> list[dict[str, Any]]:
+        """What deviates of each variant, and what its law leaves of it."""
+        return [row for own in self._by_variant if (row := deviations(*own)) is not None]
 
     @property
     def _by_variant(self) -> Iterator[tuple[Variant, pd.DataFrame, pd.DataFrame]]:
@@ -169,7 +169,7 @@ class Report:
 
     @cached_property
     def failures(self) -> list[str]:
-        """Why the comparison fails, a line each: unexplained disagreements, variants with too little certified."""
+        """Why the comparison fails, a line each: unmodelled disagreements, variants with too little certified."""
         return failures(self.result.findings)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What each variant comes to, in one row of numbers: how far it is from the truth, its verdicts, what departs."""
+"""What each variant comes to, in one row of numbers: how far it is from the truth, its verdicts, what deviates."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -8,7 +8,7 @@ import pandas as pd
 
 from engines.interface.law import NotModelled
 from engines.interface.variant import Variant
-from reports.data.points import UNEXPLAINED, by_variant, largest, names_of, rows_of
+from reports.data.points import UNMODELLED, by_variant, largest, names_of, rows_of
 from scenarios.runs.result import ResultStatus
 from scenarios.sweeps.truths import error_class
 from scenarios.verdicts.finding import FLOOR_DB, Verdict
@@ -79,23 +79,23 @@ def verdict_row(points: pd.DataFrame, edges: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def departures(variant: Variant, points: pd.DataFrame, edges: pd.DataFrame) -> dict[str, Any] | None:
-    """Sum up what departs of one variant, and what its law leaves of that [dB]; ``None`` where nothing does.
+def deviations(variant: Variant, points: pd.DataFrame, edges: pd.DataFrame) -> dict[str, Any] | None:
+    """Sum up what deviates of one variant, and what its law leaves of that [dB]; ``None`` where nothing does.
 
-    ``worst`` is the largest departure of transmittance with the prediction and what is left there, ``median`` the
-    medians of their sizes over the points that depart, ``largest_left`` the largest size of what is left.
+    ``worst`` is the largest deviation of transmittance with the prediction and what is left there, ``median`` the
+    medians of their sizes over the points that deviate, ``largest_left`` the largest size of what is left.
     """
     own, own_edges = (table[table["outcome"] != ""] for table in (points, edges))
     if own.empty and own_edges.empty:
         return None
-    sizes = pd.DataFrame({"departure": own["difference_db"], "left": own["law_left_db"]})
-    sizes.insert(1, "prediction", sizes["departure"] - sizes["left"])
-    ordered = sizes[sizes["departure"].notna()].sort_values("departure", key=abs, ascending=False, kind="stable")
+    sizes = pd.DataFrame({"deviation": own["difference_db"], "left": own["law_left_db"]})
+    sizes.insert(1, "prediction", sizes["deviation"] - sizes["left"])
+    ordered = sizes[sizes["deviation"].notna()].sort_values("deviation", key=abs, ascending=False, kind="stable")
     return {
         "variant": variant,
         "points": len(own),
         "edges": len(own_edges),
-        "unexplained": sum(int((table["outcome"] == UNEXPLAINED).sum()) for table in (own, own_edges)),
+        "unmodelled": sum(int((table["outcome"] == UNMODELLED).sum()) for table in (own, own_edges)),
         "worst": ordered.iloc[0].to_dict() if len(ordered) else dict.fromkeys(sizes.columns, math.nan),
         "median": sizes.abs().median().to_dict(),
         "largest_left": float(sizes["left"].abs().max()),

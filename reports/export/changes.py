@@ -114,11 +114,11 @@ class Regression:
 
 
 WORDS = {
-    TruthDirection.LOST: "lost",
-    TruthDirection.FARTHER: "farther from the truth",
+    TruthDirection.MISSING: "missing",
+    TruthDirection.REGRESSED: "regressed",
     TruthDirection.UNKNOWN: "changed with the truth unknown",
-    TruthDirection.AS_FAR: "changed and as far from it",
-    TruthDirection.CLOSER: "closer to the truth",
+    TruthDirection.UNCHANGED: "changed, as far from the truth",
+    TruthDirection.IMPROVED: "improved",
 }
 """Directions in sentences, the worst first."""
 
@@ -224,7 +224,9 @@ def _points(changes: Sequence[Change]) -> list[str]:
 
 def _explanation(regression: Regression) -> list[str]:
     limits = regression.thresholds
-    fails = "every change" if regression.strict else "a point that is farther, lost, or changed with the truth unknown"
+    fails = (
+        "every change" if regression.strict else "a point that regressed, is missing, or changed with the truth unknown"
+    )
     return [
         f"From `{regression.before}` to `{regression.now}`; *before* and *now* are errors of the transmittance to the "
         f"exact motion, or to the converged reference. A change is one of more than {limits.transmittance_db:g} dB, of "

@@ -69,7 +69,7 @@ class Scenario(ABC):
 
 
 def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-    """Run a scenario, and the laws of variants that depart or say nothing somewhere; gives the findings in order."""
+    """Run a scenario, and the laws of variants that deviate or say nothing somewhere; gives the findings in order."""
     evaluator.stage(scenario.name)
     findings = scenario.run(variants, evaluator)
     open_ones = dict.fromkeys(finding.variant for finding in findings if needs_prediction(finding))

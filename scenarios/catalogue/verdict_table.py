@@ -15,7 +15,7 @@ from scenarios.catalogue.base import Scenario
 from scenarios.junit import JUnitCase, junit_text
 from scenarios.runs.task import versions_of
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
-from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unexplained
+from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
 
 Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""
@@ -26,7 +26,7 @@ VERDICT_LEGEND = """\
   same step; and what neither can resolve.
 - *As its law predicts*: a disagreement that the law of the preset, a model with constants from the preset's options,
   gives too. Engine and law also differ by no more than the law's bound after a period from the same state.
-- *Unexplained*: any other disagreement.
+- *Unmodelled*: any other disagreement.
 - *Own step too coarse*: the difference is allowed, but the errors of steps in the allowance are more than a tenth of
   what friction changes at all.
 - *Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
@@ -66,12 +66,12 @@ class VariantRow:
         """One word, and how many findings it is of."""
         total = len(self.findings)
         disagree = self.count(Verdict.DISAGREE)
-        if unexplained(self.findings):
+        if unmodelled(self.findings):
             return f"DISAGREES {disagree}/{total}"
         if failures(self.findings):
             return f"SAYS NOTHING {len(silent(self.findings))}/{total}"
         if disagree:
-            return f"as predicted {disagree}/{total}"
+            return f"modelled {disagree}/{total}"
         for verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE, Verdict.TOO_COARSE):
             if self.count(verdict):
                 return f"{verdict} {self.count(verdict)}/{total}"
@@ -139,7 +139,7 @@ def _law(finding: Finding, before: str) -> str:
 
 
 def law_in_words(variant: Variant) -> str:
-    """Say how a variant departs, in words where there are some, else by the formula of its law."""
+    """Say how a variant deviates, in words where there are some, else by the formula of its law."""
     model = variant.inclined_law
     law = None if model is None else law_of(model.preset)
     return variant.preset.known_deviation or ("" if law is None else law.formula)
@@ -166,7 +166,7 @@ def _summary(results: Results) -> list[str]:
     findings = [finding for own in results.values() for finding in own]
     count = Counter(str(finding.comparison.verdict) for finding in findings)
     verdicts = ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
-    predicted = sum(finding.as_predicted for finding in findings)
+    predicted = sum(finding.modelled for finding in findings)
     fails = sum(len(failing(own)) for own in results.values())
     counted = f"{len(findings)} numbers: {verdicts}; {predicted} as their law predicts, {fails} fail."
     lines = [f"- {scenario.name}: {line}" for scenario, own in results.items() for line in failures(own)]
@@ -182,7 +182,7 @@ LARGEST_COLUMNS: tuple[Column[_Row], ...] = (
     Column("metric", lambda row: row[1].metric.name),
     Column("difference", lambda row: row[1].comparison.difference, pattern="{:+.3g}"),
     Column("allowed", lambda row: row[1].comparison.tolerance, pattern="{:.2g}"),
-    Column("verdict", lambda row: f"{row[1].comparison.verdict}{', as predicted' * row[1].as_predicted}"),
+    Column("verdict", lambda row: f"{row[1].comparison.verdict}{', modelled' * row[1].modelled}"),
 )
 
 
@@ -218,7 +218,7 @@ def _verdicts(findings: Sequence[Finding]) -> list[str]:
         lines += ["", "What does not agree:", ""]
     for variant, remarks in wrong:
         lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
-    predicted = dict.fromkeys(finding.variant for finding in findings if finding.as_predicted)
+    predicted = dict.fromkeys(finding.variant for finding in findings if finding.modelled)
     if predicted:
         lines += ["", "What the laws of the presets are:", ""]
     return lines + [f"- {variant}: {law_in_words(variant)}" for variant in predicted]
@@ -241,7 +241,7 @@ FINDING_COLUMNS: tuple[Column[_Row], ...] = (
     Column("verdict", lambda row: str(row[1].comparison.verdict)),
     Column("difference", lambda row: row[1].comparison.difference),
     Column("allowed", lambda row: row[1].comparison.tolerance),
-    Column("as predicted", lambda row: row[1].as_predicted),
+    Column("modelled", lambda row: row[1].modelled),
     *(_predicted(name) for name in ("value", "difference", "allowed", "distance", "period_bound")),
     Column("reason", lambda row: row[1].comparison.reason),
 )
@@ -264,7 +264,7 @@ def _content(results: Results, command: str) -> dict[str, object]:
             for scenario in results
         ],
         "findings": records(finding_table(results)),
-        "laws": {str(finding.variant): law_in_words(finding.variant) for finding in findings if finding.as_predicted},
+        "laws": {str(finding.variant): law_in_words(finding.variant) for finding in findings if finding.modelled},
     }  # fmt: skip
 
 

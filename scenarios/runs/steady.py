@@ -15,7 +15,7 @@ from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
-from reference_lcp.steady.neighbours import orbits_beside_euler, orbits_from_balance, residual_amplification
+from reference_lcp.steady.neighbours import orbits_from_balance, orbits_from_euler, residual_amplification
 from reference_lcp.steady.orbits import part_of, periodic_orbits
 from scenarios.runs.failures import CheckedSimulation, check_trajectory, results_together
 from scenarios.runs.recorded import RecordedPeriod
@@ -26,7 +26,7 @@ LAW_RESIDUAL = 0.1
 """Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""
 
 
-def begins_beside(variant: Variant) -> bool:
+def is_warm_started(variant: Variant) -> bool:
     """Whether searches of a variant begin at steady states of models, or beside: not those of models themselves."""
     return variant.engine != "reference" and not variant.engine.endswith(LAW_SUFFIX)
 
@@ -37,13 +37,13 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     Those are variants of the reference and of laws themselves, presets whose steps are not modelled, and lanes that a
     law does not claim.
     """
-    law = stepped_by(variant) if begins_beside(variant) else None
+    law = stepped_by(variant) if is_warm_started(variant) else None
     found: list[PeriodicOrbit | None] = [None] * len(lanes)
     claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
     if law is None or not claimed:
         return found
     model, tolerance = law.build([lanes[number] for number in claimed]), LAW_RESIDUAL * variant.capabilities.residual
-    search = orbits_beside_euler if isinstance(law, Law) else periodic_orbits
+    search = orbits_from_euler if isinstance(law, Law) else periodic_orbits
     orbits = search(model, steps, tolerance=tolerance, longest_multiple=1)
     for number, orbit in zip(claimed, orbits, strict=True):
         found[number] = orbit
@@ -120,11 +120,11 @@ def _orbits(
         begin = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
         part = part_of(simulation, group)
         if has_orbit is None:
-            found = orbits_beside_euler(part, steps, tolerance=tolerance)
+            found = orbits_from_euler(part, steps, tolerance=tolerance)
         elif has_orbit:
             found = periodic_orbits(part, steps, start=State.stack(begin), tolerance=tolerance)
         else:
-            found = orbits_beside_euler(part, steps, tolerance=tolerance, start=State.stack(begin), anew=False)
+            found = orbits_from_euler(part, steps, tolerance=tolerance, start=State.stack(begin), anew=False)
         orbits |= dict(zip(group, found, strict=True))
     return [orbits[lane] for lane in range(len(lanes))]
 

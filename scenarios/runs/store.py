@@ -220,8 +220,8 @@ class ResultStore(Closing):
         row = sweep, digest_of(sweep.encode())
         self._write("INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", [row])
 
-    def noted(self) -> list[str]:
-        """Give the sweeps that were noted, the latest first."""
+    def saved(self) -> list[str]:
+        """Give the sweeps that were saved, the latest first."""
         return [row[1].decode() for row in self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC")]
 
     def _write(self, statement: str, rows: Sequence[_Row]) -> None:

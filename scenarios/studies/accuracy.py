@@ -119,7 +119,7 @@ def accuracy_of(
         for task, result in certified.items()
         if (point := point_of(task)) in ACCURACY_MAP and task.steps_per_period == ACCURACY_MAP_STEPS
     }
-    errors = {point: transmittance_error_db(result, exact[point]) for point, result in mapped.items()}
+    errors = {point: error_db(result, exact[point]) for point, result in mapped.items()}
     matches = [result.matched(exact[point].transitions) for point, result in mapped.items()]
     times = [abs(error) for match in matches for error in match.time_errors]
     blocked = [result.reason for result in results.values() if result.status is ResultStatus.BLOCKED]
@@ -143,7 +143,7 @@ def accuracy_of(
     )
 
 
-def transmittance_error_db(result: Result, exact: Result) -> float:
+def error_db(result: Result, exact: Result) -> float:
     """|Difference| of transmittance [dB], on the scale of `TRANSMITTANCE`."""
     return abs(metric_difference(TRANSMITTANCE, result.transmittance_db, exact.transmittance_db))
 
@@ -159,7 +159,7 @@ def _point_errors(
 ) -> list[float]:
     """Transmittance errors at those of the six points that are certified at so many steps [dB]."""
     return [
-        transmittance_error_db(result, exact[point_of(task)])
+        error_db(result, exact[point_of(task)])
         for task, result in certified.items()
         if task.steps_per_period == steps and point_of(task) in SIX_POINTS
     ]

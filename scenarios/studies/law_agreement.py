@@ -23,15 +23,15 @@ POINTS = tuple((friction, frequency) for friction in FRICTION_RATIOS for frequen
 
 @dataclass(frozen=True)
 class LawAgreement:
-    """What a variant departs by from the reference at equal step, and what its law leaves of it.
+    """What a variant deviates by from the reference at equal step, and what its law leaves of it.
 
-    The law of a variant that takes the reference's own step is that step: nothing is left to predict of a departure.
+    The law of a variant that takes the reference's own step is that step: nothing is left to predict of a deviation.
     """
 
     variant: Variant
     reason: str
     """Why its steps are not modelled; empty where they are."""
-    departure: float
+    deviation: float
     error: float
     """Largest difference of its transmittance from the reference's, and from its law's [dB], over the points that are
     certified in both; NaN without any."""
@@ -75,14 +75,14 @@ def _periods(variant: Variant) -> list[SteadyStateTask]:
 
 def _row(variant: Variant, results: Mapping[SteadyStateTask, Result]) -> LawAgreement:
     own, reference = ([results[task] for task in _steady_states(each)] for each in (variant, REFERENCE))
-    departure, _, certified = _differences(own, reference)
+    deviation, _, certified = _differences(own, reference)
     stated = variant.preset.stated_law()
     if isinstance(stated, NotModelled):
-        return LawAgreement(variant, stated.reason, departure, np.nan, np.nan, np.empty(0), np.nan, certified)
+        return LawAgreement(variant, stated.reason, deviation, np.nan, np.nan, np.empty(0), np.nan, certified)
     error, stuck, both = _differences(own, [results[task] for task in _steady_states(variant.law or REFERENCE)])
     claimed = [end for end in (results[task] for task in _periods(variant)) if not end.reason]
     distances = [end.series["distance"][0] for end in claimed if end.status is ResultStatus.FINISHED]
-    return LawAgreement(variant, "", departure, error, stuck, np.array(distances), allowed_distance(variant), both)
+    return LawAgreement(variant, "", deviation, error, stuck, np.array(distances), allowed_distance(variant), both)
 
 
 def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float, float, int]:
@@ -98,7 +98,7 @@ def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float
 LAW_COLUMNS: tuple[Column[LawAgreement], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
     Column("steps_by", lambda row: _stated(row.variant), "steps by"),
-    Column("departure_db", lambda row: row.departure, "departure [dB]", "{:.3g}"),
+    Column("deviation_db", lambda row: row.deviation, "deviation [dB]", "{:.3g}"),
     Column("prediction_error_db", lambda row: row.error, "prediction error [dB]", "{:.1e}"),
     Column("stuck_fraction_error", lambda row: row.stuck_fraction, "of stuck fraction", "{:.2g}"),
     Column("period_largest", lambda row: _of(np.max, row.period), "period, largest [U0]", "{:.1e}"),
@@ -116,7 +116,7 @@ of Figure 3, at {len(POINTS)} points (friction {", ".join(map(str, FRICTION_RATI
 
 | column | what it is |
 |---|---|
-| *departure* | largest difference of the transmittance from the reference's at equal step, over certified points |
+| *deviation* | largest difference of the transmittance from the reference's at equal step, over certified points |
 | *prediction error* | the same from the law's steady state; from the reference's if the preset takes the same step |
 | *of stuck fraction* | the same for the stuck fraction |
 | *period* | distance of engine and law after one period from the same state: largest, median, and allowed |

@@ -10,7 +10,7 @@ from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
-from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, point_of, task_at, transmittance_error_db
+from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
 from scenarios.verdicts.steady_case import EXACT
 
 FINEST_STEPS = (3200, 6400)
@@ -113,7 +113,7 @@ def _step_point(
     exact: Mapping[OperatingPoint, Result],
 ) -> StepPoint:
     certified = [(point_of(task), result) for task, result in results if result.converged]
-    errors = [transmittance_error_db(result, exact[point]) for point, result in certified if point in exact]
+    errors = [error_db(result, exact[point]) for point, result in certified if point in exact]
     timed = [result for _, result in certified if not math.isnan(result.seconds)]
     return StepPoint(
         variant=variant,

@@ -130,7 +130,7 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
         f"law_{name}_{ending}": (_of_law(field, metric), units, text)
         for metric, ending, units in PREDICTED
         for name, field, text in (
-            ("value", "value", "of the law of the variant, where this departs"),
+            ("value", "value", "of the law of the variant, where this deviates"),
             ("left", "difference", "variant less its law"),
             ("allowed", "allowed", "largest difference from its law that both leave open"),
         )
@@ -140,7 +140,7 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
 }  # fmt: skip
 
 _BESIDE = {
-    "transmittance_db": "transmittance_error_db status",
+    "transmittance_db": "step_error_db status",
     "phase": "status",
     "difference_db": "allowed_db verdict",
     "difference_phase": "allowed_phase verdict",
@@ -168,7 +168,7 @@ def sweep_dataset(sweep: Sweep, points: Sequence[Point], store: Path | None = No
     xarray.Dataset
         Dimensions ``variant`` and the axes of the sweep. ``transmittance_db`` [dB] and its estimated error where other
         numbers of steps give it, ``phase`` [rad], ``difference_db`` and ``difference_phase`` from the baseline; where
-        a variant with a law departs, what the law says: ``law_value_db``, ``law_left_db`` (variant less law) and
+        a variant with a law deviates, what the law says: ``law_value_db``, ``law_left_db`` (variant less law) and
         ``law_allowed_db``, the same of the phase, and ``law_distance`` after a period; ``status`` and ``verdict``
         (numbers, see their attributes; a verdict of −1 where the sweep has no point), ``reason``, ``residual``,
         ``periods``, ``multiple``, ``steps_per_period``, ``period`` [s], ``stuck_fraction`` of each contact along
@@ -181,7 +181,7 @@ def sweep_dataset(sweep: Sweep, points: Sequence[Point], store: Path | None = No
     numbers = [index[point.place] for point in points]
     errors = np.array(list(map(own_error_db, points)))
     arrays = {
-        "transmittance_error_db": ((), errors, {"units": "dB", "long_name": "error of the step, from other steps"}),
+        "step_error_db": ((), errors, {"units": "dB", "long_name": "error of the step, from other steps"}),
         **_of_points(points),
         **_of_contacts(points),
         "stored": ((), np.array(list(map(stored_text, points)), dtype=object), {"long_name": "the point, as JSON"}),

@@ -1,4 +1,4 @@
-"""What the laws of variants say of the points and edges at which these disagree: departure, prediction, what is left.
+"""What the laws of variants say of the points and edges at which these disagree: deviation, prediction, what is left.
 
 The rule is that of `scenarios.verdicts.prediction`: at a point that disagrees, the law's own steady state and a period
 of engine and law from the same state; of an edge that disagrees, the edge of the law's own curve.
@@ -21,7 +21,7 @@ from scenarios.verdicts.steady_case import REFERENCE
 
 
 def predicted(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> list[Point]:
-    """Give judged points, the findings of those that depart or say nothing with what the law of the variant says."""
+    """Give judged points, the findings of those that deviate or say nothing with what the law of the variant says."""
     laws = {
         point.place: law
         for point in points

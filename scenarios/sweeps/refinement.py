@@ -71,7 +71,7 @@ def refined(
 
 
 def curves_of(results: Results) -> dict[CurveKey, tuple[FloatArray, FloatArray]]:
-    """Give η_r, ascending, and the transmittance [dB] of every curve, by variant and case; NaN where undecided."""
+    """Give η_r, ascending, and the transmittance [dB] of every curve, by variant and case; NaN where inconclusive."""
     pairs: dict[CurveKey, list[tuple[float, float]]] = defaultdict(list)
     for (variant, case, eta), result in results.items():
         pairs[variant, case].append((eta, decided_db(result)))

@@ -1,4 +1,4 @@
-"""Sweeps as they are: run with what their verdicts need, summed up, and noted in the store of their results."""
+"""Sweeps as they are: run with what their verdicts need, summed up, and saved in the store of their results."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -145,13 +145,13 @@ def stored_points(sweep: Sweep, store: ResultStore) -> tuple[Sweep, list[Point]]
     return whole, predicted(whole, judged(evaluated(whole, places, evaluator)), evaluator)
 
 
-def note_sweep(store: ResultStore, sweep: Sweep) -> None:
+def save_sweep(store: ResultStore, sweep: Sweep) -> None:
     """Write a sweep into the store of its results, as the latest one."""
     store.note(SWEEP.dump_json(sweep).decode())
 
 
 @dataclass(frozen=True)
-class NotedSweeps:
+class SavedSweeps:
     """What a store knows of the sweeps whose results it holds."""
 
     sweep: Sweep
@@ -159,11 +159,11 @@ class NotedSweeps:
     others: tuple[Sweep, ...] = ()
 
 
-def noted_sweeps(file: Path) -> NotedSweeps:
-    """Give the sweeps that were noted in a store."""
+def saved_sweeps(file: Path) -> SavedSweeps:
+    """Give the sweeps that were saved in a store."""
     with ResultStore(existing_store(file)) as store:
         store.check_pages()
-        texts = store.noted()
+        texts = store.saved()
     if not texts:
         raise ParameterError(f"store {file} holds no sweep; allowed: a store of a sweep or of a report")
     merged: list[Sweep] = []
@@ -175,14 +175,14 @@ def noted_sweeps(file: Path) -> NotedSweeps:
         else:
             variants = dict.fromkeys((*merged[same].variants, *read.variants))
             merged[same] = replace(merged[same], variants=tuple(variants))
-    return NotedSweeps(merged[0], tuple(merged[1:]))
+    return SavedSweeps(merged[0], tuple(merged[1:]))
 
 
 def _read(file: Path, text: str) -> Sweep:
     try:
         return SWEEP.validate_json(text)
     except ValidationError as problem:
-        error = first_error(problem, "what a sweep that was noted has")
+        error = first_error(problem, "what a sweep that was saved has")
         raise ParameterError(f"store {file}: its sweep cannot be read: {error}") from None
 
 

@@ -4,7 +4,7 @@ The search for an engine's steady state begins at that of its law, or beside the
 `scenarios.runs.steady`. Friction under a given normal force has one steady state; an engine whose
 step is not monotone may have several, and the search would find the one that the model predicts. A sample of every
 variant is therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the
-variant that have a steady state are searched both ways, and those that differ are undecided.
+variant that have a steady state are searched both ways, and those that differ are inconclusive.
 """
 
 import cmath
@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.steady import begins_beside
+from scenarios.runs.steady import is_warm_started
 from scenarios.runs.task import Start
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import GivesResults, Point
@@ -43,13 +43,13 @@ def check_starts(
 ) -> tuple[ComparedSweep, tuple[StartCheck, ...]]:
     """Search a sample of every variant from harmonic balance too, `least` points of each or all that it has.
 
-    Gives the sweep with points that have two steady states undecided, and a check of each variant but the suite's
+    Gives the sweep with points that have two steady states inconclusive, and a check of each variant but the suite's
     models.
     """
     steady = {
         variant: [point for point in result.points_of(variant) if point.result.converged]
         for variant in result.sweep.variants
-        if begins_beside(variant)
+        if is_warm_started(variant)
     }
     samples = [point for own in steady.values() for point in _sample(result.sweep, own, least)]
     differing = _differing(result.sweep, samples, evaluator)
@@ -60,7 +60,7 @@ def check_starts(
     for variant in steady:
         ends = [apart for (owner, _, _), apart in differing.items() if owner == variant and apart is not None]
         checks.append(StartCheck(variant, len(ends), sum(map(bool, ends))))
-    points = [_undecided(point, differing.get(point.place)) for point in result.points]
+    points = [_inconclusive(point, differing.get(point.place)) for point in result.points]
     return replace(result, points=points), tuple(checks)
 
 
@@ -91,7 +91,7 @@ def _complex(result: Result) -> complex:
     return cmath.rect(10 ** (result.transmittance_db / 20), result.phase)
 
 
-def _undecided(point: Point, reason: str | None) -> Point:
+def _inconclusive(point: Point, reason: str | None) -> Point:
     """Give a point that has two steady states, for this reason, no verdict."""
     if not reason:
         return point

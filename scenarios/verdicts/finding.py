@@ -195,7 +195,7 @@ class Finding:
         return -1.0 if math.isnan(self.comparison.excess) else self.comparison.excess
 
     @property
-    def as_predicted(self) -> bool:
+    def modelled(self) -> bool:
         """Whether the law of the variant predicts a disagreement."""
         return self.prediction is not None and self.prediction.holds
 
@@ -241,9 +241,9 @@ MOST_SILENT = 0.25
 """Largest share of a preset's findings that may say nothing: a case of the four that most scenarios have."""
 
 
-def unexplained(findings: Sequence[Finding]) -> list[Finding]:
+def unmodelled(findings: Sequence[Finding]) -> list[Finding]:
     """Give the disagreements that no law predicts; so is a step that is too coarse, and not as the law has it."""
-    return [finding for finding in findings if _departs(finding) and not finding.as_predicted]
+    return [finding for finding in findings if _deviates(finding) and not finding.modelled]
 
 
 def silent(findings: Sequence[Finding]) -> list[Finding]:
@@ -252,8 +252,8 @@ def silent(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def failing(findings: Sequence[Finding]) -> list[Finding]:
-    """Give the findings of a scenario why it fails: unexplained ones, and silent ones of a preset with many."""
-    fails = {id(finding) for finding in unexplained(findings)}
+    """Give the findings of a scenario why it fails: unmodelled ones, and silent ones of a preset with many."""
+    fails = {id(finding) for finding in unmodelled(findings)}
     for variant in dict.fromkeys(finding.variant for finding in findings):
         fails |= {id(finding) for finding in _too_silent([own for own in findings if own.variant == variant])}
     return [finding for finding in findings if id(finding) in fails]
@@ -262,11 +262,11 @@ def failing(findings: Sequence[Finding]) -> list[Finding]:
 def failures(findings: Sequence[Finding]) -> list[str]:
     """Say in a line each why the findings of a scenario are a failure; none where they are not."""
     lines = []
-    wrong = unexplained(findings)
+    wrong = unmodelled(findings)
     if wrong:
         what = "disagreement" if len(wrong) == 1 else "disagreements"
         names = ", ".join(dict.fromkeys(str(finding.variant) for finding in wrong))
-        lines.append(f"unexplained: {len(wrong)} {what}, of {names}")
+        lines.append(f"unmodelled: {len(wrong)} {what}, of {names}")
     for variant in dict.fromkeys(finding.variant for finding in findings):
         own = [finding for finding in findings if finding.variant == variant]
         nothing = len(_too_silent(own))
@@ -284,7 +284,7 @@ def _too_silent(own: Sequence[Finding]) -> list[Finding]:
     return nothing if len(nothing) > MOST_SILENT * len(own) else []
 
 
-def _departs(finding: Finding) -> bool:
+def _deviates(finding: Finding) -> bool:
     verdict = finding.comparison.verdict
     return verdict is Verdict.DISAGREE or (verdict is Verdict.TOO_COARSE and finding.prediction is not None)
 

@@ -72,7 +72,7 @@ def _with_prediction(finding: Finding, own: Finding, period: LawPeriod, largest:
 
 
 def needs_prediction(finding: Finding) -> bool:
-    """Whether a finding says that an engine departs, or nothing: then its law is asked."""
+    """Whether a finding says that an engine deviates, or nothing: then its law is asked."""
     return finding.comparison.verdict in (Verdict.DISAGREE, Verdict.TOO_COARSE) or not finding.comparison.certified
 
 

@@ -60,21 +60,21 @@ BEST_FIRST = (
 class TruthDirection(StrEnum):
     """Where a change leads."""
 
-    CLOSER = "closer"
+    IMPROVED = "improved"
     """The error is smaller than before, by more than the threshold."""
-    AS_FAR = "as far"
+    UNCHANGED = "unchanged"
     """The errors before and now differ by less than the threshold: to the other side of the truth, say."""
     UNKNOWN = "unknown"
     """The truth is not known."""
-    FARTHER = "farther"
+    REGRESSED = "regressed"
     """The error is larger than before, by more than the threshold."""
-    LOST = "lost"
+    MISSING = "missing"
     """The result, or a number of it, is no longer there."""
 
     @property
     def fails(self) -> bool:
         """Whether a point that has changed so is a failure."""
-        return self in (TruthDirection.UNKNOWN, TruthDirection.FARTHER, TruthDirection.LOST)
+        return self in (TruthDirection.UNKNOWN, TruthDirection.REGRESSED, TruthDirection.MISSING)
 
 
 @dataclass(frozen=True)
@@ -176,8 +176,8 @@ class Shift:
         if math.isnan(worse):
             return TruthDirection.UNKNOWN
         if abs(worse) <= self.measure.threshold:
-            return TruthDirection.AS_FAR
-        return TruthDirection.FARTHER if worse > 0 else TruthDirection.CLOSER
+            return TruthDirection.UNCHANGED
+        return TruthDirection.REGRESSED if worse > 0 else TruthDirection.IMPROVED
 
     def __str__(self) -> str:
         return self.measure.pattern.format(self.change)
@@ -216,8 +216,8 @@ class Change:
     def direction(self) -> TruthDirection | None:
         """Where the worst of the changes leads; ``None`` without any."""
         directions = {shift.direction for shift in self.shifts}
-        directions |= {TruthDirection.LOST} if self.lost else set()
-        directions |= {TruthDirection.CLOSER} if self.gained else set()
+        directions |= {TruthDirection.MISSING} if self.lost else set()
+        directions |= {TruthDirection.IMPROVED} if self.gained else set()
         return max(directions, key=list(TruthDirection).index, default=None)
 
     def fails(self, *, strict: bool = False) -> bool:

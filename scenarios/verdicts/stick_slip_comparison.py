@@ -10,7 +10,7 @@ mode, and at most `MATCHING_WINDOW` of the period apart; they are paired one to 
 
 *Dead band.* Whether a phase that barely begins (grazing) is there can hang on the step. A transition is compared only
 where the step does not decide on it: an expected one if the reference has it with each of its three steps; one that
-is not expected if the reference has it with none of them. Others are left out and counted as undecided.
+is not expected if the reference has it with none of them. Others are left out and counted as inconclusive.
 
 A slip of the expected motion that travels less than four residuals of the engine is read as stick, as it is in the
 engine's own motion: single precision does not distinguish it from one.
@@ -103,7 +103,7 @@ def as_resolved(evidence: Evidence) -> Expected:
 
 
 def _missed(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
-    """Give the missed transitions, those of them that the coarse result has, and how many are undecided."""
+    """Give the missed transitions, those of them that the coarse result has, and how many are inconclusive."""
     expected = evidence.expected.transitions
     coarse, fine, *scheme = _all_matched_errors(evidence)
     decided = [change for change in expected if all(change in errors for errors in scheme)]
@@ -118,7 +118,7 @@ def _all_matched_errors(evidence: Evidence) -> list[dict[TimedTransition, float]
 
 
 def _spurious(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
-    """Give the spurious transitions, those of them that the coarse result lacks, and how many are undecided."""
+    """Give the spurious transitions, those of them that the coarse result lacks, and how many are inconclusive."""
     extra = evidence.fine.matched(evidence.expected.transitions).spurious
     scheme = [result.matched(extra).errors for result in evidence.scheme]
     spurious = [change for change in extra if not any(change in errors for errors in scheme)]
@@ -131,11 +131,11 @@ def _counted(
     metric: Metric,
     wrong: list[TimedTransition],
     step_dependent: list[TimedTransition],
-    undecided: int,
+    inconclusive: int,
 ) -> Finding:
     """Judge a number of transitions, none of which is expected."""
     total = len(evidence.expected.transitions)
-    aside = f"; {undecided} grazing ones left out" if undecided else ""
+    aside = f"; {inconclusive} grazing ones left out" if inconclusive else ""
     if not wrong:
         comparison = Comparison(Verdict.AGREE, f"none, of {total}{aside}", 0.0, 0.0)
     elif len(step_dependent) == len(wrong):

@@ -38,7 +38,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Task
 from scenarios.studies.accuracy import accuracies
-from scenarios.sweeps.run import noted_sweeps
+from scenarios.sweeps.run import saved_sweeps
 
 FOLDER = Path(__file__).parent
 STORE = FOLDER / "store.sqlite.xz"
@@ -127,7 +127,7 @@ def digest(keys: Iterable[str]) -> str:
 
 def outputs(store: ResultStore, file: Path) -> dict[str, str]:
     """Give every file of the report of a store but the page and its figures, and its tables of verdicts."""
-    sweep = noted_sweeps(file).sweep.with_reference()
+    sweep = saved_sweeps(file).sweep.with_reference()
     report = collect(sweep, store, StoredResults(store), "report", scope=Scope())
     written = dict(table_files(report))
     written["report.json"] = _without(written["report.json"], OF_THIS_MACHINE)

@@ -22,7 +22,7 @@ from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_reader import DatasetResults
 from scenarios.sweeps.point import tasks_of
-from scenarios.sweeps.run import note_sweep, noted_sweeps, stored_points
+from scenarios.sweeps.run import save_sweep, saved_sweeps, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.truths import with_truths
@@ -56,7 +56,7 @@ def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
     with ResultStore(file) as kept:
         for task in tasks_of(sweep, list(sweep.grid_points())):
             kept.keep([(task, run_batch([task])[0])])
-        note_sweep(kept, sweep)
+        save_sweep(kept, sweep)
     return file
 
 
@@ -85,8 +85,8 @@ def test_dataset_says_what_its_numbers_are(data: xr.Dataset, sweep: Sweep) -> No
     short = data.stuck_fraction.sel(cells=1)
     assert bool(short.isel(cell=1).isnull().all())
     assert bool(short.isel(cell=0).notnull().all())
-    assert bool(data.transmittance_error_db.sel(variant="reference").notnull().all())
-    assert bool(data.transmittance_error_db.sel(variant="mujoco").isnull().all()), "it shares the reference's error"
+    assert bool(data.step_error_db.sel(variant="reference").notnull().all())
+    assert bool(data.step_error_db.sel(variant="mujoco").isnull().all()), "it shares the reference's error"
 
 
 def test_results_out_of_a_file_are_those_of_the_store(
@@ -148,7 +148,7 @@ def test_dataset_of_a_report_can_be_reported(result: ComparedSweep) -> None:
 
 
 def test_store_knows_its_sweep(sweep: Sweep, store: Path, tmp_path: Path) -> None:
-    assert noted_sweeps(store).sweep == sweep
+    assert saved_sweeps(store).sweep == sweep
     with ResultStore(tmp_path / "other.sqlite"):
         pass
     with pytest.raises(ParameterError, match="holds no sweep"):

@@ -65,7 +65,7 @@ def incline_otherwise(monkeypatch, factor: float) -> None:
     monkeypatch.setattr(Variant, "build", otherwise)
 
 
-def departing(judged: list[Finding]) -> list[Finding]:
+def deviating(judged: list[Finding]) -> list[Finding]:
     """Give the findings that do not agree."""
     return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
 

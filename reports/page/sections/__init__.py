@@ -3,10 +3,10 @@
 from reports.page.sections.errors import ErrorMaps, OptionCurves, WorkPrecision
 from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
 from reports.page.sections.summary import Provenance, Summary
-from reports.page.sections.verdicts import Catalogue, DeparturesSection, OpenPoints, Verdicts, Versions
+from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts, Versions
 
 FIRST_SECTIONS = (
-    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, Catalogue, ErrorMaps, FrictionMapSection,
+    Summary, Verdicts, Versions, DeviationsSection, BandEdges, Transmittance, Catalogue, ErrorMaps, FrictionMapSection,
     StickSlip, WorkPrecision, OptionCurves, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)

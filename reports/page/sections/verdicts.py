@@ -1,4 +1,4 @@
-"""What comparisons come to: verdicts, versions, departures and laws, the catalogue, and points that do not agree."""
+"""What comparisons come to: verdicts, versions, deviations and laws, the catalogue, and points that do not agree."""
 
 import math
 from collections import defaultdict
@@ -90,20 +90,20 @@ POINT = "figure3"
 """Scenario that shows a transmittance."""
 
 
-class DeparturesSection(Section):
-    """A row a variant that departs."""
+class DeviationsSection(Section):
+    """A row a variant that deviates."""
 
-    title = "Departures and laws"
-    template = "departures"
+    title = "Deviations and laws"
+    template = "deviations"
 
     @property
     def shown(self) -> bool:
-        return bool(self.report.departures)
+        return bool(self.report.deviations)
 
     def context(self) -> dict[str, Any]:
-        variants = [row["variant"] for row in self.report.departures]
+        variants = [row["variant"] for row in self.report.deviations]
         commands = {own: f"multibody-xval reproduce {own} {POINT}" for own in variants if has_reproducer(own)}
-        return {"rows": self.report.departures, "failures": self.report.failures, "commands": commands}
+        return {"rows": self.report.deviations, "failures": self.report.failures, "commands": commands}
 
 
 UNKNOWN = {"outcome": "", "text": "", "words": "not known"}
@@ -152,8 +152,8 @@ class OpenPoints(Section):
             if rows:
                 of = engine(variant.engine)
                 known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
-                departs = f"Departs from Coulomb's law: {known_deviation}." if known_deviation else ""
-                notes = " ".join(note for note in (of.capabilities.notes, departs) if note)
+                deviates = f"Deviates from Coulomb's law: {known_deviation}." if known_deviation else ""
+                notes = " ".join(note for note in (of.capabilities.notes, deviates) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 shown.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
         return {"variants": shown, "compared": [variant.title for variant in compared_variants(self.result.sweep)]}
@@ -197,12 +197,12 @@ def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
 
 
 def _law(finding: Finding, prediction: Prediction) -> str:
-    """Give departure, prediction and what is left; of a law without a steady state, that."""
+    """Give deviation, prediction and what is left; of a law without a steady state, that."""
     if not prediction.certified:
         return str(prediction)
-    departure, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
+    deviation, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
     text = (
-        f"departure {departure:+.4g}, prediction {departure - left:+.4g}, left {left:+.2g} {unit}, "
+        f"deviation {deviation:+.4g}, prediction {deviation - left:+.4g}, left {left:+.2g} {unit}, "
         f"allowed {prediction.allowed:.2g}; period {prediction.distance:.2g} U0, allowed {prediction.period_bound:.2g}"
     )
     return text.replace("-", "−")

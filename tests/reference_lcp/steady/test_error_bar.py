@@ -111,7 +111,7 @@ def test_times_of_transitions_have_error_bars() -> None:
     assert printed == steady.error_bar.transition_time.tolist()
 
 
-def test_what_the_steps_do_not_agree_on_is_undecided() -> None:
+def test_what_the_steps_do_not_agree_on_is_inconclusive() -> None:
     """The first of three orbits is made to slide in cell 1, which sticks twice a period with the other steps."""
     chain, drive = driven(0.9, friction_ratio=0.3)
     orbits = [euler_orbit(chain, drive, steps) for steps in (400, 800, 1600)]
@@ -122,11 +122,11 @@ def test_what_the_steps_do_not_agree_on_is_undecided() -> None:
     missing = error_bar(orbits).missing_transitions
     assert {change.cell for change in missing} == {1}
     assert [change.kind for change in missing].count(Mode.STICK) == 2
-    undecided = np.isnan(error_bar(orbits, 1).transition_time)
+    inconclusive = np.isnan(error_bar(orbits, 1).transition_time)
     changes = transitions(orbits[1])
-    assert {change.cell for change, flag in zip(changes, undecided, strict=True) if flag} == {1}
+    assert {change.cell for change, flag in zip(changes, inconclusive, strict=True) if flag} == {1}
     assert all(
-        flag for change, flag in zip(changes, undecided, strict=True) if (change.cell, change.kind) == (1, "stick")
+        flag for change, flag in zip(changes, inconclusive, strict=True) if (change.cell, change.kind) == (1, "stick")
     )
 
 

@@ -16,9 +16,9 @@ from reference_lcp.steady.neighbours import (
     LONGEST_CHAIN,
     NEWTON_PERIODS,
     PeriodInverse,
-    orbits_beside,
-    orbits_beside_euler,
     orbits_from_balance,
+    orbits_from_euler,
+    orbits_warm_started,
     residual_amplification,
 )
 from reference_lcp.steady.orbits import periodic_orbits
@@ -52,7 +52,7 @@ def amplitudes(orbits) -> np.ndarray:
 def test_beside_the_scheme_the_same_motion_is_found_in_half_of_the_periods(monkeypatch) -> None:
     harder = rubbing_harder(monkeypatch)
     balanced = periodic_orbits(harder, STEPS, tolerance=TOLERANCE)
-    beside = orbits_beside_euler(harder, STEPS, tolerance=TOLERANCE)
+    beside = orbits_from_euler(harder, STEPS, tolerance=TOLERANCE)
     assert all(orbit.converged for orbit in beside)
     assert amplitudes(beside) == pytest.approx(amplitudes(balanced), rel=1e-7)
     assert sum(orbit.periods for orbit in beside) < sum(orbit.periods for orbit in balanced) / 2
@@ -75,7 +75,7 @@ def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     orbits = periodic_orbits(simulation, STEPS, tolerance=TOLERANCE)
     away = -30 * PeriodInverse.of(orbits).newton
     start = State.at_rest(len(orbits), 7)
-    found = orbits_beside(simulation, start, [True] * len(orbits), away, STEPS, tolerance=TOLERANCE)
+    found = orbits_warm_started(simulation, start, [True] * len(orbits), away, STEPS, tolerance=TOLERANCE)
     assert [orbit.converged for orbit in found] == [True] * len(orbits)
     assert amplitudes(found) == pytest.approx(amplitudes(orbits), rel=1e-7)
 
@@ -86,7 +86,9 @@ def test_where_nothing_is_found_and_nothing_else_is_to_be_tried_the_best_of_the_
     away = -30 * PeriodInverse.of(orbits).newton
     start = State.at_rest(len(orbits), 7)
     known = [True] * len(orbits)
-    found = orbits_beside(simulation, start, known, away, STEPS, tolerance=TOLERANCE, longest_multiple=1, anew=False)
+    found = orbits_warm_started(
+        simulation, start, known, away, STEPS, tolerance=TOLERANCE, longest_multiple=1, anew=False
+    )
     assert [orbit.converged for orbit in found] == [False] * len(orbits)
     assert max(orbit.periods for orbit in found) == NEWTON_PERIODS + 1
 
@@ -106,7 +108,7 @@ def test_long_chains_are_searched_without_their_jacobian(monkeypatch) -> None:
     monkeypatch.setattr(neighbours, "LONGEST_CHAIN", 6)
     monkeypatch.setattr(neighbours, "PeriodInverse", None)
     assert LONGEST_CHAIN > 7
-    assert all(orbit.converged for orbit in orbits_beside_euler(simulation_of(), STEPS, tolerance=TOLERANCE))
+    assert all(orbit.converged for orbit in orbits_from_euler(simulation_of(), STEPS, tolerance=TOLERANCE))
 
 
 def orbit_of(chain: Chain, frequency_ratio: float, steps: int = 400) -> PeriodicOrbit:

@@ -46,7 +46,7 @@ def test_bar_of_the_step_alone_misses_the_exact_transmittance_of_a_deep_chain(mo
 
 def test_sticks_that_finer_steps_show_only_are_flagged(monkeypatch) -> None:
     rows = compared_with_exact(*random_setting(SEED, UNSTABLE))
-    assert [row.undecided for row in rows if row.quantity == "transition time"] == [4, 4, 4]
+    assert [row.inconclusive for row in rows if row.quantity == "transition time"] == [4, 4, 4]
     assert min(numbers(rows, "transition time")) >= 1
     measured = reference_lcp.studies.against_exact.error_bar
     monkeypatch.setattr(
@@ -64,7 +64,7 @@ def test_shares_and_medians_are_those_of_the_margins() -> None:
     assert row.covered(SAFETY) == 0.5
     assert row.median_margin == pytest.approx(1.2)
     assert row.as_dict() == {
-        "quantity": "transmittance", "refinement": 2, "compared": 4, "undecided": 0, "covered": 0.75,
+        "quantity": "transmittance", "refinement": 2, "compared": 4, "inconclusive": 0, "covered": 0.75,
         "covered_without_safety": 0.5, "median_bar_over_error": pytest.approx(1.2),
     }  # fmt: skip
     assert Coverage("stuck fraction", 1, ()).as_dict()["covered"] is None

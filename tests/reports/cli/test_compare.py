@@ -146,7 +146,7 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     with ResultStore(before) as store:
         store.keep([(other, answered(other, 0.0))])
     assert compare_stores(tmp_path / "first.sqlite", before).only_second == {"reference": 1}
-    assert [own.direction for own in compare_stores(before, now).changes] == [*[TruthDirection.LOST] * 3, None]
+    assert [own.direction for own in compare_stores(before, now).changes] == [*[TruthDirection.MISSING] * 3, None]
 
 
 def results_of(file: Path) -> dict[str, str]:
@@ -171,7 +171,7 @@ def test_results_that_are_lost_fail_and_are_named(before: Path, tmp_path: Path, 
     results = results_of(before)
     now = write_results(tmp_path / "now.sqlite", dict(list(results.items())[:1]))
     assert compared(before, now, "--out", tmp_path / "changes.csv") == ExitCode.FAILED
-    assert "2 lost; 2 fail" in capsys.readouterr().out
+    assert "2 missing; 2 fail" in capsys.readouterr().out
     rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
     assert [row["beyond"] for row in rows] == ["", *["converged before, missing now"] * 2]
     assert compared(now, before) == ExitCode.DONE
@@ -195,7 +195,7 @@ def test_blocked_now_fails_with_its_reason_blocked_before_does_not(before: Path,
     results = results_of(before)
     now = write_results(tmp_path / "now.sqlite", dict.fromkeys(results, blocked))
     assert compared(before, now, "--out", tmp_path / "changes.csv") == ExitCode.FAILED
-    assert "3 lost; 3 fail" in capsys.readouterr().out
+    assert "3 missing; 3 fail" in capsys.readouterr().out
     rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
     assert {row["beyond"] for row in rows} == {"converged before, blocked now: crashed in solve()"}
     assert compared(now, before) == ExitCode.DONE
@@ -221,9 +221,9 @@ def test_wrong_input_is_refused(before: Path, arguments: list[str], capsys: pyte
 @pytest.mark.parametrize(
     ("truth", "direction", "code"),
     [
-        (-4.4, TruthDirection.CLOSER, ExitCode.DONE),  # 0.6 dB before, 0.1 dB now
-        (-4.75, TruthDirection.AS_FAR, ExitCode.DONE),  # to the other side
-        (-5.1, TruthDirection.FARTHER, ExitCode.FAILED),
+        (-4.4, TruthDirection.IMPROVED, ExitCode.DONE),  # 0.6 dB before, 0.1 dB now
+        (-4.75, TruthDirection.UNCHANGED, ExitCode.DONE),  # to the other side
+        (-5.1, TruthDirection.REGRESSED, ExitCode.FAILED),
         (None, TruthDirection.UNKNOWN, ExitCode.FAILED),
     ],
 )
@@ -247,7 +247,7 @@ def test_only_what_leads_away_from_the_truth_fails(
 def test_the_command_computes_exact_motions(before, tmp_path, monkeypatch, capsys) -> None:
     now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
     assert run_command(app, ["compare", str(before), str(now)]) == ExitCode.FAILED
-    assert "3 points: 1 farther from the truth, 1 closer to the truth; 1 fail" in capsys.readouterr().out
+    assert "3 points: 1 regressed, 1 improved; 1 fail" in capsys.readouterr().out
 
 
 def test_the_exact_motion_counts_before_the_converged_reference(before, tmp_path, monkeypatch) -> None:
@@ -263,7 +263,7 @@ def test_an_exact_motion_that_no_store_has_is_computed(before, tmp_path, monkeyp
     now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
     changes = compare_stores(before, now, compute=run_steady_states).changes
     at = {own.first.task["frequency_ratio"]: own for own in changes}
-    assert [at[eta].direction for eta in (0.3, 0.6, 0.9)] == [None, TruthDirection.CLOSER, TruthDirection.FARTHER]
+    assert [at[eta].direction for eta in (0.3, 0.6, 0.9)] == [None, TruthDirection.IMPROVED, TruthDirection.REGRESSED]
     exact = exact_steady_state(Chain.from_ratios(friction_ratio=0.3), HarmonicBase.from_ratio(Chain.from_ratios(), 0.9))
     assert at[0.9].error_db(at[0.9].second) == pytest.approx(abs(-4.5 - exact.transmittance_db), abs=1e-6)
 
@@ -303,11 +303,11 @@ def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
     outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "xml", "csv")]
     assert compared(before, now, *(word for out in outs for word in ("--out", out))) == ExitCode.FAILED
     content = json.loads(outs[1].read_text())
-    assert (content["passes"], content["failing"], content["farther"], content["points"]) == (False, 2, 2, 3)
+    assert (content["passes"], content["failing"], content["regressed"], content["points"]) == (False, 2, 2, 3)
     assert [own["fails"] for own in content["changes"]] == [True, True]
     document = outs[0].read_text()
-    assert document.startswith("## Engine regression: fails\n\n3 points: 2 farther from the truth; 2 fail.\n")
-    assert "| softening | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, farther |" in document
+    assert document.startswith("## Engine regression: fails\n\n3 points: 2 regressed; 2 fail.\n")
+    assert "| softening | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, regressed |" in document
     assert "<details>" not in document
     checked_junit(outs[2], failures=2, tests=3)
 

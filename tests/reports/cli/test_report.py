@@ -29,7 +29,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.run import compared_points, note_sweep, stored_points
+from scenarios.sweeps.run import compared_points, save_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
 from tests.scenarios.in_process import evaluator, rub_harder
@@ -199,7 +199,7 @@ def test_a_fuller_page_is_not_overwritten_by_what_a_store_holds(
     page = (tmp_path / "out" / "index.html").read_bytes()
     asked = planned_report([], tmp_path / "sweep.toml", quick=False, stored_in=None).sweep
     with ResultStore(tmp_path / "empty.sqlite") as store:
-        note_sweep(store, asked)
+        save_sweep(store, asked)
     capsys.readouterr()
     lesser = [*stopped[:2], "--store", str(tmp_path / "empty.sqlite"), *stopped[4:], "--no-run"]
     assert run_command(app, lesser) == 2
@@ -208,7 +208,7 @@ def test_a_fuller_page_is_not_overwritten_by_what_a_store_holds(
     assert run_command(app, [*stopped, "--no-run"]) == 0, "as much as before is no less"
 
 
-def test_a_store_alone_is_shown_with_all_engines_that_were_noted(
+def test_a_store_alone_is_shown_with_all_engines_that_were_saved(
     stopped: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     asked = planned_report([], tmp_path / "sweep.toml", quick=False, stored_in=None).sweep
@@ -216,7 +216,7 @@ def test_a_store_alone_is_shown_with_all_engines_that_were_noted(
     elsewhere = replace(asked, axes={**asked.axes, "friction_ratio": (0.1, 0.2)}, variants=(Variant("drake"),))
     with ResultStore(tmp_path / "sweep.sqlite") as store:
         for noted in (elsewhere, asked, pybullet):
-            note_sweep(store, noted)
+            save_sweep(store, noted)
     assert run_command(app, ["--no-run", *stopped[2:]]) == 0
     captured = capsys.readouterr()
     line = "not shown: the store also has 2 of friction_ratio, 6 of frequency_ratio, of drake; --sweep FILE shows them"
@@ -232,7 +232,7 @@ def test_a_store_alone_is_shown_with_defaults_at_the_few_points_that_it_has_of_t
     asked = planned_report([], Path(stopped[1]), quick=False, stored_in=None).sweep
     installed = Variant("mujoco", "contact", "default")
     with ResultStore(file) as store:
-        note_sweep(store, asked)
+        save_sweep(store, asked)
         task = asked.task(installed, Case.of(friction_ratio=0.3), 0.9)
         store.keep([(task, Result(status="converged", transmittance_db=-1.0))])
     planned = planned_report([], None, quick=False, stored_in=file)
@@ -329,7 +329,7 @@ def test_wrong_input_is_refused_and_leaves_no_folder(
     assert not (tmp_path / "out").exists()
 
 
-def test_an_unexplained_disagreement_is_code_1_after_the_page_is_written(
+def test_an_unmodelled_disagreement_is_code_1_after_the_page_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rub_harder(monkeypatch, 1.1)
@@ -347,4 +347,4 @@ def test_an_unexplained_disagreement_is_code_1_after_the_page_is_written(
         assert Path(page) == out / "index.html"
         assert Path(page).is_file()
         assert any(line.split()[:1] == ["mujoco"] for line in lines) == (code == ExitCode.FAILED)
-        assert any(line.startswith("unexplained:") for line in lines) == (code == ExitCode.FAILED)
+        assert any(line.startswith("unmodelled:") for line in lines) == (code == ExitCode.FAILED)

@@ -20,7 +20,7 @@ from scenarios.catalogue.verdict_table import (
     details,
     matrix,
     rows_of,
-    unexplained,
+    unmodelled,
     verdict_document,
     verdict_table,
 )
@@ -102,15 +102,15 @@ def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(caps
         assert name in printed
 
 
-def test_a_disagreement_is_as_the_law_of_the_engine_predicts_or_unexplained(run, capsys) -> None:
+def test_a_disagreement_is_as_the_law_of_the_engine_predicts_or_unmodelled(run, capsys) -> None:
     assert run(ByHand()) == 0
     printed = capsys.readouterr().out
     assert "as its law predicts, mujoco:joint:default: friction is a soft constraint with a time constant" in printed
-    assert "unexplained" not in printed
+    assert "unmodelled" not in printed
     wrong = ByHand()
     wrong.wrong = Variant("mujoco")
     assert run(wrong) == 1
-    assert "unexplained: 2 disagreements, of mujoco" in capsys.readouterr().out
+    assert "unmodelled: 2 disagreements, of mujoco" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -153,10 +153,10 @@ def test_rows_count_verdicts_and_name_the_worst() -> None:
     assert [right.count(verdict) for verdict in Verdict] == [1, 0, 0, 1, 0]
     assert right.outcome == "inconclusive 1/2"
     assert ends[0] == ["0.5", "pitch, soft: agree | by hand"]
-    assert lawful.outcome == "as predicted 2/2"
+    assert lawful.outcome == "modelled 2/2"
     assert ends[1] == ["9", "pitch, loud: disagree | by hand"]
     assert ends[2] == ["–", "blocked | by hand"]
-    assert unexplained(*RESULTS.values()) == []
+    assert unmodelled(*RESULTS.values()) == []
 
 
 def test_details_have_one_line_a_metric_and_verdict() -> None:
@@ -171,7 +171,7 @@ def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
     assert list(table.columns) == ["engine:formulation:preset", "by-hand"]
     assert table.to_numpy().tolist() == [
         ["reference", "inconclusive 1/2"],
-        ["mujoco:joint:default", "as predicted 2/2"],
+        ["mujoco:joint:default", "modelled 2/2"],
         ["siconos", "blocked 1/1"],
     ]
 
@@ -194,7 +194,7 @@ def test_document_says_first_whether_the_run_fails_and_folds_the_scenarios() -> 
     wrong.wrong = Variant("mujoco")
     fails = verdict_document({wrong: wrong.run((), None)}, "command")
     assert fails.startswith("## Verdicts: fails\n")
-    assert "\n- by-hand: unexplained: 2 disagreements, of mujoco\n" in fails
+    assert "\n- by-hand: unmodelled: 2 disagreements, of mujoco\n" in fails
     many = verdict_document({wrong: [finding(RIGHT, str(k), Verdict.DISAGREE, k, 1.0) for k in range(99)]}, "command")
     assert "The 10 largest of 99:" in many
     assert [f"| {k} | pitch |" in many.partition("<details>")[0] for k in (98, 89, 88)] == [True, True, False]
@@ -222,7 +222,7 @@ def test_csv_and_json_hold_every_finding_in_full() -> None:
     content = json.loads(VERDICT_FORMATS[".json"](RESULTS, "command"))
     assert len(content["findings"]) == 5
     assert content["findings"][4]["allowed"] is None
-    assert content["findings"][3]["as predicted"] is True
+    assert content["findings"][3]["modelled"] is True
     assert content["scenarios"][0]["parameters"] == ["length = 0.12"]
 
 
@@ -280,7 +280,7 @@ def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install
     printed = install("mutations").run(
         "-m", "reports", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
     )
-    assert "unexplained:" in printed
+    assert "unmodelled:" in printed
     found = json.loads(out.read_text())["findings"]
     assert {one["case"] for one in found if one["metric"] == "transmittance" and one["verdict"] == "disagree"} == {
         case.label for case in CATALOGUE["unit-cell"].cases

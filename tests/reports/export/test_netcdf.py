@@ -87,7 +87,7 @@ def test_file_has_engines_presets_versions_and_options(read) -> None:
 
 def test_file_has_error_bars_and_what_is_allowed(read) -> None:
     own = read.sel(variant="exudyn-regularised")
-    assert bool(own.transmittance_error_db.notnull().all())
+    assert bool(own.step_error_db.notnull().all())
     agrees = own.verdict == read.verdict.attrs["flag_meanings"].split().index("agree")
     within = abs(own.difference_db) <= own.allowed_db
     assert bool(within.where(agrees, other=True).all())

@@ -34,7 +34,7 @@ COLUMNS = {
         "phase_rad,difference_phase_deg,verdict,outcome,law_value_db,law_left_db,law_allowed_db,law_value_phase_deg,"
         "law_left_phase_deg,law_allowed_phase_deg,law_distance,law_period_bound,reason"
     ),
-    "catalogue.csv": "scenario,engine,formulation,preset,unexplained,as predicted,undecided,blocked,agrees",
+    "catalogue.csv": "scenario,engine,formulation,preset,unmodelled,modelled,inconclusive,blocked,agrees",
     "options.csv": ("engine,formulation,preset,option,value,largest_error_db,median_error_db,largest_creep"),
     "work_precision.csv": (
         "engine,formulation,preset,steps_per_period,largest_error_db,step_s,steady_state_s,points_certified,"

@@ -24,7 +24,7 @@ DEFAULT = Variant("mujoco", "joint", "default")
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Holds one scenario, of two variants, one of which departs as its law says."""
+    """Holds one scenario, of two variants, one of which deviates as its law says."""
     file = tmp_path_factory.mktemp("store") / "results.sqlite"
     with ResultStore(file) as kept:
         run_with_predictions(CATALOGUE["breakaway"], [RUNS, DEFAULT], Evaluator(kept, InProcessExecutor()))
@@ -39,10 +39,10 @@ def test_a_scenario_that_was_run_has_its_outcomes_and_others_are_left_out(store:
     assert RUNS in own
     assert MISSING not in own, "it was not run"
     assert set(own[RUNS]) == {Outcome.AGREES}
-    assert next(iter(own[DEFAULT])) is Outcome.PREDICTED, "it creeps before it breaks away, as its law does"
+    assert next(iter(own[DEFAULT])) is Outcome.MODELLED, "it creeps before it breaks away, as its law does"
 
 
-def test_a_variant_that_departs_is_left_out_where_nobody_has_run_its_law(tmp_path: Path) -> None:
+def test_a_variant_that_deviates_is_left_out_where_nobody_has_run_its_law(tmp_path: Path) -> None:
     with ResultStore(tmp_path / "results.sqlite") as kept:
         CATALOGUE["breakaway"].run([RUNS, DEFAULT], Evaluator(kept, InProcessExecutor()))
         known = catalogue_outcomes([RUNS, DEFAULT], kept)
@@ -56,11 +56,11 @@ def test_a_store_without_scenarios_has_no_section(report: Report, tmp_path: Path
 
 
 def test_cells_show_the_worst_outcome_with_its_number_and_tell_all(report: Report) -> None:
-    counts = {Outcome.UNEXPLAINED: 2, Outcome.AGREES: 10}
+    counts = {Outcome.UNMODELLED: 2, Outcome.AGREES: 10}
     shown = replace(report, catalogue={"breakaway": {RUNS: counts}, "unit-cell": {REFERENCE: {Outcome.AGREES: 3}}})
     html = page("A page", [Catalogue(shown)]).html
-    assert '<td class="outcome unexplained" title="2 unexplained, 10 agrees">✗ 2</td>' in html
+    assert '<td class="outcome unmodelled" title="2 unmodelled, 10 agrees">✗ 2</td>' in html
     assert '<td class="outcome agrees" title="3 agrees">✓</td>' in html
     assert '<td class="outcome " title="not known"></td>' in html
     table = catalogue_table(shown.catalogue)
-    assert table.loc[0, ["scenario", "engine", "unexplained", "agrees"]].tolist() == ["breakaway", "mujoco", 2, 10]
+    assert table.loc[0, ["scenario", "engine", "unmodelled", "agrees"]].tolist() == ["breakaway", "mujoco", 2, 10]

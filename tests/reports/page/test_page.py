@@ -82,7 +82,7 @@ class Elements(HTMLParser):
 
 def test_page_has_every_section_in_order(page: str) -> None:
     assert Elements(page).headings == [
-        "Summary", "Verdicts", "Departures and laws", "Band edges", "Transmittance", "Where the error is",
+        "Summary", "Verdicts", "Deviations and laws", "Band edges", "Transmittance", "Where the error is",
         "Friction and frequency", "Stick and slip", "Work and precision", "Points that do not agree",
         "How these numbers were made",
     ]  # fmt: skip
@@ -208,13 +208,13 @@ def test_disagreements_in_db_come_first_and_the_largest_on_top(result: ComparedS
     assert [row["unit"] == "dB" for row in rows] == sorted((row["unit"] == "dB" for row in rows), reverse=True)
 
 
-def test_departures_stand_beside_what_laws_leave_of_them_and_fail_the_comparison(report: Report, page: str) -> None:
-    own = next(row for row in report.departures if row["variant"] == RUNS)
-    assert (own["points"], own["edges"], own["unexplained"]) == (1, 3, 4)
-    assert own["worst"]["departure"] == pytest.approx(0.03, abs=1e-12)
+def test_deviations_stand_beside_what_laws_leave_of_them_and_fail_the_comparison(report: Report, page: str) -> None:
+    own = next(row for row in report.deviations if row["variant"] == RUNS)
+    assert (own["points"], own["edges"], own["unmodelled"]) == (1, 3, 4)
+    assert own["worst"]["deviation"] == pytest.approx(0.03, abs=1e-12)
     assert math.isnan(own["worst"]["left"])
     assert own["note"] == "claims the reference's step"
-    assert report.failures[0].startswith("unexplained: ")
+    assert report.failures[0].startswith("unmodelled: ")
     assert "The comparison fails:" in page
     assert report.failures[0] in page
 

@@ -19,7 +19,7 @@ from scenarios.runs.transient import run_transients
 from scenarios.runs.transient_task import Block
 from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from tests.scenarios.in_process import departing, findings, misread_the_chain, press_harder, rub_harder
+from tests.scenarios.in_process import deviating, findings, misread_the_chain, press_harder, rub_harder
 
 MUJOCO, SOFT = Variant("mujoco"), Variant("mujoco", "joint", "default")
 GRAM, KILOGRAM = "1 g", "1 kg"
@@ -95,13 +95,13 @@ def test_exact_block_on_a_free_carrier_gives_the_published_number(case) -> None:
     "scenario", [StaticHold(), Breakaway(), StoppingDistance(), Published()], ids=lambda each: each.name
 )
 def test_engines_that_take_the_scheme_answer_as_it_does(scenario, one_scale) -> None:
-    assert not departing(findings(scenario, MUJOCO, REFERENCE))
+    assert not deviating(findings(scenario, MUJOCO, REFERENCE))
 
 
 @needs_mujoco
 def test_the_soft_friction_of_mujoco_creeps_as_its_law_predicts_whatever_the_mass(one_scale) -> None:
     creep = [finding for finding in findings(StaticHold(), SOFT, laws=True) if finding.metric is CREEP]
-    assert all(finding.comparison.verdict is Verdict.DISAGREE and finding.as_predicted for finding in creep)
+    assert all(finding.comparison.verdict is Verdict.DISAGREE and finding.modelled for finding in creep)
     half = next(finding for finding in creep if finding.case == f"{KILOGRAM}, load 0.5")
     # μ g / 2 over the rate 2 / (d_max τ) of the constraint, softened by (1 − d_0) / d_0: 2.72 mm/s, and the spring
     # relaxes with it
@@ -117,16 +117,16 @@ def test_friction_that_is_a_hundredth_off_breaks_away_elsewhere_and_stops_elsewh
     factor, one_scale, monkeypatch
 ) -> None:
     rub_harder(monkeypatch, factor)
-    early = [finding for finding in departing(findings(Breakaway(), MUJOCO)) if "0.5 ms" in finding.case]
+    early = [finding for finding in deviating(findings(Breakaway(), MUJOCO)) if "0.5 ms" in finding.case]
     assert [np.sign(finding.comparison.difference) for finding in early] == [np.sign(factor - 1)]
-    short = [finding for finding in departing(findings(StoppingDistance(), MUJOCO)) if finding.metric is DISTANCE]
+    short = [finding for finding in deviating(findings(StoppingDistance(), MUJOCO)) if finding.metric is DISTANCE]
     assert [np.sign(finding.comparison.difference) for finding in short] == 2 * [np.sign(1 - factor)]
 
 
 @needs_mujoco
 def test_a_bound_that_is_two_hundredths_too_small_does_not_hold_the_largest_load(one_scale, monkeypatch) -> None:
     rub_harder(monkeypatch, 0.98)
-    assert {finding.case for finding in departing(findings(StaticHold(), MUJOCO))} == {
+    assert {finding.case for finding in deviating(findings(StaticHold(), MUJOCO))} == {
         f"{KILOGRAM}, load 0.99",
         f"{KILOGRAM}, load 0.99, shaken",
     }
@@ -143,14 +143,14 @@ def test_friction_that_is_off_gives_other_numbers_than_those_published(factor, m
     rub_harder(monkeypatch, factor)
     # three hundredths less, and the block slips on the table that was not to move it
     held = set() if factor < 0.99 else {"sdnd104-0.99"}
-    seen = {finding.case for finding in departing(findings(Published(), MUJOCO))}
+    seen = {finding.case for finding in deviating(findings(Published(), MUJOCO))}
     assert seen == set(map(str, Published.cases)) - held
 
 
 @needs_mujoco
 def test_a_block_that_is_heavier_than_it_should_be_goes_too_far(one_scale, monkeypatch) -> None:
     misread_the_chain(monkeypatch, inner_mass=1.01)
-    assert {finding.metric for finding in departing(findings(StoppingDistance(), MUJOCO))} >= {DISTANCE}
+    assert {finding.metric for finding in deviating(findings(StoppingDistance(), MUJOCO))} >= {DISTANCE}
 
 
 @needs_mujoco
@@ -158,7 +158,7 @@ def test_a_law_excuses_no_block_that_it_does_not_predict(one_scale, monkeypatch)
     press_harder(monkeypatch, SOFT, 1.05)
     stopped = [finding for finding in findings(StoppingDistance(), SOFT, laws=True) if finding.metric is DISTANCE]
     assert stopped
-    assert not any(finding.as_predicted for finding in stopped)
+    assert not any(finding.modelled for finding in stopped)
 
 
 @pytest.mark.parametrize("name", ["mass", "normal_force", "stiffness"])

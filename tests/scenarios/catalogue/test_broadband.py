@@ -31,7 +31,7 @@ from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_bracket
 from scenarios.verdicts.finding import Verdict
 from tests.scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
 from tests.scenarios.catalogue.example_record import example_samples, write_example
-from tests.scenarios.in_process import departing, evaluator, findings, rub_harder
+from tests.scenarios.in_process import deviating, evaluator, findings, rub_harder
 
 REFERENCE, MUJOCO = Variant("reference"), Variant("mujoco")
 BELOW, WITHIN, ABOVE = (BAND_METRICS[name] for name in ("0.65–0.82", "0.9–1.35", "1.5–2"))
@@ -102,7 +102,7 @@ def test_transients_have_died_out_at_their_end() -> None:
 def test_reference_and_mujoco_agree_with_the_finer_reference() -> None:
     judged = findings(ShortPulse(), REFERENCE, MUJOCO)
     assert [finding.metric for finding in judged] == 2 * list(RickerPulseScenario.metrics)
-    assert not departing(judged)
+    assert not deviating(judged)
     series = {finding.variant.engine: finding for finding in judged if finding.metric is DIFFERENCE}
     assert 0 < series["mujoco"].value < 0.002
     assert series["mujoco"].value == pytest.approx(series["reference"].value, rel=1e-6)

@@ -15,7 +15,7 @@ from scenarios.runs.transient import run_transients
 from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.installed import each_engine
-from tests.scenarios.in_process import departing, findings, press_harder
+from tests.scenarios.in_process import deviating, findings, press_harder
 
 MUJOCO = Variant("mujoco", "contact")
 
@@ -68,7 +68,7 @@ def test_a_bound_a_tangent_lets_friction_grow_to_the_root_of_two_as_stated(name,
     for angle in (15, 45, 75):
         (finding,) = of_angle(judged, angle)
         assert finding.comparison.verdict is Verdict.DISAGREE
-        assert finding.as_predicted
+        assert finding.modelled
         expected = math.cos(math.radians(angle)) + math.sin(math.radians(angle))
         assert finding.value == pytest.approx(expected, abs=1e-4)
     assert {finding.comparison.verdict for finding in of_angle(judged, 0) + of_angle(judged, 90)} == {Verdict.AGREE}
@@ -80,7 +80,7 @@ def test_a_statement_excuses_no_bound_that_is_another(slow_kilogram, monkeypatch
     press_harder(monkeypatch, ode, 1.001)
     judged = findings(Direction(), ode, laws=True)
     assert {finding.comparison.verdict for finding in judged} == {Verdict.DISAGREE}
-    assert not any(finding.as_predicted for finding in judged)
+    assert not any(finding.modelled for finding in judged)
 
 
 @needs_mujoco
@@ -90,9 +90,9 @@ def test_a_statement_excuses_no_bound_that_is_another(slow_kilogram, monkeypatch
 def test_a_pyramid_where_a_cone_is_claimed_is_wrong_between_its_tangents(bound, slow_kilogram, monkeypatch) -> None:
     turn_into_pyramid(monkeypatch, bound)
     judged = findings(Direction(), MUJOCO, laws=True)
-    wrong = departing(judged)
+    wrong = deviating(judged)
     assert [finding.case.split()[-1] for finding in wrong] == ["15°", "30°", "45°", "60°", "75°"]
-    assert not any(finding.as_predicted for finding in wrong)
+    assert not any(finding.modelled for finding in wrong)
 
 
 def test_joints_have_no_direction(slow_kilogram) -> None:

@@ -7,7 +7,7 @@ from engines.interface.variant import Variant
 from scenarios.catalogue.transient.free_decay import OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
 from scenarios.runs.executor import run_batch
 from scenarios.verdicts.finding import Verdict
-from tests.scenarios.in_process import departing, findings, rub_harder
+from tests.scenarios.in_process import deviating, findings, rub_harder
 
 MUJOCO = Variant("mujoco")
 
@@ -44,7 +44,7 @@ def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
 def test_reference_and_mujoco_decay_as_the_exact_motion_does() -> None:
     judged = findings(FreeDecay(), Variant("reference"), MUJOCO)
     assert len(judged) == 2 * (8 + 7 + 7)
-    assert not departing(judged)
+    assert not deviating(judged)
 
 
 def test_friction_that_is_too_large_by_a_twentieth_is_found(monkeypatch) -> None:

@@ -11,7 +11,7 @@ from scenarios.runs.transient import run_transients
 from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.installed import each_engine
-from tests.scenarios.in_process import departing, findings, incline_otherwise, press_harder
+from tests.scenarios.in_process import deviating, findings, incline_otherwise, press_harder
 
 ALL_CASES, THREE_PERIODS = InclinedChainScenario.cases, 3 * STEPS_PER_PERIOD
 SCENARIO, MUJOCO = InclinedChainScenario(), Variant("mujoco", "contact")
@@ -27,28 +27,28 @@ def short_slide(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("name", each_engine(["mujoco", "dart"]))
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(name) -> None:
-    assert not departing(findings(SCENARIO, Variant(name, "contact"), REFERENCE))
+    assert not deviating(findings(SCENARIO, Variant(name, "contact"), REFERENCE))
 
 
 @pytest.mark.needs("ode")
 def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
-    judged = departing(findings(SCENARIO, Variant("ode", "contact"), laws=True))
+    judged = deviating(findings(SCENARIO, Variant("ode", "contact"), laws=True))
     assert {finding.metric for finding in judged} == {RESPONSE, SLIPS}
-    assert all(finding.as_predicted for finding in judged)
+    assert all(finding.modelled for finding in judged)
 
 
 @pytest.mark.needs("ode")
 def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) -> None:
     press_harder(monkeypatch, Variant("ode", "contact"), 1.01)
-    judged = departing(findings(SCENARIO, Variant("ode", "contact"), laws=True))
+    judged = deviating(findings(SCENARIO, Variant("ode", "contact"), laws=True))
     assert judged
-    assert not any(finding.as_predicted for finding in judged)
+    assert not any(finding.modelled for finding in judged)
 
 
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 0.9], ids=["wrong sign", "none", "a tenth too small"])
 def test_another_inclination_moves_otherwise(factor, monkeypatch) -> None:
     incline_otherwise(monkeypatch, factor)
-    assert {finding.metric for finding in departing(findings(SCENARIO, MUJOCO))} >= {SLIPS}
+    assert {finding.metric for finding in deviating(findings(SCENARIO, MUJOCO))} >= {SLIPS}
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedStea
 from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.installed import each_variant
-from tests.scenarios.in_process import departing, findings, incline_otherwise
+from tests.scenarios.in_process import deviating, findings, incline_otherwise
 
 SCENARIO, SLIDING = InclinedSteadyState(), InclinedSteadyState.cases[0]
 MUJOCO, ODE = Variant("mujoco", "contact"), Variant("ode", "contact")
@@ -23,13 +23,13 @@ def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("variant", each_variant([MUJOCO, Variant("dart", "contact", "sphere")]))
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(variant) -> None:
-    assert not departing(findings(SCENARIO, variant, REFERENCE))
+    assert not deviating(findings(SCENARIO, variant, REFERENCE))
 
 
 @pytest.mark.needs("ode")
 def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
     judged = findings(SCENARIO, ODE)
-    (transmittance,) = (finding for finding in departing(judged) if finding.metric is TRANSMITTANCE)
+    (transmittance,) = (finding for finding in deviating(judged) if finding.metric is TRANSMITTANCE)
     assert -0.3 < transmittance.comparison.difference < -0.1
 
 
@@ -37,14 +37,14 @@ def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
 def test_another_inclination_has_another_transmittance(factor, monkeypatch) -> None:
     """But for that of the other sign: the mirrored motion has the same."""
     incline_otherwise(monkeypatch, factor)
-    assert TRANSMITTANCE in {finding.metric for finding in departing(findings(SCENARIO, MUJOCO))}
+    assert TRANSMITTANCE in {finding.metric for finding in deviating(findings(SCENARIO, MUJOCO))}
 
 
 @pytest.mark.needs("ode")
 def test_stuck_chain_is_the_linear_one(monkeypatch) -> None:
     monkeypatch.setattr(InclinedSteadyState, "cases", (STUCK,))
     judged = findings(SCENARIO, REFERENCE, ODE)
-    assert not departing(judged)
+    assert not deviating(judged)
     assert {abs(finding.expected + 0.503) < 1e-3 for finding in judged if finding.metric is TRANSMITTANCE} == {True}
 
 

@@ -24,7 +24,7 @@ from scenarios.catalogue.block.static_above_kinetic import (
 from scenarios.runs.transient import run_transients
 from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from tests.scenarios.in_process import departing, findings
+from tests.scenarios.in_process import deviating, findings
 
 KILOGRAM = next(release for release in StaticAboveKinetic.cases if str(release) == "1 kg, 1.5")
 
@@ -66,7 +66,7 @@ def test_block_rests_where_it_has_jumped_to() -> None:
 def test_scheme_agrees(one_scale) -> None:
     judged = findings(StaticAboveKinetic(), REFERENCE)
     assert {finding.metric for finding in judged} == {BREAKAWAY, JUMP}
-    assert not departing(judged)
+    assert not deviating(judged)
 
 
 def altered(monkeypatch: pytest.MonkeyPatch, change: Callable[[Lane], Lane]) -> None:

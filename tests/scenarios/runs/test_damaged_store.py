@@ -62,13 +62,13 @@ def test_one_flipped_digit_is_refused_with_file_row_and_what_to_do(file, tmp_pat
     assert run_command(app, ["store", "check", str(file), "--salvage", str(tmp_path / "good.sqlite")]) == 0
     with ResultStore(tmp_path / "good.sqlite") as store:
         assert list(store.results(TASKS)) == [*RESULTS[:4], None, *RESULTS[5:]]
-        assert store.noted() == ['{"a": "sweep"}']
+        assert store.saved() == ['{"a": "sweep"}']
 
 
 def test_a_damaged_sweep_is_refused(file) -> None:
     change(file, "UPDATE sweeps SET sweep = '{}'")
     with ResultStore(file) as store, pytest.raises(ParameterError, match="the digest of row 1 does not fit"):
-        store.noted()
+        store.saved()
 
 
 def test_an_intact_store_has_no_damage_and_a_salvage_overwrites_nothing(file, capsys) -> None:

@@ -12,7 +12,7 @@ from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
-from scenarios.sweeps.run import note_sweep, noted_sweeps
+from scenarios.sweeps.run import save_sweep, saved_sweeps
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 
@@ -45,7 +45,7 @@ def whole(sweep_file: Path, sweep: Sweep) -> Path:
     file = sweep_file.with_name("whole.sqlite")
     draw = random.Random(1)
     with ResultStore(file) as store:
-        note_sweep(store, sweep)
+        save_sweep(store, sweep)
         for task in sweep.tasks():
             numbers = tuple(draw.random() for _ in range(7))
             turns = tuple((1 + k % 7, draw.random(), "stick" if k % 2 else "forward slip") for k in range(20))
@@ -123,7 +123,7 @@ class Reader:
         assert table in (None, self.table)
         refused += self.refused(app, ["compare", str(self.whole), str(file)], file)
         try:
-            noted = noted_sweeps(file).sweep
+            noted = saved_sweeps(file).sweep
         except ParameterError:
             refused += 1
         else:

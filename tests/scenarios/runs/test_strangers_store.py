@@ -20,7 +20,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.store_check import check_store
 from scenarios.sweeps.dataset import SWEEP
-from scenarios.sweeps.run import noted_sweeps
+from scenarios.sweeps.run import saved_sweeps
 from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.stored import read_all
 from tests.scenarios.runs.builders import steady
@@ -99,7 +99,7 @@ def test_only_the_tables_of_a_store_are_read(file, script) -> None:
     with closing(sqlite3.connect(file)) as connection:
         connection.executescript(script)
     before = file.read_bytes()
-    for read in (ResultStore, check_store, noted_sweeps, read_all):
+    for read in (ResultStore, check_store, saved_sweeps, read_all):
         with pytest.raises(ParameterError, match="its tables are not those of a store"):
             read(file)
     assert file.read_bytes() == before
@@ -154,10 +154,10 @@ HOSTILE_SWEEPS = [
 
 
 @pytest.mark.parametrize("text", HOSTILE_SWEEPS, ids=[str(number) for number in range(len(HOSTILE_SWEEPS))])
-def test_a_noted_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> None:
+def test_a_saved_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> None:
     write(file, "sweeps", "sweep", text)
     with pytest.raises(ParameterError, match=r"results\.sqlite"):
-        noted_sweeps(file)
+        saved_sweeps(file)
 
 
 @pytest.mark.parametrize(

@@ -45,11 +45,11 @@ def rows() -> list[LawAgreement]:
     return law_agreements([SOFT, UNMODELLED], Known())
 
 
-def test_row_has_departure_what_the_law_leaves_and_the_distance_of_a_period() -> None:
+def test_row_has_deviation_what_the_law_leaves_and_the_distance_of_a_period() -> None:
     soft, unmodelled = rows()
-    assert (soft.departure, soft.error, soft.stuck_fraction, soft.certified) == (3.0, 0.25, 0.25, 12)
+    assert (soft.deviation, soft.error, soft.stuck_fraction, soft.certified) == (3.0, 0.25, 0.25, 12)
     assert sorted(set(soft.period)) == [0.5, 0.7, 0.9, 1.1, 1.3, 1.5]
-    assert (unmodelled.departure, unmodelled.certified) == (1.0, 18)
+    assert (unmodelled.deviation, unmodelled.certified) == (1.0, 18)
     assert math.isnan(unmodelled.error)
     assert "round-off decides" in unmodelled.reason
 
@@ -62,7 +62,7 @@ def test_every_preset_but_those_of_the_reference_has_a_row() -> None:
 def test_preset_that_takes_the_step_of_the_reference_is_beside_it_what_others_are_beside_their_law() -> None:
     with opened_store(None) as store, evaluator(store) as running:
         (shares,) = law_agreements([Variant("pymunk")], running)
-    assert shares.departure == shares.error < 1e-6
+    assert shares.deviation == shares.error < 1e-6
     assert len(shares.period) == shares.certified == 18
     assert max(shares.period) <= shares.bound
 
@@ -79,6 +79,6 @@ def test_the_law_of_mujoco_predicts_its_soft_friction_at_eighteen_points() -> No
     with opened_store(None) as store, evaluator(store) as running:
         (soft,) = law_agreements([SOFT], running)
     assert soft.certified == 18
-    assert soft.departure > 10
+    assert soft.deviation > 10
     assert soft.error < 1e-5
     assert max(soft.period) <= soft.bound

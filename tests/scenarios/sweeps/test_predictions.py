@@ -1,4 +1,4 @@
-"""What departs of a sweep: as the law of the variant predicts, or unexplained, whatever a text says."""
+"""What deviates of a sweep: as the law of the variant predicts, or unmodelled, whatever a text says."""
 
 import dataclasses
 
@@ -13,12 +13,12 @@ from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_point
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_reader import DatasetResults
 from scenarios.sweeps.sweep import GivenTolerance, Sweep
-from scenarios.verdicts.finding import Finding, Verdict, failures, unexplained
+from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import be_late, evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
-"""It departs from Coulomb's law, and its law predicts how."""
+"""It deviates from Coulomb's law, and its law predicts how."""
 
 GRID = (0.55, 0.62, 0.67, 0.9, 1.1)
 """With the lower edge of the band at friction ratio 0.3; at 0.67 a residual grows by more than in the linear limits."""
@@ -37,18 +37,18 @@ def compared(sweep: Sweep, store: ResultStore | None = None) -> ComparedSweep:
         return compare_sweep(sweep, evaluator(own))
 
 
-def departing(result: ComparedSweep, variant: Variant = LAWFUL) -> list[Finding]:
+def deviating(result: ComparedSweep, variant: Variant = LAWFUL) -> list[Finding]:
     own = [finding for finding in result.findings if finding.variant == variant]
     return [finding for finding in own if finding.comparison.verdict is Verdict.DISAGREE]
 
 
 @needs_mujoco
-def test_points_and_edges_that_depart_are_as_the_law_predicts() -> None:
+def test_points_and_edges_that_deviate_are_as_the_law_predicts() -> None:
     result = compared(planned())
-    wrong = departing(result)
+    wrong = deviating(result)
     assert {finding.metric.name for finding in wrong} == {"transmittance", "phase", "band edge"}
     for finding in wrong:
-        assert finding.as_predicted, finding
+        assert finding.modelled, finding
         assert finding.prediction is not None
         assert abs(finding.prediction.difference) < 1e-3 * abs(finding.comparison.difference)
     assert failures(result.findings) == []
@@ -56,22 +56,22 @@ def test_points_and_edges_that_depart_are_as_the_law_predicts() -> None:
 
 @needs_mujoco
 @pytest.mark.parametrize("factor", [0.99, 1.01])
-def test_an_engine_that_does_not_obey_its_law_is_unexplained_at_points_and_edges(monkeypatch, factor) -> None:
+def test_an_engine_that_does_not_obey_its_law_is_unmodelled_at_points_and_edges(monkeypatch, factor) -> None:
     press_harder(monkeypatch, LAWFUL, factor)
     result = compared(planned())
-    wrong = departing(result)
+    wrong = deviating(result)
     assert {finding.metric.name for finding in wrong} >= {"transmittance", "band edge"}
-    assert unexplained(wrong) == wrong
-    assert failures(result.findings) == [f"unexplained: {len(wrong)} disagreements, of {LAWFUL}"]
+    assert unmodelled(wrong) == wrong
+    assert failures(result.findings) == [f"unmodelled: {len(wrong)} disagreements, of {LAWFUL}"]
 
 
 @needs_mujoco
 def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open() -> None:
     given = GivenTolerance(transmittance_db=1e-3, baseline=REFERENCE)
     result = compared(dataclasses.replace(planned(), tolerance=given))
-    wrong = departing(result)
+    wrong = deviating(result)
     assert wrong
-    assert unexplained(wrong) == []
+    assert unmodelled(wrong) == []
 
 
 @needs_mujoco
@@ -98,20 +98,20 @@ def test_laws_that_have_not_been_run_explain_nothing(tmp_path) -> None:
         kept = {task: result for task, result in running._results.items() if "@law" not in task.variant.engine}
         without.keep(list(kept.items()))
         result = compare_sweep(sweep, StoredResults(without))
-    wrong = departing(result)
+    wrong = deviating(result)
     assert wrong
     assert {finding.prediction for finding in wrong} == {None}
-    assert unexplained(wrong) == wrong
+    assert unmodelled(wrong) == wrong
 
 
 def test_a_drive_that_is_a_step_late_disagrees_at_every_point_though_no_level_does(monkeypatch) -> None:
     late = Variant("mujoco")
     be_late(monkeypatch)
     result = compared(planned(late))
-    wrong = departing(result, late)
+    wrong = deviating(result, late)
     assert {finding.metric.name for finding in wrong} == {"phase"}
     assert len(wrong) == len(result.points_of(late))
-    assert failures(result.findings) == [f"unexplained: {len(wrong)} disagreements, of {late}"]
+    assert failures(result.findings) == [f"unmodelled: {len(wrong)} disagreements, of {late}"]
 
 
 def test_a_variant_without_a_certified_steady_state_fails() -> None:

@@ -1,4 +1,4 @@
-"""Steady states that depend on where their search began are found by a sample, and left undecided."""
+"""Steady states that depend on where their search began are found by a sample, and left inconclusive."""
 
 import dataclasses
 import math
@@ -57,7 +57,7 @@ def test_one_steady_state_is_found_from_wherever_the_search_begins() -> None:
     assert set(verdicts(result).values()) == {Verdict.AGREE}
 
 
-def test_a_second_steady_state_has_all_points_searched_both_ways_and_its_own_undecided() -> None:
+def test_a_second_steady_state_has_all_points_searched_both_ways_and_its_own_inconclusive() -> None:
     first = checked(math.nan, 1)[2][0]
     result, check, balanced = checked(first, 1)
     assert sorted(balanced) == sorted(verdicts(result)), "the grid as it was resolved"

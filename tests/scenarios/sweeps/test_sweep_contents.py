@@ -109,7 +109,7 @@ def test_command_and_function_say_the_same_of_a_sweep(file: Path, monkeypatch: p
                              "--out", str(out)]) == 0  # fmt: skip
     by_command, by_function = read_dataset(out), functions.sweep(engines, 0.3, 0.9, chain={"cells": 2})
     assert list(by_command.variant.values) == list(by_function.variant.values)
-    for name in ("transmittance_db", "transmittance_error_db", "law_value_db", "verdict"):
+    for name in ("transmittance_db", "step_error_db", "law_value_db", "verdict"):
         assert not by_function[name].sel(variant=engines[1]).isnull().any(), name
         np.testing.assert_array_equal(by_command[name], by_function[name])
 

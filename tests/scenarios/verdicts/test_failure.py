@@ -15,7 +15,7 @@ from scenarios.verdicts.finding import (
     Verdict,
     failures,
     silent,
-    unexplained,
+    unmodelled,
 )
 from scenarios.verdicts.prediction import LawPeriod, with_predictions
 from scenarios.verdicts.steady_case import RESOLVED_DB, is_resolved
@@ -68,7 +68,7 @@ def test_a_failure_names_the_preset_and_the_share() -> None:
     assert line.startswith("drake: 2 of 2 numbers without a certified steady state")
     assert line.endswith("allowed: 25%")
     (line,) = failures([*AGREES, finding(Verdict.DISAGREE)])
-    assert line == "unexplained: 1 disagreement, of drake"
+    assert line == "unmodelled: 1 disagreement, of drake"
 
 
 def test_a_law_without_a_steady_state_predicts_one_that_is_not_certified() -> None:
@@ -80,7 +80,7 @@ def test_a_law_without_a_steady_state_predicts_one_that_is_not_certified() -> No
     )
     period = {"case": LawPeriod(0.0, 1.0)}
     (judged,) = with_predictions([own], [of_law], period)
-    assert silent([judged]) == unexplained([judged]) == []
+    assert silent([judged]) == unmodelled([judged]) == []
     (judged,) = with_predictions([own], [finding(Verdict.AGREE, variant=law)], period)
     assert silent([judged]) == [judged]
 

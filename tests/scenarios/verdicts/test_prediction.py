@@ -35,7 +35,7 @@ def wrong_findings(scenario=None) -> list[Finding]:
 def test_the_soft_friction_of_mujoco_is_as_its_law_predicts_number_by_number() -> None:
     wrong = wrong_findings()
     assert wrong
-    assert all(finding.as_predicted for finding in wrong)
+    assert all(finding.modelled for finding in wrong)
     largest = max(abs(finding.prediction.difference) for finding in wrong if finding.prediction is not None)
     assert largest < 1e-6 * max(abs(finding.comparison.difference) for finding in wrong)
 
@@ -47,7 +47,7 @@ def test_an_engine_that_does_not_obey_its_law_is_not_excused_by_it(monkeypatch, 
     press_harder(monkeypatch, LAWFUL, factor)
     wrong = wrong_findings()
     assert wrong
-    assert not any(finding.as_predicted for finding in wrong)
+    assert not any(finding.modelled for finding in wrong)
 
 
 def finding(variant: Variant, value: float, resolution: float = 0.0) -> Finding:
@@ -76,7 +76,7 @@ def test_a_law_predicts_a_number_and_a_period(left, periods, holds) -> None:
     law = LAWFUL.law
     assert law is not None
     judged = with_predictions([finding(LAWFUL, -10.0)], [finding(law, -10.0 - left)], periods)
-    assert judged[0].as_predicted is holds
+    assert judged[0].modelled is holds
 
 
 def test_a_distance_that_the_law_allows_leaves_a_number_what_it_makes_in_many_periods() -> None:
@@ -133,7 +133,7 @@ def test_what_distances_add_up_to_is_that_of_the_worst_case_and_the_bound_holds_
         ({"case": period(far), "another": period(math.nan)}, True),
         ({"case": period(math.nan), "another": period(far)}, False),
     ):
-        assert with_predictions(own, of_law, periods)[0].as_predicted is holds
+        assert with_predictions(own, of_law, periods)[0].modelled is holds
 
 
 def test_an_edge_that_neither_engine_nor_law_has_is_as_predicted() -> None:
@@ -141,8 +141,8 @@ def test_an_edge_that_neither_engine_nor_law_has_is_as_predicted() -> None:
     assert law is not None
     nowhere = Comparison(Verdict.DISAGREE, "no edge nearby")
     own, of_law = (Finding(variant, "case", TRANSMITTANCE, math.nan, 0.6, nowhere) for variant in (LAWFUL, law))
-    assert with_predictions([own], [of_law], {"case": period(0.0)})[0].as_predicted
-    assert not with_predictions([own], [finding(law, 0.6)], {"case": period(0.0)})[0].as_predicted
+    assert with_predictions([own], [of_law], {"case": period(0.0)})[0].modelled
+    assert not with_predictions([own], [finding(law, 0.6)], {"case": period(0.0)})[0].modelled
 
 
 def test_what_a_scenario_predicted_itself_of_a_finding_is_not_replaced_by_the_law() -> None:
@@ -150,4 +150,4 @@ def test_what_a_scenario_predicted_itself_of_a_finding_is_not_replaced_by_the_la
     stated = Prediction(value=0.0, difference=0.0, allowed=1.0, distance=0.0, period_bound=1.0)
     own = replace(finding(LAWFUL, 0.0), prediction=stated)
     (judged,) = with_predictions([own], [finding(LAWFUL, 28.0)], {"case": period(1.0)})
-    assert judged.as_predicted
+    assert judged.modelled

@@ -133,8 +133,8 @@ def judged(old: dict[str, object], new: dict[str, object], true: dict[str, objec
     ],
 )
 def test_stick_and_slip_are_held_to_the_truth_too(old, new) -> None:
-    assert judged(old, new, {}).direction is TruthDirection.CLOSER
-    assert judged(new, old, {}).direction is TruthDirection.FARTHER
+    assert judged(old, new, {}).direction is TruthDirection.IMPROVED
+    assert judged(new, old, {}).direction is TruthDirection.REGRESSED
 
 
 def motions(file: Path, slips: dict[tuple[str, int], float]) -> Path:
@@ -154,9 +154,9 @@ def motions(file: Path, slips: dict[tuple[str, int], float]) -> Path:
 @pytest.mark.parametrize(
     ("name", "steps", "direction"),
     [
-        ("reference:joint:exact", 100, TruthDirection.FARTHER),
-        ("reference:joint:converged", 100, TruthDirection.FARTHER),
-        ("reference", 400, TruthDirection.FARTHER),
+        ("reference:joint:exact", 100, TruthDirection.REGRESSED),
+        ("reference:joint:converged", 100, TruthDirection.REGRESSED),
+        ("reference", 400, TruthDirection.REGRESSED),
         ("reference", 200, TruthDirection.UNKNOWN),
     ],
 )
@@ -176,14 +176,14 @@ def test_a_block_that_creeps_now_and_did_not_is_farther_from_the_truth(
 
 def test_a_point_whose_numbers_disagree_goes_by_the_worst() -> None:
     both = judged({"transmittance_db": -6.0}, {"transmittance_db": -5.0, "stuck_fraction": (0.4, 1.0)}, {})
-    assert [str(shift.direction) for shift in both.shifts] == ["closer", "farther"]
+    assert [str(shift.direction) for shift in both.shifts] == ["improved", "regressed"]
     assert both.fails()
 
 
 def test_a_steady_state_that_was_not_certified_before_is_gained() -> None:
     gained = judged({"status": "period limit"}, {}, {})
     assert gained.beyond == ("period limit before, converged now",)
-    assert gained.direction is TruthDirection.CLOSER
+    assert gained.direction is TruthDirection.IMPROVED
     assert not gained.fails()
-    assert judged({"status": "period limit"}, {"transmittance_db": -3.0}, {}).direction is TruthDirection.FARTHER
-    assert judged({}, {"status": "period limit"}, {}).direction is TruthDirection.LOST
+    assert judged({"status": "period limit"}, {"transmittance_db": -3.0}, {}).direction is TruthDirection.REGRESSED
+    assert judged({}, {"status": "period limit"}, {}).direction is TruthDirection.MISSING

@@ -1,4 +1,4 @@
-"""Stick and slip compared: what is late, missed, made up, undecided; by transitions made by hand."""
+"""Stick and slip compared: what is late, missed, made up, inconclusive; by transitions made by hand."""
 
 import dataclasses
 import math
