@@ -172,7 +172,8 @@ def card(name: str, evaluator: Evaluator) -> Card:
 def _edge_row(edge: BandEdge, truth: BandEdge) -> Row:
     own, exact = edge.finding, truth.finding
     reason = "" if math.isfinite(own.value) else own.comparison.reason
-    return Row("lower band edge", "η_r", own.value, exact.value, str(edge.case), reason)
+    case = f"{edge.case}, to the converged reference"
+    return Row("lower band edge", "η_r", own.value, exact.value, case, reason)
 
 
 def _block_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:

@@ -136,7 +136,7 @@ def test_what_distances_add_up_to_is_that_of_the_worst_case_and_the_bound_holds_
         assert with_predictions(own, of_law, periods)[0].modelled is holds
 
 
-def test_an_edge_that_neither_engine_nor_law_has_is_as_predicted() -> None:
+def test_an_edge_that_neither_engine_nor_law_has_is_modelled() -> None:
     law = LAWFUL.law
     assert law is not None
     nowhere = Comparison(Verdict.DISAGREE, "no edge nearby")
