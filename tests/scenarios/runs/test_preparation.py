@@ -24,7 +24,7 @@ RATIOS = [0.4, 0.6, 0.7, 0.8, 0.9]
 def run(faulty, tmp_path: Path, monkeypatch, capsys):
     """Run points of an engine on two workers; gives their status and reason, and what a terminal is told."""
     monkeypatch.setenv("FAULTY_PREPARED", str(tmp_path / "prepared"))
-    monkeypatch.setattr(terminal._State, "said", set())
+    terminal.say_in_terminal.cache_clear()
 
     def ran(engine: str, ratios=tuple(RATIOS)) -> tuple[list[tuple[str, str]], str]:
         monkeypatch.setattr(sys.stderr, "isatty", lambda: True)

@@ -16,8 +16,8 @@ from scenarios.studies.accuracy import (
     accuracy_document,
     accuracy_of,
     accuracy_tasks,
+    error_db,
     remark,
-    step_error_db,
 )
 from scenarios.tables import csv_text, full_table
 
@@ -46,7 +46,7 @@ def test_transmittance_error_is_absolute_in_decibels_and_an_amplitude_below_the_
     deep = dataclasses.replace(EXACT, transmittance_db=-80.0)
     twice = dataclasses.replace(EXACT, transmittance_db=-80 + 20 * math.log10(2))
     amplitudes = (2e-4 - 1e-4) / 1e-3  # over the floor's, and dB at the floor are 20 / ln 10 times that
-    assert step_error_db(twice, deep) == pytest.approx(20 / math.log(10) * amplitudes)
+    assert error_db(twice, deep) == pytest.approx(20 / math.log(10) * amplitudes)
 
 
 def test_late_transition_is_a_time_error_across_the_end_of_the_period_too() -> None:
