@@ -127,11 +127,11 @@ def _cell_steps_per_second() -> float:
 def _figure3() -> tuple[float, float, int]:
     """Seconds, worst residual and number of points of the whole figure."""
     begin = timeit.default_timer()
+    chains = [Chain.from_ratios(friction_ratio=friction) for friction in FIGURE3_FRICTION_RATIOS if friction > 0]
     with_friction = [
-        canonical_lane(friction, frequency)
-        for friction in FIGURE3_FRICTION_RATIOS
+        Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency), MINIMUM_STEPS_PER_PERIOD)
+        for chain in chains
         for frequency in FIGURE3_FREQUENCY_RATIOS
-        if friction > 0
     ]
     orbits = periodic_orbits(CompiledSimulation(with_friction), MINIMUM_STEPS_PER_PERIOD)
     curve = [decibel(transmittance(orbit)) for orbit in orbits]
