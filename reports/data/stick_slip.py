@@ -23,7 +23,7 @@ COMPARED = (
 """Numbers of a row, all of them ``None`` where there is no steady state."""
 
 
-def compared_points(result: ComparedSweep) -> list[CasePoint]:
+def stick_slip_places(result: ComparedSweep) -> list[CasePoint]:
     """Give the `STICK_SLIP_POINTS` in every case of their friction ratio."""
     return [
         (case, eta) for friction, eta in STICK_SLIP_POINTS for case in result.cases if case.friction_ratio == friction
@@ -41,13 +41,13 @@ def points_at(result: ComparedSweep, case: Case, frequency_ratio: float) -> dict
 
 
 def stick_slip_rows(result: ComparedSweep) -> list[dict[str, Any]]:
-    """Compare modes of every variant with the reference's at the `compared_points` that the grid holds.
+    """Compare modes of every variant with the reference's at the `stick_slip_places` that the grid holds.
 
     Fractions are parts of a period: `stuck_fraction` is the mean over the cells, `stuck_fraction_error`
     the largest of a cell, time errors are absolute values.
     """
     rows = []
-    for place in compared_points(result):
+    for place in stick_slip_places(result):
         points = points_at(result, *place)
         if REFERENCE in points and points[REFERENCE].result.converged:
             rows += [_row(point, points[REFERENCE].result) for point in points.values()]

@@ -68,9 +68,11 @@ def compared_points(sweep: Sweep, points: Iterable[Point]) -> dict[Variant, list
     if baseline is None:
         return {}
     known = {point.place: point for point in points if point.result.status is not ResultStatus.MISSING}
-    both = [point for place, point in known.items() if (baseline, *place[1:]) in known]
-    others = (variant for variant in sweep.variants if variant != baseline)
-    return {variant: [point for point in both if point.variant == variant] for variant in others}
+    compared: dict[Variant, list[Point]] = {variant: [] for variant in sweep.variants if variant != baseline}
+    for place, point in known.items():
+        if point.variant in compared and (baseline, *place[1:]) in known:
+            compared[point.variant].append(point)
+    return compared
 
 
 def evaluate_sweep(

@@ -8,7 +8,7 @@ from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import MATCHING_WINDOW
 from reports.data.descriptions import axis_name
 from reports.data.points import rows_of
-from reports.data.stick_slip import CasePoint, compared_points, points_at
+from reports.data.stick_slip import CasePoint, points_at, stick_slip_places
 from reports.drawing.figure import Figure
 from reports.figures.edges import edge_forest
 from reports.figures.stick_slip import hysteresis, raster
@@ -158,7 +158,7 @@ class StickSlip(Section):
     def _results(self) -> dict[CasePoint, dict[Variant, Result]]:
         """Certified results of every variant but the converged reference, at the points that the grid holds."""
         by_point = {}
-        for place in compared_points(self.result)[:MOST_RASTERS]:
+        for place in stick_slip_places(self.result)[:MOST_RASTERS]:
             points = points_at(self.result, *place)
             results = {v: p.result for v, p in points.items() if v != CONVERGED and p.result.converged}
             if REFERENCE in results:
