@@ -14,7 +14,6 @@ import xarray as xr
 from pydantic import ValidationError
 
 from engines.interface.registry import default_engine_names
-from engines.interface.variant import variants_named
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
 from reference_lcp.validation import FloatArray
@@ -149,13 +148,15 @@ def check(
     """
     checked_choice("scenario", scenario, [*CATALOGUE, ALL_SCENARIOS])
     chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
-    variants = variants_named(_names(default_engine_names() if engines is None else engines))
+    names = _names(default_engine_names() if engines is None else engines)
+    variants = {item: item.variants(names) for item in chosen}
+    shown = list(dict.fromkeys(variant for own in variants.values() for variant in own))
     with (
         opened_store(None if store is None else checked_path("store", store)) as stored,
-        ProgressBars(variants) as bars,
+        ProgressBars(shown) as bars,
         Evaluator(stored, executor_for(workers, time_limit, scheduler), bars, retry_blocked=retry_blocked) as evaluator,
     ):
-        return finding_table({item: run_with_predictions(item, variants, evaluator) for item in chosen})
+        return finding_table({item: run_with_predictions(item, own, evaluator) for item, own in variants.items()})
 
 
 def _validated(content: Mapping[str, Any]) -> Sweep:

@@ -1,5 +1,6 @@
 """The contract that every engine fulfils."""
 
+import math
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 from engines.interface.changed_options import changed_preset
 from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
 from engines.interface.reproducer import Reproducer
+from engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
@@ -56,6 +58,12 @@ class Engine(ABC):
     """What `prepare` does, where its first use on a machine takes long: compiling, above all."""
     reproducers: ClassVar[Mapping[Formulation, Reproducer]] = {}
     """How a number of it is shown without the suite, by formulation; none is needed."""
+    scene_step: ClassVar[float] = math.nan
+    """Time step that its users take where they choose none [s]: its own default."""
+    scene_worlds: ClassVar[Mapping[Formulation, SceneBuilder]] = {}
+    """What builds scenes as its users write them, by the formulation of the friction; none is needed."""
+    no_scenes: ClassVar[str] = "its adapter builds none"
+    """Why there are no scenes of a formulation that is not in `scene_worlds`."""
 
     @abstractmethod
     def version(self) -> str:
@@ -158,6 +166,23 @@ class Engine(ABC):
         if missing is not None:
             raise EngineNotInstalled(f"{self.name}: {missing}")
         return self._build(tuple(lanes), Formulation(formulation), chosen)
+
+    def scene_gap(self, formulation: Formulation) -> str | None:
+        """Give the reason why there are no scenes of a formulation; ``None`` if there are."""
+        return None if formulation in self.scene_worlds else f"no scenes of {self.name}:{formulation}: {self.no_scenes}"
+
+    def scene_world(self, scene: Scene, setting: SceneSetting) -> SceneWorld:
+        """Build a scene as users of the engine do.
+
+        Raises
+        ------
+        ParameterError
+            If the engine has no scenes of its kind, or cannot represent this one.
+        """
+        gap = self.scene_gap(formulation_of(scene))
+        if gap is not None:
+            raise ParameterError(gap)
+        return self.scene_worlds[formulation_of(scene)](scene, setting)
 
 
 class EngineNotInstalled(RuntimeError):

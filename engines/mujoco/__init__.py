@@ -7,6 +7,7 @@ from engines.mujoco.contact import compiled_contacts
 from engines.mujoco.joint import compiled_joints
 from engines.mujoco.presets import CONTACT_DEFAULT, CONTACT_NEWTON, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED, YIELD
 from engines.mujoco.reproducer import CONTACT, JOINT
+from engines.mujoco.scene import STEP, contacts, joints
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
 from engines.mujoco.yielding import YieldingSimulation, compiled_springs
 from engines.shared.pip_engine import PipEngine
@@ -36,6 +37,8 @@ class MuJoCo(PipEngine):
     )
 
     reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if "spring_phase" in preset.options:

@@ -86,7 +86,9 @@ class Engines:
 
     def command(self, name: str, options: Sequence[str] = ()) -> str:
         """Give the command that made a document: `run` with its name, the chosen engines and other options."""
-        return shlex.join(["multibody-xval", "run", name, *(f"--engine={each}" for each in self.names), *options])
+        return shlex.join(
+            ["multibody-xval", "run", *name.split(), *(f"--engine={each}" for each in self.names), *options]
+        )
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode, ParameterError, checked_choice
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import announce_compilation, print_table, tracked, visible
 from reports.cli.options import Engines, Store, Work, check_outs, grouped
@@ -85,9 +85,17 @@ class Verdicts:
 
 
 @grouped
-def named(context: typer.Context, engines: Engines, verdicts: Verdicts, work: Work) -> None:
-    """Run the scenario that the command is named after, or all."""
-    _judge(str(context.info_name), engines, verdicts, work)
+def named(
+    context: typer.Context,
+    others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
+    *,
+    engines: Engines,
+    verdicts: Verdicts,
+    work: Work,
+) -> None:
+    """Run the scenario that the command is named after, or all, and others."""
+    names = [str(context.info_name), *(checked_choice("scenario", name, list(DESCRIPTIONS)) for name in others or ())]
+    _judge(names, engines, verdicts, work)
 
 
 @grouped
@@ -102,7 +110,7 @@ def follow(
     work: Work,
 ) -> None:
     """Run the scenario whose base follows a file."""
-    _judge(RECORD, engines, verdicts, work, record)
+    _judge([RECORD], engines, verdicts, work, record)
 
 
 def _add_scenarios() -> None:
@@ -123,7 +131,7 @@ def _add_scenarios() -> None:
 _add_scenarios()
 
 
-def _judge(name: str, engines: Engines, verdicts: Verdicts, work: Work, record: Path | None = None) -> None:
+def _judge(names: Sequence[str], engines: Engines, verdicts: Verdicts, work: Work, record: Path | None = None) -> None:
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
     outs = check_outs(verdicts.out, ENDINGS, verdicts.store, record)
@@ -133,18 +141,19 @@ def _judge(name: str, engines: Engines, verdicts: Verdicts, work: Work, record: 
     from scenarios.catalogue.verdict_table import VERDICT_FORMATS
     from scenarios.verdicts.finding import failures
 
-    asked = list(CATALOGUE.values()) if name == ALL_SCENARIOS else [CATALOGUE[name]]
+    asked = list(CATALOGUE.values()) if ALL_SCENARIOS in names else [CATALOGUE[name] for name in dict.fromkeys(names)]
     options = [] if verdicts.run else ["--no-run"]
     if record is not None:
         followed = Record(record)
         followed.check()
         asked, options = [followed], [f"--record={record}", *options]
-    variants = engines.variants()
-    with work.evaluator(verdicts.store, variants, run=verdicts.run) as evaluator:
-        results = {each: run_with_predictions(each, variants, evaluator) for each in asked}
+    variants = {each: each.variants(engines.names) for each in asked}
+    shown = list(dict.fromkeys(variant for own in variants.values() for variant in own))
+    with work.evaluator(verdicts.store, shown, run=verdicts.run) as evaluator:
+        results = {each: run_with_predictions(each, own, evaluator) for each, own in variants.items()}
     print_results(results)
     for out in outs:
-        write_whole(out, VERDICT_FORMATS[out.suffix](results, engines.command(name, options)))
+        write_whole(out, VERDICT_FORMATS[out.suffix](results, engines.command(" ".join(names), options)))
     if any(failures(findings) for findings in results.values()):
         raise typer.Exit(ExitCode.FAILED)
 

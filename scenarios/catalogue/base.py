@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
-from engines.interface.variant import Variant
+from engines.interface.variant import EVERY_VARIANT, Variant, variants_named
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.task import SteadyStateTask
@@ -35,6 +35,10 @@ class Scenario(ABC):
     def parameters(self) -> list[str]:
         """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
         return []
+
+    def variants(self, names: Sequence[str]) -> list[Variant]:
+        """Give the variants of these names, those of every engine without any; see `variants_named`."""
+        return variants_named(names or [EVERY_VARIANT])
 
     def law_variant(self, variant: Variant) -> Variant | None:
         """Give the variant that is the model of a variant's law in the cases of the scenario."""

@@ -19,6 +19,10 @@ TRANSIENT_EXPECTS = (
     "by little, and has no law for it, is simulated again with twice as many steps"
 )
 
+NO_MOTION = "Coulomb's law: below the bound of friction nothing moves"
+
+EULER = "what a step of semi-implicit Euler moves a body"
+
 
 class Description(NamedTuple):
     """A scenario in two sentences."""
@@ -129,6 +133,24 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "Does friction follow a normal force that changes in time, until contacts open and land?",
             "the reference at the same step with its error bar; for flights the closed form",
         ),
+        "slope-hold": Description(
+            "Does a box stay where it is on a slope below the critical one, as the engine's users build it?", NO_MOTION
+        ),
+        "slope-slide": Description(
+            "How much friction does a box meet that slides down a slope?", "closed form: a = g (sin θ − μ cos θ)"
+        ),
+        "slide-to-stop": Description(
+            "How far does a box slide on the flat, straight and without hopping, and does it stay where it stops?",
+            f"closed form: v²/(2 μ g); allowed: {EULER}",
+        ),
+        "stack-hold": Description("Does a stack of boxes stay where it is on a slope?", NO_MOTION),
+        "heavy-on-light": Description("Does a heavy box stay where it is on a light one, on a slope?", NO_MOTION),
+        "grip": Description("Do two fingers hold a box that they press?", NO_MOTION),
+        "conveyor": Description(
+            "When does a box that is put on a belt move with it?", f"closed form: v/(μ g); allowed: {EULER}"
+        ),
+        "joint-hold": Description("Does a joint with dry friction stay where it is under a load?", NO_MOTION),
+        "arm-hold": Description("Does an arm whose hinges rub stay stretched out under gravity?", NO_MOTION),
     }
 )
 """Descriptions by the names of the scenarios, in the order in which they are listed and run."""

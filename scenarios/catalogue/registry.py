@@ -10,6 +10,9 @@ from scenarios.catalogue.block.published import Published
 from scenarios.catalogue.block.static_above_kinetic import StaticAboveKinetic
 from scenarios.catalogue.block.static_hold import StaticHold
 from scenarios.catalogue.block.stopping_distance import StoppingDistance
+from scenarios.catalogue.scenes.hold import Grip, HeavyOnLight, SlopeHold, StackHold
+from scenarios.catalogue.scenes.joints import ArmHold, JointHold
+from scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
 from scenarios.catalogue.steady.den_hartog import DenHartog
 from scenarios.catalogue.steady.figure3 import Figure3Points
 from scenarios.catalogue.steady.inclined_steady_state import InclinedSteadyState
@@ -48,6 +51,15 @@ SCENARIOS: tuple[Scenario, ...] = (
     GradedChain(),
     LongChain(),
     ModulatedNormalForce(),
+    SlopeHold(),
+    SlopeSlide(),
+    SlideToStop(),
+    StackHold(),
+    HeavyOnLight(),
+    Grip(),
+    Conveyor(),
+    JointHold(),
+    ArmHold(),
 )
 
 CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})

@@ -9,6 +9,7 @@ from typing import Any
 from engines.interface.variant import Variant
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
 from scenarios.runs.result import Result
+from scenarios.runs.scene import SceneTask, run_scenes
 from scenarios.runs.scratch import Closing
 from scenarios.runs.steady import run_steady_states
 from scenarios.runs.task import Task
@@ -24,7 +25,11 @@ def run_batch(batch: Sequence[Task]) -> list[Result]:
 
     An engine that is not installed, or that fails on a task, gives a blocked result with the reason.
     """
-    run: Callable[[Any], list[Result]] = run_transients if isinstance(batch[0], TransientTask) else run_steady_states
+    run: Callable[[Any], list[Result]] = run_steady_states
+    if isinstance(batch[0], TransientTask):
+        run = run_transients
+    elif isinstance(batch[0], SceneTask):
+        run = run_scenes
     return run(batch)
 
 
@@ -32,7 +37,7 @@ def batches_of(tasks: Iterable[Task]) -> Iterator[Batch]:
     """Group tasks into batches as large as their variant takes at once; those that are not full come at the end."""
     groups: dict[tuple[type[Task], Variant, int], Batch] = defaultdict(list)
     for task in tasks:
-        key = type(task), task.variant, task.ratios.cells
+        key = type(task), task.variant, task.cells
         groups[key].append(task)
         if len(groups[key]) == task.variant.batch_lanes:
             yield groups.pop(key)

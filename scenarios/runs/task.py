@@ -31,17 +31,14 @@ def key_of(text: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """What all tasks have in common: the variant that runs it, and the chain."""
+    """What all tasks have in common: the variant that runs it, and how its result is named."""
 
     variant: Variant
-    friction_ratio: Ratio
-    """μ λ_N / (k_c U0), a number or one a cell."""
-    ratios: ChainRatios = field(default_factory=ChainRatios)
 
     @property
-    def chain(self) -> Chain:
-        """Build the chain."""
-        return self.ratios.chain(self.friction_ratio)
+    def cells(self) -> int:
+        """Cells of its chain: tasks with equally many are run together; 0 without one."""
+        return 0
 
     @property
     def preloaded(self) -> bool:
@@ -76,6 +73,25 @@ class Task:
         return to_json(self.content()).decode()
 
 
+@dataclass(frozen=True, kw_only=True)
+class ChainTask(Task):
+    """A task with a chain."""
+
+    friction_ratio: Ratio
+    """μ λ_N / (k_c U0), a number or one a cell."""
+    ratios: ChainRatios = field(default_factory=ChainRatios)
+
+    @property
+    def cells(self) -> int:
+        """Cells of its chain."""
+        return self.ratios.cells
+
+    @property
+    def chain(self) -> Chain:
+        """Build the chain."""
+        return self.ratios.chain(self.friction_ratio)
+
+
 class Start(StrEnum):
     """Where the search for a steady state begins."""
 
@@ -102,7 +118,7 @@ DEFAULT_EXCITATION = Excitation()
 
 
 @dataclass(frozen=True, kw_only=True)
-class SteadyStateTask(Task):
+class SteadyStateTask(ChainTask):
     """The steady state of one chain under one harmonic excitation, by one variant."""
 
     frequency_ratio: float

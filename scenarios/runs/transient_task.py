@@ -18,7 +18,7 @@ from reference_lcp.defaults import FRICTION_COEFFICIENT, LARGEST_PHASE_STEP
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from scenarios.runs.parameters import ChainRatios, Modulation, Ratio, left_out
-from scenarios.runs.task import Task
+from scenarios.runs.task import ChainTask
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
 """Where a motion may start, always from rest.
@@ -40,7 +40,7 @@ _Base = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class TransientTask(Task):
+class TransientTask(ChainTask):
     """The motion of one chain from an initial state, by one variant; its friction ratio refers to U0 = 0.01 m."""
 
     base: _Base

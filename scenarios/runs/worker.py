@@ -89,7 +89,7 @@ class Worker:
             here = identity_of(batch[0].variant)
         if here != identity:
             return f"not the same in the worker: {here}; expected: {identity}"
-        reason = self.preparation_problem(batch[0].variant, batch[0].ratios.cells)
+        reason = self.preparation_problem(batch[0].variant, batch[0].cells)
         if reason is not None:
             return reason
         self._send(Begun())
@@ -99,10 +99,11 @@ class Worker:
     def preparation_problem(self, variant: Variant, cells: int) -> str | None:
         """Prepare a variant for chains of this length, unless that was done; gives the reason if it fails.
 
-        One that is not there needs none. Where its law cannot take a step, its tasks fail too, with their reasons.
+        One that is not there needs none, and neither does a scene, which has no cells. Where its law cannot take a
+        step, its tasks fail too, with their reasons.
         """
         adapter = engine(variant.engine)
-        if adapter.unavailable_reason() is None and (variant, cells) not in self._prepared:
+        if cells and adapter.unavailable_reason() is None and (variant, cells) not in self._prepared:
             self._prepared[variant, cells] = self._prepare(adapter, variant, cells)
             law = law_of(variant.preset)
             if law is not None:

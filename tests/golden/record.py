@@ -30,6 +30,7 @@ from reports.reproducers.questions import QUESTIONS
 from reports.reproducers.script import checked, has_reproducer, script
 from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.registry import CATALOGUE
+from scenarios.catalogue.scenes.base import SceneScenario
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.runs import task
 from scenarios.runs.evaluator import StoredResults
@@ -105,7 +106,8 @@ def requested(store: ResultStore) -> dict[str, list[str]]:
 
     def run_all(asked: Asked) -> None:
         for scenario in CATALOGUE.values():
-            run_with_predictions(scenario, every, asked)
+            if not isinstance(scenario, SceneScenario):  # which asks whatever engines have scenes
+                run_with_predictions(scenario, every, asked)
 
     keys = {}
     for name, run in {

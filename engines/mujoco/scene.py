@@ -1,0 +1,118 @@
+"""Scenes as users of MuJoCo write them: a model in XML, with the attributes that the preset changes."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from engines.interface.scene import (
+    FINGER,
+    FINGER_MASS,
+    GRAVITY,
+    GROUND,
+    LINK_INERTIA,
+    LINK_LENGTH,
+    LINK_MASS,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    SceneSetting,
+    SteppedWorld,
+    Vector,
+)
+
+STEP = 0.002
+"""MuJoCo's own time step [s]."""
+
+MODEL_OPTIONS = ("solver", "iterations", "cone", "impratio", "integrator", "noslip_iterations", "noslip_tolerance")
+"""Options that are attributes of the model's ``option``."""
+
+JOINT_OPTIONS = {"solref_friction": "solreffriction", "solimp_friction": "solimpfriction"}
+"""Options that are attributes of a joint, by the names that they have in XML."""
+
+BELT_MASS = 1e6
+"""Of a belt that moves on a slide, whatever acts on it [kg]."""
+
+
+def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
+    """Write a scene with contacts in XML."""
+    rub = f'friction="{scene.friction} 0.005 0.0001"'
+    bodies = []
+    if scene.grip:
+        height = scene.places[0][2]
+        reach = scene.boxes[0].side / 2 + FINGER[0]
+        bodies.append(f'<geom type="box" size="{_text(FINGER)}" pos="{-reach} 0 {height}" {rub}/>')
+    elif scene.belt:
+        belt = f'<geom type="box" size="20 1 .1" mass="{BELT_MASS}" {rub}/>'
+        bodies.append(f'<body pos="0 0 -.1"><joint name="belt" type="slide" axis="1 0 0"/>{belt}</body>')
+    else:
+        bodies.append(f'<geom type="plane" size="{GROUND} {GROUND} 1" quat="{_text(scene.tilt)}" {rub}/>')
+    for box, place in zip(scene.boxes, scene.places, strict=True):
+        geom = f'<geom type="box" size="{_text([box.side / 2] * 3)}" mass="{box.mass}" {rub}/>'
+        bodies.append(f'<body pos="{_text(place)}" quat="{_text(scene.orientation)}"><freejoint/>{geom}</body>')
+    if scene.grip:
+        finger = f'<geom type="box" size="{_text(FINGER)}" mass="{FINGER_MASS}" {rub}/>'
+        slide = '<joint name="finger" type="slide" axis="1 0 0"/>'
+        bodies.insert(1, f'<body pos="{reach} 0 {height}">{slide}{finger}</body>')
+    return _model(setting, bodies)
+
+
+def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
+    """Write a scene with joints in XML."""
+    written = {name: _changed(setting, option) for option, name in JOINT_OPTIONS.items()}
+    own = " ".join(f'{name}="{value}"' for name, value in written.items() if value)
+    if isinstance(scene, JointScene):
+        axis = "0 0 1" if scene.kind == "hinge" else "1 0 0"
+        joint = f'<joint type="{scene.kind}" axis="{axis}" frictionloss="{scene.friction}" {own}/>'
+        return _model(setting, [f'<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>{joint}</body>'], 0.0)
+    inertial = f'<inertial pos="{LINK_LENGTH / 2} 0 0" mass="{LINK_MASS}" diaginertia="{_text(LINK_INERTIA)}"/>'
+    links = [
+        f'<body pos="{LINK_LENGTH if link else 0} 0 0">{inertial}'
+        f'<joint type="hinge" axis="0 1 0" frictionloss="{bound!r}" {own}/>'
+        for link, bound in enumerate(scene.friction)
+    ]
+    return _model(setting, [*links, "</body>" * scene.links])
+
+
+def _model(setting: SceneSetting, bodies: Iterable[str], gravity: float = GRAVITY) -> str:
+    changed = {name: _changed(setting, name) for name in MODEL_OPTIONS}
+    attributes = " ".join(f'{name}="{value}"' for name, value in changed.items() if value)
+    sleep = '<flag sleep="enable"/>' if setting.sleeping else ""
+    option = f'<option timestep="{setting.time_step}" gravity="0 0 {-gravity}" {attributes}>{sleep}</option>'
+    return f"<mujoco>{option}<worldbody>{''.join(bodies)}</worldbody></mujoco>"
+
+
+def _changed(setting: SceneSetting, option: str) -> str:
+    """Write the value of an option that the preset changes; an empty text where it does not."""
+    value = setting.changed(option)
+    return "" if value is None else value if isinstance(value, str) else _text(value)
+
+
+def _text(values: Any) -> str:
+    return " ".join(repr(value) for value in ([values] if isinstance(values, int | float) else values))
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts; the followed box has the last free joint."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(contact_model(scene, setting))
+    data = mujoco.MjData(model)
+    if scene.belt:
+        data.joint("belt").qvel[0] = scene.belt
+    if scene.grip:
+        data.joint("finger").qfrc_applied[0] = -scene.grip
+
+    def launch(velocity: Vector) -> None:
+        data.qvel[-6:-3] = velocity
+
+    return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos[-7:], data.qvel[-6:-3]), launch)
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with joints."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(joint_model(scene, setting))
+    data = mujoco.MjData(model)
+    if isinstance(scene, JointScene):
+        data.qfrc_applied[0] = scene.load
+    return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos,))
