@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from engines.genesis.scene import Scene, chain_model, constraint_parameters
 from engines.genesis.simulation import GenesisSimulation
-from engines.interface.presets import Preset
+from engines.interface.presets import OfStep, Preset
 from engines.mujoco.contact import DEPTH, PLATE, RADIUS
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
@@ -40,7 +40,8 @@ def share_a_scene(lanes: Sequence[Lane], preset: Preset) -> bool:
     It has one time step, one time constant of contacts, and a contact in the same cells of all environments.
     """
     rubbing = {tuple(lane.chain.friction_bound > 0) for lane in lanes}
-    return len(lanes) == 1 or (preset["units"] == "lane" and len(rubbing) == 1)
+    in_steps = preset["units"] == "lane" and isinstance(preset["time constant"], OfStep)
+    return len(lanes) == 1 or (in_steps and len(rubbing) == 1)
 
 
 class ContactSimulation(GenesisSimulation):
@@ -90,7 +91,8 @@ class ContactSimulation(GenesisSimulation):
     def _constraints(self, hardness: FloatArray) -> FloatArray:
         """Give the parameters of contacts that press so many times as hard as with a damping ratio of one."""
         preset = self._preset
-        time_constant = preset["time constant in steps" if preset["units"] == "lane" else "time constant"]
+        own, unit = preset["time constant"], self._units[0].time
+        time_constant = own.at(self.lanes[0].time_step / unit) if isinstance(own, OfStep) else own / unit
         return np.stack(
             [constraint_parameters(time_constant, float(each) ** -0.5, preset["impedance"]) for each in hardness]
         )

@@ -1,7 +1,7 @@
 """Genesis's own settings, and the presets that change them."""
 
 from engines.genesis.step_model import joint_friction, pyramidal_contact
-from engines.interface.presets import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, OfStep, Option, Preset
 from engines.mujoco.presets import SOFT_EDGES, SOLIMP
 
 OPTIONS = {
@@ -25,15 +25,15 @@ CONTACT_OPTIONS = {
 TIME_CONSTANT = 0.01
 """Of `solref` [s]: Genesis's own."""
 
+STOPS_IN_ONE_STEP = "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
+
 VELOCITIES_FIRST = ("Euler", "Velocities first, then positions.")
 
 JOINT_TUNED = Preset(
     "One step of Newton, then one sweep without softness: friction stops a contact within a step, as in equation (5).",
     {
         **JOINT_OPTIONS,
-        "time constant in steps": Option(
-            2 / SOLIMP[1], None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
-        ),
+        "time constant": Option(OfStep("2h/0.95", lambda step: 2 / SOLIMP[1] * step), TIME_CONSTANT, STOPS_IN_ONE_STEP),
     },
     {
         "units": ("lane", "Numbers near one, and time steps for the unit of time: a scene has one step."),
@@ -81,9 +81,7 @@ CONTACT_TUNED = Preset(
             1.0,
             "Friction is harder than the normal force by this factor; above it, rounding costs more than it gains.",
         ),
-        "time constant in steps": Option(
-            2 / 0.9999, None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
-        ),
+        "time constant": Option(OfStep("2h/0.9999", lambda step: 2 / 0.9999 * step), TIME_CONSTANT, STOPS_IN_ONE_STEP),
     },
     {
         "units": ("lane", "Time steps for the unit of time: a scene has one step."),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.genesis.scene import Scene, chain_model, constraint_parameters
-from engines.interface.presets import Preset
+from engines.interface.presets import OfStep, Preset
 from engines.mujoco.presets import SOLIMP
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.forced_lanes import ForcedLanes
@@ -71,6 +71,5 @@ class JointSimulation(GenesisSimulation):
 
     def _time_constant(self, lane: Lane) -> float:
         """Give the time constant of friction in time steps; Genesis takes at least two."""
-        if "time constant" not in self._preset.options:
-            return self._preset["time constant in steps"]
-        return max(2.0, self._preset["time constant"] / lane.time_step)
+        own = self._preset["time constant"]
+        return max(2.0, own.at(1.0) if isinstance(own, OfStep) else own / lane.time_step)

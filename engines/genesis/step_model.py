@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
+from engines.interface.law import Constant, Law, NotModelled
+from engines.interface.presets import OfStep, Preset
 from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, WIDTH, PyramidalContactLane
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
@@ -15,8 +15,13 @@ the gentlest motion that presets are held to (see MuJoCo's); it does so in a ste
 NEWTON_REASON = "Genesis's Newton solver stops at a tolerance of 1e-8, now and then before all is solved"
 
 
-def joint_friction(preset: Preset) -> Law:
+OF_STEP = NotModelled("its law is that of a time constant, whatever the time step")
+
+
+def joint_friction(preset: Preset) -> Law | NotModelled:
     """Give the law of a joint's frictionloss."""
+    if isinstance(preset["time constant"], OfStep):
+        return OF_STEP
     return Law(
         formula=(
             "equation (5) with friction λ = clip(−(a_0 + b w) / (A + R), ±μ λ_N): a_0 the slip acceleration without "
@@ -35,8 +40,10 @@ def joint_friction(preset: Preset) -> Law:
     )
 
 
-def pyramidal_contact(preset: Preset) -> Law:
+def pyramidal_contact(preset: Preset) -> Law | NotModelled:
     """Give the law of a sphere that is held at a fixed depth: each of the two edges along the slide lets go alone."""
+    if isinstance(preset["time constant"], OfStep):
+        return OF_STEP
     return Law(
         formula=(
             "as the joint's, with s = a_0 + A λ + b w, R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 1/m_i) / 3: "

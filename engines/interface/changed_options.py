@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from engines.interface.law import Law, NotModelled
-from engines.interface.presets import Option, Preset
+from engines.interface.presets import OfStep, Option, Preset
 from reference_lcp.errors import ParameterError, shown
 
 MOST_COUNT = 2**31 - 1
@@ -79,6 +79,8 @@ def value_text(value: Any) -> str:
     """Give a value of an option as `changed_preset` reads it."""
     if isinstance(value, tuple):
         return ",".join(map(value_text, value))
+    if isinstance(value, OfStep):
+        return ",".join(value.text.split())
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
@@ -89,13 +91,19 @@ def _read(preset: Preset, setting: str, known: Sequence[Preset], name: str) -> t
     if option not in settable:
         allowed = ", ".join(f"{each} ({_type_text(preset, each, known)})" for each in settable) or "none"
         raise ParameterError(f"option {shown(option)} cannot be set in {name}; allowed: {allowed}")
-    value = _value(text, preset[option], _texts(option, known))
+    formulas = {value_text(formula): formula for formula in _formulas(option, known)}
+    value = formulas.get(text) or _value(text, _numbers(preset[option]), _texts(option, known))
     if value is None:
         raise ParameterError(
             f"{option} = {shown(text)} of {name}; allowed: {_type_text(preset, option, known)}, such as "
             f"{value_text(preset[option])}"
         )
     return option, value
+
+
+def _numbers(value: Any) -> Any:
+    """Give a value of the type that numbers have which an option takes instead of a formula."""
+    return value.at(1.0) if isinstance(value, OfStep) else value
 
 
 def _value(text: str, like: Any, texts: Sequence[str]) -> Any:
@@ -139,15 +147,29 @@ def _is_set_of_flags(value: tuple[Any, ...]) -> bool:
 
 def _texts(option: str, known: Sequence[Preset]) -> list[str]:
     """Give the texts that the presets of an engine set an option to, or that the engine has without them."""
-    settings = [preset.options[option] for preset in known if option in preset.options]
-    values = [value for setting in settings for value in (setting.value, setting.default)]
+    values = _set_or_default(option, known)
     flat = [each for value in values for each in (value if isinstance(value, tuple) else (value,))]
     return sorted({each for each in flat if isinstance(each, str)})
 
 
+def _formulas(option: str, known: Sequence[Preset]) -> list[OfStep]:
+    """Give the formulas that the presets of an engine set an option to, each once."""
+    return list(dict.fromkeys(value for value in _set_or_default(option, known) if isinstance(value, OfStep)))
+
+
+def _set_or_default(option: str, known: Sequence[Preset]) -> list[Any]:
+    settings = [preset.options[option] for preset in known if option in preset.options]
+    return [value for setting in settings for value in (setting.value, setting.default)]
+
+
 def _type_text(preset: Preset, option: str, known: Sequence[Preset]) -> str:
     """Say what an option takes."""
-    value = preset[option]
+    formulas = " or ".join(map(value_text, _formulas(option, known)))
+    return _type_of_numbers(preset, option, known) + (f", or {formulas}" if formulas else "")
+
+
+def _type_of_numbers(preset: Preset, option: str, known: Sequence[Preset]) -> str:
+    value = _numbers(preset[option])
     if isinstance(value, tuple):
         if _is_set_of_flags(value):
             return f"any of {', '.join(_texts(option, known))} with commas between, or nothing"

@@ -42,11 +42,25 @@ class NormalForce(StrEnum):
 
 
 @dataclass(frozen=True)
+class OfStep:
+    """A value that depends on the time step."""
+
+    text: str
+    """As the engine writes it, with h for the time step, such as ``2h 1``."""
+    at: Callable[[float], Any] = field(repr=False, compare=False)
+    """Gives the value at a time step, in the units of that step."""
+
+    def __repr__(self) -> str:
+        """Give the text: reports print it, and results are stored under it."""
+        return self.text
+
+
+@dataclass(frozen=True)
 class Option:
     """One setting of an engine."""
 
     value: Any
-    """What the preset sets, as the engine takes it."""
+    """What the preset sets, as the engine takes it; an `OfStep` where that depends on the time step."""
     default: Any
     """What the engine does without it."""
     reason: str
@@ -128,6 +142,11 @@ class Preset:
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
+
+    def value(self, name: str, time_step: float) -> Any:
+        """Give the value of an option at a time step, in the units of that step if it depends on it."""
+        own = self[name]
+        return own.at(time_step) if isinstance(own, OfStep) else own
 
     def takes(self, version: str) -> bool:
         """Tell whether a version of the engine has what it sets."""

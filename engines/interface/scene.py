@@ -236,7 +236,8 @@ class SceneSetting:
     def changed(self, name: str) -> Any:
         """Give the value of an option as the engine takes it, where the preset sets one; ``None`` otherwise."""
         option = self.preset.options.get(name)
-        return None if option is None or option.value == option.default else option.value
+        unchanged = option is None or option.value == option.default
+        return None if unchanged else self.preset.value(name, self.time_step)
 
 
 SceneBuilder = Callable[[Any, SceneSetting], SceneWorld]

@@ -1,17 +1,17 @@
 """MJX's presets: MuJoCo's settings, changed for a solver without a sweep that removes the softness of friction."""
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.mujoco.presets import JOINT_OPTIONS, NO_CONTACTS, SOLIMP, STOPS_IN_ONE_STEP, TUNED
+from engines.mujoco.presets import HARDEST, JOINT_OPTIONS, NO_CONTACTS, SOLIMP, TUNED, stops_in_one_step
 
 SOFTNESS = 1e-4
-"""Part of its velocity that a stuck joint keeps in a step: 1 - d for MuJoCo's hardest d, its mjMAXIMP of 0.9999."""
+"""Part of its velocity that a stuck joint keeps in a step: 1 - d for MuJoCo's hardest d."""
 
 JOINT_TUNED = Preset(
     "MuJoCo's hardest friction, solved to round-off: a ten-thousandth softer than that of equation (5).",
     {
         **JOINT_OPTIONS,
         "tolerance": Option(1e-20, 1e-8, "The solver ends where a step of it gains no more than round-off."),
-        "solimp_friction": Option((1 - SOFTNESS, 1 - SOFTNESS), SOLIMP, "MuJoCo's hardest."),
+        "solimp_friction": Option((HARDEST, HARDEST), SOLIMP, "MuJoCo's hardest."),
     },
     {
         "units": (
@@ -25,7 +25,7 @@ JOINT_TUNED = Preset(
         "disable": (("eulerdamp", "warmstart"), "Damping at the start of the step; no warm start."),
         "iterations": (100, "MuJoCo's own. A dozen suffice in most steps; MJX does not report the other ones."),
         "cone": NO_CONTACTS,
-        "solref_friction": STOPS_IN_ONE_STEP,
+        "solref_friction": stops_in_one_step(HARDEST),
     },
     shares_scheme=True,
     split_tolerance=1e-12,

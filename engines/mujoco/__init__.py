@@ -5,7 +5,16 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.mujoco.contact import compiled_contacts
 from engines.mujoco.joint import compiled_joints
-from engines.mujoco.presets import CONTACT_DEFAULT, CONTACT_NEWTON, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED, YIELD
+from engines.mujoco.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_NEWTON,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+    YIELD,
+)
 from engines.mujoco.reproducer import CONTACT, JOINT
 from engines.mujoco.scene import STEP, contacts, joints
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
@@ -26,8 +35,18 @@ class MuJoCo(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "yield": YIELD, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "newton": CONTACT_NEWTON, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {
+                "tuned": JOINT_TUNED,
+                "yield": YIELD,
+                "recommended": JOINT_RECOMMENDED,
+                "default": JOINT_DEFAULT,
+            },
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "newton": CONTACT_NEWTON,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         notes=(
             "Friction is a convex regularisation of Coulomb's law with a time constant: by default, in joint and "

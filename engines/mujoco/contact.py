@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import Preset
-from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec
+from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec, solref_of
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -89,13 +89,10 @@ def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool) -> Any:
         if lifting:
             inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
         _add_geometry(outer, inner, lane, cell, scale, TOUCH if lifting else DEPTH)
-        pair = _add_contact(spec, chain, cell, preset, time_step)
+        pair = _add_contact(spec, chain, cell, preset)
+        pair.solreffriction = solref_of(preset, "solreffriction", lane.time_step, units)
         if lifting:
-            stiffness, damping = preset["solref"]
-            # MuJoCo divides a direct solref by powers of d_width; a positive one is a time constant and a ratio.
-            width = pair.solimp[1]
-            direct = [stiffness * (width / time_step) ** 2, damping * width / time_step]
-            pair.solref = direct if stiffness < 0 else [stiffness / units.time, damping]
+            pair.solref = solref_of(preset, "solref", lane.time_step, units)
         else:
             # In its direct form, negative, a solref holds stiffness and damping; this is that of a time constant.
             pair.solref = [-1.0, -2 * units.time / preset["normal time constant"]]
@@ -155,7 +152,7 @@ def _add_geometry(outer: Any, inner: Any, lane: Lane, cell: int, scale: float, d
         body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, quat=turned, contype=0, conaffinity=0)
 
 
-def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset, time_step: float) -> Any:
+def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset) -> Any:
     """Pair plate and sphere, and measure the force between them; gives the pair."""
     import mujoco
 
@@ -166,7 +163,6 @@ def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset, time_step: 
     pair.friction = [coefficient, coefficient, 0, 0, 0]
     if "solimp" in preset.options:
         pair.solimp[:2] = preset["solimp"]
-    pair.solreffriction = np.array(preset["solreffriction"]) * pair.solimp[1] / time_step
     spec.add_sensor(
         name=f"force {cell}", type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=mujoco.mjtObj.mjOBJ_GEOM, objname=plate,
         reftype=mujoco.mjtObj.mjOBJ_GEOM, refname=sphere, intprm=[force, 0, 1],

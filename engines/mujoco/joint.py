@@ -44,8 +44,9 @@ def new_spec(time_step: float, preset: Preset) -> Any:
     option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{preset['solver'].upper()}")
     option.iterations = preset["iterations"]
     option.noslip_iterations = preset["noslip_iterations"]
-    if "tolerance" in preset.options:
-        option.tolerance = preset["tolerance"]
+    for name in ("tolerance", "impratio"):
+        if name in preset.options:
+            setattr(option, name, preset[name])
     option.cone = getattr(mujoco.mjtCone, f"mjCONE_{preset['cone'].upper()}")
     option.jacobian = getattr(mujoco.mjtJacobian, f"mjJAC_{preset['jacobian'].upper()}")
     option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{preset['integrator'].upper()}")
@@ -93,6 +94,14 @@ def set_spring(element: Any, stiffness: float, damping: float) -> None:
         setattr(element, name, value if np.ndim(getattr(element, name)) == 0 else [value, 0, 0])
 
 
+def solref_of(preset: Preset, name: str, time_step: float, units: Units) -> tuple[float, float]:
+    """Give a solref at a time step [s] in these units: time constant and ratio or, negative, stiffness and damping."""
+    first, second = preset.value(name, time_step)
+    if first > 0:
+        return first / units.time, second
+    return first * units.time**2, second * units.time
+
+
 def compiled_joints(lane: Lane, preset: Preset) -> CompiledLane:
     """Compile a lane: an outer slide in the world, on each an inner slide, tendons between outer slides."""
     units = Units.named(preset["units"], lane)
@@ -103,8 +112,6 @@ def compiled_joints(lane: Lane, preset: Preset) -> CompiledLane:
         joint.frictionloss = chain.friction_bound[cell]
         if "solimp_friction" in preset.options:
             joint.solimp_friction[:2] = preset["solimp_friction"]
-        solref = np.array(preset["solref_friction"])
-        # A direct solref, negative, is divided by d_width: this makes the reference acceleration -ġ_T / dt.
-        joint.solref_friction = solref if solref[0] > 0 else solref * joint.solimp_friction[1] / time_step
+        joint.solref_friction = solref_of(preset, "solref_friction", lane.time_step, units)
     add_chain(spec, chain)
     return CompiledLane(lane, units, spec.compile())

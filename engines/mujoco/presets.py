@@ -1,11 +1,15 @@
 """MuJoCo's own settings, and the presets that change them."""
 
-from engines.interface.presets import NormalForce, Option, Preset
+from engines.interface.law import NotModelled
+from engines.interface.presets import NormalForce, OfStep, Option, Preset
 from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, joint_friction, pyramidal_contact
 from engines.mujoco.yielding import yielding_spring
 
 SOLIMP = (LEAST_IMPEDANCE, LARGEST_IMPEDANCE)
 """d_0 and d_max: MuJoCo's own."""
+
+SOFTEST, HARDEST = 1e-4, 0.9999
+"""Least and largest impedance that MuJoCo takes: its mjMINIMP and mjMAXIMP."""
 
 SOLREF = (0.02, 1.0)
 """Time constant [s] and damping ratio: MuJoCo's own."""
@@ -47,12 +51,20 @@ TUNED = {
 """What the tuned presets of both formulations change alike."""
 
 NO_CONTACTS = ("pyramidal", "There are no contacts.")
-STOPS_IN_ONE_STEP = ((-1.0, -1.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step.")
+
+
+def stops_in_one_step(width: float) -> tuple[OfStep, str]:
+    """Give the direct form of solref for friction, which MuJoCo divides by `width`, its d_width."""
+    rate = f"-{width:g}/h"
+    reason = "Direct form, with d_width of solimp over the step: a stuck contact stops in one step."
+    return OfStep(f"{rate} {rate}", lambda step: (-width / step, -width / step)), reason
+
+
 CHOSEN_STIFFNESS = (SOLREF[0], "Of solref [s]; its stiffness is chosen so that N = λ_N.")
 ELLIPTIC = ("elliptic", "The pyramid's edges change the normal force with friction.")
 
 PRESSED_HARDER = {
-    "solimp": Option((1e-4, 1e-4), SOLIMP, "MuJoCo's softest: friction hardly raises the normal force."),
+    "solimp": Option((SOFTEST, SOFTEST), SOLIMP, "MuJoCo's softest: friction hardly raises the normal force."),
     "coefficient": Option(
         0.01, None, "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ²."
     ),
@@ -67,7 +79,7 @@ JOINT_TUNED = Preset(
         "units": ("lane", "No number comes near MuJoCo's built-in smallest and largest ones."),
         "solver": ("PGS", "The friction forces are the unknowns, and each solves its own equation."),
         "cone": NO_CONTACTS,
-        "solref_friction": STOPS_IN_ONE_STEP,
+        "solref_friction": stops_in_one_step(LARGEST_IMPEDANCE),
     },
     shares_scheme=True,
     split_tolerance=1e-12,
@@ -112,6 +124,8 @@ YIELD = Preset(
     optional=True,
 )
 
+HARDEST_STOPS = stops_in_one_step(HARDEST)
+
 CONTACT_TUNED = Preset(
     "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
     CONTACT_OPTIONS,
@@ -120,7 +134,7 @@ CONTACT_TUNED = Preset(
         "units": ("contact", "The sweep's fixed tolerances of 1e-10 are then far below every number."),
         "solver": ("PGS", "The dual problem: friction does not act back on the normal force."),
         "cone": ELLIPTIC,
-        "solreffriction": STOPS_IN_ONE_STEP,
+        "solreffriction": stops_in_one_step(LARGEST_IMPEDANCE),
         "normal time constant": CHOSEN_STIFFNESS,
     },
     shares_scheme=True,
@@ -130,14 +144,15 @@ CONTACT_TUNED = Preset(
     inclines=True,
     modulated_options={
         "solimp": Option(
-            (0.9999, 0.9999), SOLIMP, "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
+            (HARDEST, HARDEST), SOLIMP, "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
         ),
         "solref": Option(
-            (-0.1, -1.0),
+            OfStep("-0.1(0.9999/h)² -0.9999/h", lambda step: (-0.1 * (HARDEST / step) ** 2, -HARDEST / step)),
             SOLREF,
-            "Direct form, in units of d_width² / δt² and d_width / δt: a landing stops in one step, and ten take the "
-            "sphere out of the plate.",
+            "Direct form, with d_width of solimp over the step: a landing stops in one step, and ten take the sphere "
+            "out of the plate.",
         ),
+        "solreffriction": Option(HARDEST_STOPS[0], (0.0, 0.0), HARDEST_STOPS[1]),
     },
     modulated_residual_slip_compliance=1e-4,
     varied={"noslip_iterations": (0, 2)},
@@ -149,6 +164,7 @@ CONTACT_NEWTON = Preset(
     {
         "solver": ("Newton", "The sweep after it decides what friction is."),
         "iterations": (5, "The normal forces are found in the first ones."),
+        "solreffriction": stops_in_one_step(SOFTEST),
     },
     shares_scheme=True,
     split_tolerance=1e-12,
@@ -172,4 +188,40 @@ CONTACT_DEFAULT = Preset(
         "solimp": Option.own(SOLIMP, "MuJoCo's own: contacts are soft."),
         "solref": Option.own(SOLREF, "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
     },
+)
+
+JOINT_RECOMMENDED = Preset(
+    "For joints of any model: friction that stops a slip within two steps, as hard as MuJoCo lets it be.",
+    {**JOINT_OPTIONS, "solimp_friction": Option.own(SOLIMP, "MuJoCo's own: friction is soft, and joints creep.")},
+    {
+        "solref_friction": (
+            OfStep("2h 1", lambda step: (2 * step, 1.0)),
+            "The least time constant that MuJoCo lets friction have; its own of 0.02 s hides friction in fast motions.",
+        ),
+        "solimp_friction": ((0.9999, 0.9999), "MuJoCo's hardest: what is left of creep goes with the step."),
+    },
+    known_deviation="a stuck contact creeps by a thousandth of what it does by default, and sliding stops in two steps",
+    law=joint_friction,
+    split_tolerance=1e-9,
+    normal_force=NormalForce.MODULATED,
+    optional=True,
+    varied={"noslip_iterations": (3,)},
+)
+
+CONTACT_RECOMMENDED = Preset(
+    "For contacts of any model: the elliptic cone, with friction far harder than the normal force.",
+    {**CONTACT_OPTIONS, "impratio": Option.own(1.0, "MuJoCo's own: friction is as soft as the normal force.")},
+    {
+        "cone": ("elliptic", "The pyramid has too little friction aside of its edges, and impratio hardly helps it."),
+        "impratio": (1e4, "Creep is that much less, at no cost; from 1e5 on the solver's own error is left."),
+    },
+    known_deviation="a stuck contact creeps by a ten-thousandth of what it does by default; what slides still hops",
+    law=lambda _: NotModelled("no model has the elliptic cone with impratio"),
+    split_tolerance=1e-9,
+    normal_force=NormalForce.LIFTING,
+    turns=True,
+    inclines=True,
+    modulated_options=CONTACT_DEFAULT.modulated_options,
+    optional=True,
+    varied={"impratio": (100.0, 1000.0, 1e5), "noslip_iterations": (3,)},
 )

@@ -1,12 +1,12 @@
 """Options of MuJoCo's presets as the attributes of a model in XML, in SI units."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-from engines.interface.presets import Preset
+from engines.interface.presets import OfStep, Preset
 from engines.interface.reproducer import Reproducer
 from engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
-from engines.mujoco.step_model import LARGEST_IMPEDANCE
+from engines.mujoco.joint import solref_of
 from engines.shared.script_units import SI, script_units
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
@@ -16,18 +16,18 @@ OPTION_ATTRIBUTES = ("solver", "iterations", "noslip_iterations", "cone", "jacob
 """Options of the whole model."""
 
 
-def joint_numbers(_lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
+def joint_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the joint that rubs."""
-    solref = preset["solref_friction"]
-    rates = _rates(solref, (1, 1), LARGEST_IMPEDANCE, units)
-    return {**script_units(units), **_model(preset), "joint": "" if solref[0] > 0 else f'solreffriction="{rates}"'}
+    changed = preset["solref_friction"] != preset.options["solref_friction"].default
+    solref = _solref(preset, "solref_friction", lane, units)
+    return {**script_units(units), **_model(preset), "joint": f'solreffriction="{solref}"' if changed else ""}
 
 
 def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
     lifting = lane.preload is not None
     options = preset.modulated() if lifting else preset
-    pair = _pair(options, lifting, units)
+    pair = _pair(options, lane, units)
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
     return {
         **script_units(units),
@@ -59,27 +59,25 @@ def _bound(preset: Preset) -> dict[str, str]:
     return {"friction": f"{own} {own}", "pressing": f"np.array(FRICTION) * NORMAL_FORCE / {own}"}
 
 
-def _pair(preset: Preset, lifting: bool, units: Units) -> list[str]:
+def _pair(preset: Preset, lane: Lane, units: Units) -> list[str]:
     """Give the attributes of the pair; see `engines.mujoco.contact`."""
     changed = "solimp" in preset.options and preset["solimp"] != preset.options["solimp"].default
-    width = preset["solimp"][1] if changed else LARGEST_IMPEDANCE
     attributes = [f'solimp="{preset["solimp"][0]} {preset["solimp"][1]}"'] if changed else []
-    if not lifting:
+    if lane.preload is None:
         attributes.append(f'solref="-1 {-2 * units.time / preset["normal time constant"]!r}"')
-    elif preset["solref"][0] < 0:
-        attributes.append(f'solref="{_rates(preset["solref"], (2, 1), width, units)}"')
-    if any(preset["solreffriction"]):
-        attributes.append(f'solreffriction="{_rates(preset["solreffriction"], (1, 1), width, units)}"')
-    return attributes
+    own = ("solreffriction",) if lane.preload is None else ("solref", "solreffriction")
+    changed_solrefs = [name for name in own if preset[name] != preset.options[name].default]
+    return attributes + [f'{name}="{_solref(preset, name, lane, units)}"' for name in changed_solrefs]
 
 
-def _rates(factors: Sequence[float], powers: Sequence[int], width: float, units: Units) -> str:
-    """Write stiffness and damping in the direct form, which MuJoCo divides by powers of `width`, its d_width."""
-    rate = f"{width} / TIME_STEP" if units == SI else f"{width} * TIME / TIME_STEP"
-    rates = [rate if power == 1 else f"({rate}) ** {power}" for power in powers]
+def _solref(preset: Preset, name: str, lane: Lane, units: Units) -> str:
+    """Write a solref: numbers, or formulas of the time step that the script works out."""
+    value = preset[name]
+    if not isinstance(value, OfStep):
+        return " ".join(map(repr, solref_of(preset, name, lane.time_step, units)))
+    step = " / TIME_STEP" if units == SI else " * TIME / TIME_STEP"
     return " ".join(
-        f"{{-{rate}}}" if factor == -1 else f"{{{factor} * {rate}}}"
-        for factor, rate in zip(factors, rates, strict=True)
+        "{" + part.replace("(", " * (").replace("/h", step).replace("²", " ** 2") + "}" for part in value.text.split()
     )
 
 

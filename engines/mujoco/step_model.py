@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
+from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import NormalForce, Preset
 from engines.mujoco.contact import DEPTH, LEAST_COEFFICIENT, TOUCH
 from engines.shared.kernel_lane import Kernel, KernelLane
@@ -43,8 +43,18 @@ FREE_FORMULA = (
 """Of a sphere that is free across the row."""
 
 
-def joint_friction(preset: Preset) -> Law:
-    """Give the law of a joint's frictionloss."""
+VANISHING_STEP = 1e-12
+"""What a time constant is at this step does not go with the step [s]."""
+
+
+def joint_friction(preset: Preset) -> Law | NotModelled:
+    """Give the law of a joint's frictionloss that has a time constant; one of two steps is the least there is."""
+    constant = preset.value("solref_friction", VANISHING_STEP)[0]
+    if constant <= 0:
+        return NotModelled("its law is that of a time constant, and solref_friction has none")
+    fixed = constant > 2 * VANISHING_STEP
+    softness = preset.options.get("solimp_friction")
+    least, largest = (LEAST_IMPEDANCE, LARGEST_IMPEDANCE) if softness is None else softness.value
     return Law(
         formula=(
             "forces at the start of the step: with a_0 = Wᵀ M⁻¹ (f(t) e_1 − C q̇ − K q), A = (Wᵀ M⁻¹ W)_ii, "
@@ -52,9 +62,9 @@ def joint_friction(preset: Preset) -> Law:
             "dashpots of joints (c_i) then implicit, (M + h C_i) q̇⁺ = (M + h C_i − h C) q̇ − h K q + h f(t) e_1 + h W λ"
         ),
         constants={
-            "τ": Constant(preset["solref_friction"][0], "s", "solref_friction, time constant"),
-            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp_friction, MuJoCo's own: where nothing is violated"),
-            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp_friction, MuJoCo's own; solref is scaled by it"),
+            **({"τ": Constant(constant, "s", "solref_friction, time constant")} if fixed else {}),
+            "d_0": Constant(least, "", "solimp_friction: where nothing is violated"),
+            "d_max": Constant(largest, "", "solimp_friction; solref is scaled by it"),
         },
         model=_joint_friction,
         period_bound=NEWTON_PERIOD,
@@ -84,7 +94,7 @@ def pyramidal_contact(preset: Preset) -> Law:
 
 
 def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    rate = 2 / (constants["d_max"] * max(constants["τ"], 2 * lane.time_step))
+    rate = 2 / (constants["d_max"] * max(constants.get("τ", 0.0), 2 * lane.time_step))
     step = _step(lane, rate)
     softness = (1 - constants["d_0"]) / constants["d_0"]
     return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))

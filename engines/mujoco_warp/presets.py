@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from engines.interface.law import Law
+from engines.interface.law import Law, NotModelled
 from engines.interface.presets import NormalForce, Preset
 from engines.mujoco import presets as mujoco
 from engines.mujoco import step_model
@@ -14,9 +14,12 @@ and ten times the 4e-6 U0 that this makes of a period; roundings in single preci
 NEWTON_REASON = "MuJoCo Warp's Newton solver stops at a tolerance of 1e-6, and computes in single precision"
 
 
-def joint_friction(preset: Preset) -> Law:
+def joint_friction(preset: Preset) -> Law | NotModelled:
     """Give the law of a joint's frictionloss."""
-    return replace(step_model.joint_friction(preset), period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON)
+    law = step_model.joint_friction(preset)
+    if isinstance(law, NotModelled):
+        return law
+    return replace(law, period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON)
 
 
 def pyramidal_contact(preset: Preset) -> Law:
@@ -44,7 +47,7 @@ TUNED = {
 JOINT_TUNED = Preset(
     "One step of Newton, then one sweep without softness: friction stops a contact within a step, as in equation (5).",
     mujoco.JOINT_OPTIONS,
-    {**TUNED, "cone": mujoco.NO_CONTACTS, "solref_friction": mujoco.STOPS_IN_ONE_STEP},
+    {**TUNED, "cone": mujoco.NO_CONTACTS, "solref_friction": mujoco.stops_in_one_step(step_model.LARGEST_IMPEDANCE)},
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
 )
@@ -57,7 +60,7 @@ CONTACT_TUNED = Preset(
     {
         **TUNED,
         "cone": mujoco.ELLIPTIC,
-        "solreffriction": mujoco.STOPS_IN_ONE_STEP,
+        "solreffriction": mujoco.stops_in_one_step(mujoco.SOFTEST),
         "normal time constant": mujoco.CHOSEN_STIFFNESS,
     },
     shares_scheme=True,

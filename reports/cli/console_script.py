@@ -24,6 +24,7 @@ COMMANDS = {
     "compare": ("compare", "Compare two stores, and print what has changed."),
     "card": ("shown", "Write the numbers of one engine that its maintainer would quote."),
     "reproduce": ("shown", "Print a script that shows a number in an engine's own API."),
+    "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "animate": ("shown", "Show the chain in motion over one period."),
 }
 """The module of `reports.cli` that has each command, and what the command does in a sentence."""

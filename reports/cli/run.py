@@ -42,6 +42,7 @@ EXPERIMENTS = {
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
     "cost": "What do a step and a steady state cost in each engine, and how much faster are two workers?",
+    "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
 }
 
 app = typer.Typer(name="multibody-xval run", add_completion=False, pretty_exceptions_enable=False)
@@ -163,7 +164,9 @@ def print_results(results: Results) -> None:
     from rich.console import Console
 
     from scenarios import tables
-    from scenarios.catalogue.verdict_table import details, law_in_words, matrix, verdict_table
+    from scenarios.catalogue.scenes.base import SceneScenario
+    from scenarios.catalogue.scenes.table import scene_table
+    from scenarios.catalogue.verdict_table import details, finding_table, law_in_words, matrix, verdict_table
     from scenarios.verdicts.finding import failures
 
     console = Console()
@@ -171,6 +174,8 @@ def print_results(results: Results) -> None:
         console.print(f"\n[bold]{scenario.name}[/bold]: {tables.plain(scenario.question)}", soft_wrap=True)
         console.print(tables.plain(f"compared with {scenario.expects}", *scenario.parameters()), soft_wrap=True)
         tables.print_table(verdict_table(findings))
+        if isinstance(scenario, SceneScenario):
+            tables.print_table(scene_table(finding_table({scenario: findings})))
         for variant, remarks in details(findings):
             console.print(tables.plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
@@ -278,6 +283,34 @@ def measure_cost(
         return [(reference if variant == REFERENCE else cost(variant, seconds), reference)]
 
     _end(out, COST_COLUMNS, COST_COLUMNS, _measured(variants, beside_the_reference))
+
+
+@app.command()
+@grouped
+def recipes(
+    *,
+    chosen: Annotated[
+        list[str] | None,
+        typer.Option("--engine", metavar="NAME[:FORMULATION]", help="An engine; may be repeated. Without it, all."),
+    ] = None,
+    store: Store = None,
+    out: TableFile = None,
+    work: Work,
+) -> None:
+    """Measure every set of the options that a recipe changes, in all scenes: creep, cost of a step, what gets worse.
+
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run recipes --engine mujoco
+    """
+    check_outs([out], TABLE_ENDINGS, store)
+    from scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
+
+    recommended = named_recipes(chosen or [])
+    with work.evaluator(store, recommended) as evaluator:
+        rows = [row for each in recommended for row in study(each, evaluator)]
+    _end(out, RECIPE_COLUMNS, RECIPE_COLUMNS, rows)
 
 
 def _end(

@@ -68,7 +68,7 @@ class SceneTask(Task):
 
 def run_scenes(tasks: Sequence[SceneTask]) -> list[Result]:
     """Run scenes one by one; one that explodes diverges, and one that an engine fails at is blocked."""
-    return results_together(tasks, lambda task: task, lambda alike: [_result(task) for task in alike])
+    return results_together(tasks, lambda task: task, lambda alike: [followed(task, built(task)) for task in alike])
 
 
 def built(task: SceneTask) -> SceneWorld:
@@ -91,9 +91,9 @@ def built(task: SceneTask) -> SceneWorld:
     return engine(variant.engine).scene_world(task.scene, SceneSetting(variant.preset, task.time_step, task.sleeping))
 
 
-def _result(task: SceneTask) -> Result:
+def followed(task: SceneTask, world: SceneWorld) -> Result:
+    """Let a world settle, launch its box, follow it, and close it."""
     begin = time.perf_counter()
-    world = built(task)
     try:
         settling = round(task.settling / task.time_step)
         first = world.run(settling)[-1:] if settling else None

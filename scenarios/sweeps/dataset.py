@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from pydantic import ConfigDict, TypeAdapter
 
+from engines.interface.presets import OfStep
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
@@ -326,10 +327,15 @@ def description_of(variant: Variant) -> dict[str, Any]:
         "version": of.version() if of.unavailable_reason() is None else None,
         "description": preset.description,
         "options": [
-            {"name": name, "value": option.value, "default": option.default, "reason": option.reason}
+            {"name": name, "value": _plain(option.value), "default": option.default, "reason": option.reason}
             for name, option in preset.options.items()
         ],
     }
+
+
+def _plain(value: Any) -> Any:
+    """Give the value of an option without its formula: the text of one that depends on the time step."""
+    return value.text if isinstance(value, OfStep) else value
 
 
 def write_dataset(data: xr.Dataset, file: Path) -> None:

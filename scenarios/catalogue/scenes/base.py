@@ -27,6 +27,9 @@ from scenarios.verdicts.judge import decide, missing
 COMMON_STEP = 0.001
 """Time step at which all engines are compared, beside their own [s]."""
 
+OWN_STEP = "own step"
+"""Ends the names of cases at the engine's own step, where that is another one."""
+
 SETTLING = 1.0
 """How long bodies are left alone before they are measured [s]."""
 
@@ -112,7 +115,7 @@ class SceneScenario(Scenario):
         """Give the time steps that a variant is run with, by what is added to the names of cases [s]."""
         own = engine(variant.engine).scene_step
         steps = {f"{1e3 * COMMON_STEP:g} ms": COMMON_STEP}
-        return steps if math.isnan(own) or own == COMMON_STEP else {"own step": own, **steps}
+        return steps if math.isnan(own) or own == COMMON_STEP else {OWN_STEP: own, **steps}
 
     def tasks(self, variant: Variant, cases: Sequence[SceneCase]) -> dict[str, tuple[SceneCase, SceneTask]]:
         """Give the cases and their tasks by name: at the engine's own step, then at the common one."""

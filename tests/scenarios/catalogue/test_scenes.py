@@ -1,0 +1,168 @@
+"""Scenes as users write them: closed forms, and engines that are wrong by little."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
+from engines.interface.variant import Variant
+from reference_lcp.errors import ParameterError
+from scenarios.catalogue.registry import CATALOGUE
+from scenarios.catalogue.scenes.base import COMMON_STEP, SceneScenario
+from scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
+from scenarios.catalogue.scenes.joints import arm
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.scene import SceneTask, followed
+from scenarios.runs.store import opened_store
+from scenarios.verdicts.finding import Finding, Verdict
+from tests.scenarios.in_process import findings
+
+SCENES = [scenario for scenario in CATALOGUE.values() if isinstance(scenario, SceneScenario)]
+HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "joint-hold", "arm-hold")
+SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
+
+CONTACT, JOINT = Variant("mujoco", "contact", "default"), Variant("mujoco", "joint", "default")
+
+needs_mujoco = pytest.mark.needs("mujoco")
+
+
+class PointMass:
+    """The truth in semi-implicit Euler steps: Coulomb's law of one mass along and across its plane."""
+
+    def __init__(self, task: SceneTask, *, friction: float = 1.0, normal: float = 1.0, creep: float = 0.0):
+        scene, self.step_size, self.creep = task.scene, task.time_step, creep
+        self.axes, self.load, self.bound, self.belt = np.eye(3), np.zeros(3), math.inf, 0.0
+        self.start = np.zeros(3)
+        if isinstance(scene, ContactScene):
+            self.axes = np.array([scene.downhill, (0.0, 1.0, 0.0), scene.normal])
+            self.start, self.belt = np.array(scene.places[-1]), scene.belt
+            if not scene.grip:
+                self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
+                self.bound = friction * normal * scene.friction * GRAVITY * math.cos(scene.slope)
+        self.links = scene.links if isinstance(scene, ArmScene) else 1
+        self.box = isinstance(scene, ContactScene)
+        self.way, self.velocity = np.zeros(3), np.zeros(3)
+
+    def launch(self, velocity) -> None:
+        self.velocity = self.axes @ velocity
+
+    def step(self) -> None:
+        carried = np.array([self.belt, 0.0, 0.0])
+        free = self.velocity - carried + self.step_size * self.load
+        speed = np.linalg.norm(free)
+        self.velocity = carried + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
+        self.way = self.way + self.step_size * (self.velocity + self.creep)
+
+    def state(self):
+        if not self.box:
+            return ([self.way[0]] * self.links,)
+        return self.start + self.way @ self.axes, (1.0, 0.0, 0.0, 0.0), self.velocity @ self.axes
+
+
+def judged(scenario: SceneScenario, **wrong: float) -> list[Finding]:
+    """Judge an engine whose worlds are point masses, wrong by factors, or creeping [m/s]."""
+
+    class Twin(Evaluator):
+        def evaluate(self, tasks):
+            worlds = [(task, PointMass(task, **wrong)) for task in tasks]
+            return [followed(task, SteppedWorld(one.step, one.state, one.launch)) for task, one in worlds]
+
+    with opened_store(None) as store, Twin(store, InProcessExecutor()) as twin:
+        return scenario.run([JOINT if scenario.formulation == "joint" else CONTACT], twin)
+
+
+def disagreeing(found: list[Finding]) -> list[Finding]:
+    return [finding for finding in found if finding.comparison.verdict is not Verdict.AGREE]
+
+
+@pytest.mark.parametrize("scenario", SCENES, ids=lambda each: each.name)
+def test_coulomb_s_law_in_euler_s_steps_agrees_with_every_scene(scenario) -> None:
+    assert not disagreeing(judged(scenario))
+
+
+@pytest.mark.parametrize("name", HOLDING)
+def test_creep_of_a_micrometre_a_second_is_found_in_everything_that_should_hold(name) -> None:
+    found = judged(CATALOGUE[name], creep=1e-6)
+    assert disagreeing(found) == found
+
+
+@pytest.mark.parametrize("wrong", [{"friction": 0.99}, {"normal": 1.01}], ids=["less friction", "pressed harder"])
+@pytest.mark.parametrize("name", SLIDING)
+def test_friction_that_is_wrong_by_a_hundredth_is_found_in_everything_that_slides(name, wrong) -> None:
+    """Where Euler's own step is a smaller error than that: at 1 ms, and not at 1 m/s."""
+    found = [each for each in judged(CATALOGUE[name], **wrong) if each.case.endswith("1 ms")]
+    wrong_ones = {each.case for each in disagreeing(found)}
+    slow = {each.case for each in found if each.case.startswith("1 m/s, 1 ms")}
+    assert wrong_ones | slow == {each.case for each in found}
+    assert wrong_ones
+
+
+def test_drift_after_the_stop_is_found() -> None:
+    found = judged(CATALOGUE["slide-to-stop"], creep=1e-6)
+    assert {each.metric.name for each in disagreeing(found)} == {"drift"}
+
+
+@needs_mujoco
+def test_mujoco_s_joint_creeps_by_its_own_law() -> None:
+    """A (1 − d_0) / d_0 · load · d_max τ / 2, with its own d_0 = 0.9, d_max = 0.95 and τ = 20 ms."""
+    for finding in findings(CATALOGUE["joint-hold"], JOINT):
+        load = float(finding.case.split("load ")[1].split(",")[0]) * (1.0 if "hinge" in finding.case else 5.0)
+        assert finding.value == pytest.approx(1e6 * (1 - 0.9) / 0.9 * load * 0.95 * 0.02 / 2, rel=1e-5)
+
+
+@needs_mujoco
+def test_box_creeps_in_mujoco_as_one_writes_it_and_hardly_with_the_recommended_options() -> None:
+    worst = {}
+    for preset in ("default", "recommended"):
+        found = findings(CATALOGUE["slope-hold"], replace(CONTACT, preset_name=preset))
+        worst[preset] = max(each.value for each in found)
+    assert worst["default"] > 1000
+    assert worst["recommended"] < 1
+
+
+@needs_mujoco
+def test_exploding_scene_is_a_failure_of_the_engine(monkeypatch) -> None:
+    def exploding(task) -> SteppedWorld:
+        return SteppedWorld(lambda: None, lambda: (np.full(10, np.nan),))
+
+    monkeypatch.setattr("scenarios.runs.scene.built", exploding)
+    found = findings(CATALOGUE["grip"], CONTACT)
+    assert {each.comparison.verdict for each in found} == {Verdict.DISAGREE}
+    assert "exploded" in found[0].comparison.reason
+
+
+def test_presets_for_the_chain_have_no_scenes() -> None:
+    found = findings(CATALOGUE["grip"], replace(CONTACT, preset_name="tuned"))
+    assert {each.comparison.verdict for each in found} == {Verdict.BLOCKED}
+    assert "is for the chain; allowed in scenes: default, recommended" in found[0].comparison.reason
+
+
+BAD: list[tuple[Callable[[], object], str]] = [
+    (lambda: ContactScene(slope=math.radians(95)), "slope = 95°; allowed: >= 0 and < 90°"),
+    (lambda: Box(mass=-1.0), "mass = -1.*allowed: > 0"),
+    (lambda: ContactScene(grip=1.0, boxes=(Box(), Box())), "boxes = 2; allowed: 1 in a grip"),
+    (lambda: JointScene(kind="ball"), "kind = 'ball' is unknown; allowed: hinge, slide"),
+    (lambda: ArmScene(friction=()), "friction = .*at least one"),
+    (lambda: SceneTask(variant=JOINT, scene=JointScene(), time_step=0.0, time=1.0), "time_step = 0.*allowed: > 0"),
+]
+
+
+@pytest.mark.parametrize(("build", "message"), BAD)
+def test_scene_that_cannot_be_is_refused(build, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        build()
+
+
+def test_scenes_are_what_their_names_say() -> None:
+    heavy = CATALOGUE["heavy-on-light"].cases[0].scene
+    assert [box.mass for box in heavy.boxes] == [1.0, HEAVY]
+    assert heavy.slope == STACK_SLOPE
+    assert arm(1, 0.9).friction == pytest.approx([GRAVITY * 0.1 / 0.9])
+    assert arm(2, 1.0).friction == pytest.approx([GRAVITY * (0.1 + 0.3), GRAVITY * 0.1])
+    heights = [place[2] for place in ContactScene(boxes=(Box(side=0.2), Box(side=0.1))).places]
+    assert heights == pytest.approx([0.1, 0.25])
+    assert COMMON_STEP == 1e-3
