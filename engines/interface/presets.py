@@ -148,6 +148,12 @@ class Preset:
         own = self[name]
         return own.at(time_step) if isinstance(own, OfStep) else own
 
+    def changed_from(self, other: "Preset") -> dict[str, Any]:
+        """Give what another preset has of the options that are otherwise here, the engine's own where it has none."""
+        values = {name: other.options.get(name) for name in self.options}
+        before = {name: own.default if (of := values[name]) is None else of.value for name, own in self.options.items()}
+        return {name: value for name, value in before.items() if self[name] != value}
+
     def takes(self, version: str) -> bool:
         """Tell whether a version of the engine has what it sets."""
         from packaging.specifiers import SpecifierSet

@@ -6,7 +6,15 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pybullet.contact import PLATE, REST_DEPTH, SPACING, PyBulletContactLane
 from engines.pybullet.joint import Connection, PyBulletJointLane
-from engines.pybullet.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.pybullet.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.pybullet.scene import STEP, contacts, joints
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -24,8 +32,12 @@ class PyBullet(PipEngine):
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         notes=(
             "Coulomb's law, exact in stick: in the joint a velocity motor of target zero and bounded impulse, in the "
@@ -38,6 +50,9 @@ class PyBullet(PipEngine):
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),
         Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", rest=REST_DEPTH, plate=PLATE, spacing=SPACING),
     }
+
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 
     def unavailable_reason(self) -> str | None:
         """Reason why PyBullet cannot be used here, with the Pythons that it has wheels for."""

@@ -117,3 +117,36 @@ CONTACT_DEFAULT = Preset(
     normal_force=NormalForce.LIFTING,
     turns=True,
 )
+
+JOINT_RECOMMENDED = Preset(
+    "For joints of any model: motors as dry friction, without Bullet's damping; more does not help an arm.",
+    JOINT_OPTIONS,
+    {"linearDamping": (0.0, "Bullet slows every body down, against the ground.")},
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+    optional=True,
+)
+
+CONTACT_RECOMMENDED = Preset(
+    "For contacts of any model: no damping, a solver that does not stop early, and anchors where bodies stick.",
+    {
+        **CONTACT_OPTIONS,
+        "angularDamping": Option.own(0.04, "Bullet's own."),
+        "frictionAnchor": Option.own(0, "Bullet's own: a stuck contact is not drawn back to where it began to stick."),
+    },
+    {
+        "linearDamping": (0.0, "Bullet slows every body down, against the ground: the largest error of what slides."),
+        "angularDamping": (0.0, "Likewise."),
+        "solverResidualThreshold": (0.0, "The solver stops early otherwise, and stuck contacts creep."),
+        "frictionAnchor": (
+            1,
+            "In stacks, what is left of creep is drawn back. The chain has none: no run could begin in one.",
+        ),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
+    turns=True,
+    optional=True,
+)

@@ -1,6 +1,6 @@
 """An engine's recipe in its own syntax: what to write in one's own model so that friction holds."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from importlib.resources import files
 from typing import Any
@@ -39,28 +39,26 @@ def recipe_text(name: str) -> str:
         raise ParameterError(f"engine = {name} has no recipe: {adapter.no_scenes}; allowed: {allowed}")
     step = adapter.scene_step if Formulation.CONTACT in adapter.scene_worlds else COMMON_STEP
     presets = {kind: own[RECOMMENDED] for kind, own in adapter.capabilities.presets.items() if RECOMMENDED in own}
-    formulas = {name: text for preset in presets.values() for name, text in _formulas(preset).items()}
-    values = {str(kind): _values(preset, step) for kind, preset in presets.items()}
+    values = {str(kind): _values(adapter, kind, step) for kind in presets}
     text = environment(markup=False).from_string(_template(adapter).read_text(encoding="utf-8"))
-    return text.render(**values, formula=formulas, step=f"{step:g}").strip() + "\n"
+    return text.render(**values, formula=_formulas(presets.values()), step=f"{step:g}").strip() + "\n"
 
 
 def _template(adapter: Engine) -> Any:
     return files(import_module(type(adapter).__module__)).joinpath(TEMPLATE)
 
 
-def changed_options(preset: Preset) -> list[str]:
-    """Name the options that a preset changes."""
-    return [name for name, option in preset.options.items() if option.value != option.default]
+def _values(adapter: Engine, kind: Formulation, step: float) -> Mapping[str, str]:
+    """Write the options that a recipe changes, as the engine takes them at a time step [s]."""
+    presets = adapter.capabilities.presets[kind]
+    recommended = presets[RECOMMENDED]
+    changed = recommended.changed_from(presets["default"])
+    return {name: _text(recommended.value(name, step)) for name in changed}
 
 
-def _values(preset: Preset, step: float) -> Mapping[str, str]:
-    """Write the options that a preset changes, as the engine takes them at a time step [s]."""
-    return {name: _text(preset.value(name, step)) for name in changed_options(preset)}
-
-
-def _formulas(preset: Preset) -> Mapping[str, str]:
-    return {name: preset[name].text for name in changed_options(preset) if isinstance(preset[name], OfStep)}
+def _formulas(presets: Iterable[Preset]) -> Mapping[str, str]:
+    every = ((name, option.value) for preset in presets for name, option in preset.options.items())
+    return {name: value.text for name, value in every if isinstance(value, OfStep)}
 
 
 def _text(value: Any) -> str:

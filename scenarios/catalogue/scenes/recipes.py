@@ -96,7 +96,7 @@ def option_sets(recommended: Variant) -> dict[tuple[str, ...], Variant]:
         If there are more than `MOST_SETS`.
     """
     preset = recommended.preset
-    changed = [name for name, option in preset.options.items() if option.value != option.default]
+    changed = preset.changed_from(replace(recommended, preset_name="default").preset)
     if 2 ** len(changed) > MOST_SETS:
         raise ParameterError(f"{recommended} changes {len(changed)} options; allowed in a study: {MOST_SETS} sets")
     sets = {}
@@ -105,7 +105,7 @@ def option_sets(recommended: Variant) -> dict[tuple[str, ...], Variant]:
     ):
         variant = recommended
         for name in left_out:
-            variant = variant.changed(name, preset.options[name].default)
+            variant = variant.changed(name, changed[name])
         sets[tuple(name for name in changed if name not in left_out)] = variant
     for name, values in preset.varied.items():
         for value in values:
