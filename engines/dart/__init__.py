@@ -6,12 +6,15 @@ from engines.dart.contact import DEPTH, DartContactLane
 from engines.dart.joint import DartJointLane
 from engines.dart.presets import (
     CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
     CONTACT_SPHERE,
     CONTACT_TUNED,
     JOINT_DEFAULT,
     JOINT_MIXING,
+    JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
+from engines.dart.scene import STEP, contacts, joints
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
@@ -29,8 +32,13 @@ class Dart(PipEngine):
         licence="BSD-2-Clause",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT, "sphere": CONTACT_SPHERE},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+                "sphere": CONTACT_SPHERE,
+            },
         },
         notes=(
             "Coulomb's law as a boxed LCP, solved by pivoting, whose diagonal is enlarged by a part that cannot be set "
@@ -44,3 +52,5 @@ class Dart(PipEngine):
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),
         Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", depth=DEPTH),
     }
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}

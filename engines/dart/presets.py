@@ -138,3 +138,11 @@ CONTACT_SPHERE = replace(
     residual_slip_compliance=CONTACT_MIXING,
     turned_bound=None,
 )
+
+JOINT_RECOMMENDED = replace(
+    JOINT_DEFAULT, description="For joints of any model: as DART comes, which holds them.", optional=True
+)
+
+CONTACT_RECOMMENDED = replace(
+    CONTACT_DEFAULT, description="For contacts of any model: as DART comes, which holds them.", optional=True
+)

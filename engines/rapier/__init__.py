@@ -6,7 +6,15 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.interface.tolerances import SUBSTEPS_RESIDUAL
 from engines.rapier.contact import CLEARANCE, RapierContactLane
 from engines.rapier.joint import RapierJointLane
-from engines.rapier.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.rapier.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.rapier.scene import STEP, contacts, joints
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_units
 
@@ -23,8 +31,12 @@ class Rapier(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         precision="single",
         residual=SUBSTEPS_RESIDUAL,
@@ -39,3 +51,5 @@ class Rapier(PipEngine):
         Formulation.JOINT: script_in_units("reproducer_joint.py.jinja"),
         Formulation.CONTACT: script_in_units("reproducer_contact.py.jinja", clearance=CLEARANCE),
     }
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}

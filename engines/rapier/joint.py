@@ -57,8 +57,9 @@ class RapierLane(ExplicitForcesLane):
         # What is given here is the world's own, and must not be assigned back.
         parameters = world.integration_parameters
         parameters.dt = self._time_step
-        for name in ("num_solver_iterations", "normalized_max_linear_velocity"):
-            setattr(parameters, name, self._preset[name])
+        for name in ("num_solver_iterations", "normalized_max_linear_velocity", "num_internal_pgs_iterations"):
+            if name in self._preset.options:
+                setattr(parameters, name, self._preset[name])
         cells, masses = self._chain.cells, np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
         # An outer mass slides along the row or, where that is turned, in the plane.
         x, y = self.lane.axis

@@ -1,5 +1,7 @@
 """Rapier's own settings, and the presets that change them."""
 
+from dataclasses import replace
+
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.rapier.step_model import contact_substeps, motor_substeps
 
@@ -84,4 +86,26 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-6,
     normal_force=NormalForce.MODULATED,
     turns=True,
+)
+
+JOINT_RECOMMENDED = replace(
+    JOINT_DEFAULT,
+    description="For joints of any model: reduced coordinates, in which one hinge holds; no option holds an arm.",
+    options={
+        **JOINT_OPTIONS,
+        "joints": Option.own("impulse", "As most write them: pins and motors are solved together."),
+    },
+    changes={
+        "joints": ("multibody", "A pin cannot give way, and one hinge holds. The chain's masses are free bodies.")
+    },
+    optional=True,
+)
+
+CONTACT_RECOMMENDED = replace(
+    CONTACT_DEFAULT,
+    description="For contacts of any model: a few sweeps in every substep.",
+    options={**CONTACT_OPTIONS, "num_internal_pgs_iterations": Option.own(1, "Rapier's own: one sweep a substep.")},
+    changes={"num_internal_pgs_iterations": (4, "Stacks need them; more give no more.")},
+    optional=True,
+    varied={"num_internal_pgs_iterations": (20,), "num_solver_iterations": (1, 10)},
 )

@@ -1,5 +1,7 @@
 """SAPIEN's own settings, and the presets that change them."""
 
+from dataclasses import replace
+
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.sapien.step_model import damped_links, temporal_gauss_seidel
 from engines.shared.claims import tangents_of_the_world
@@ -93,4 +95,21 @@ CONTACT_DEFAULT = Preset(
     normal_force=NormalForce.MODULATED,
     turns=True,
     static_friction=True,
+)
+
+JOINT_RECOMMENDED = replace(
+    JOINT_DEFAULT,
+    description="For joints of any model: drives as dry friction, without PhysX's damping; more does not help an arm.",
+    changes={"linear damping": (0.0, "PhysX slows every link down, against the ground.")},
+    optional=True,
+)
+
+CONTACT_RECOMMENDED = replace(
+    CONTACT_DEFAULT,
+    description="For contacts of any model: SAPIEN's own solver, without its last correction of velocities.",
+    changes={
+        "solver_velocity_iterations": (0, "The correction after positions have moved lets what sticks creep."),
+    },
+    optional=True,
+    varied={"solver_position_iterations": (4, 50)},
 )

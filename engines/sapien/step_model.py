@@ -27,9 +27,10 @@ PRECISION = "single precision: every substep rounds by 2^-24"
 
 def damped_links(preset: Preset) -> Law:
     """Give the law of an articulation, whose links are slowed down; its drives are exact."""
+    damping = preset["linear damping"]
     return Law(
         formula="equation (5) with the force −k m v of the start of the step on every mass",
-        constants={"k": Constant(preset["linear damping"], "1/s", "linear damping of links")},
+        constants={"k": Constant(damping, "1/s", "linear damping of links", too_small_to_see=not damping)},
         model=_damped_links,
         period_bound=SINGLE_PRECISION_PERIOD,
         bound_growth=0.5,

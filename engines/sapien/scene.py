@@ -1,0 +1,141 @@
+"""Scenes as users of SAPIEN write them: rigid bodies, and articulations whose drives are the dry friction of joints."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface.scene import (
+    FINGER,
+    FINGER_MASS,
+    GRAVITY,
+    GROUND,
+    LINK_INERTIA,
+    LINK_LENGTH,
+    LINK_MASS,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    Quaternion,
+    SceneSetting,
+    SteppedWorld,
+    Vector,
+)
+from engines.sapien.joint import import_sapien
+
+STEP = 0.01
+"""SAPIEN's own time step [s]."""
+
+SOLVER = ("solver_position_iterations", "solver_velocity_iterations")
+"""Options of the bodies that are made next."""
+
+ALONG_X = [False, True, True, True, True, True]
+"""Locked motions of a finger on a prismatic joint."""
+
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+ABOUT_Y = (2**-0.5, 0.0, 0.0, 2**-0.5)
+"""Turns the axis of a joint, which is x, into y."""
+
+
+def _new_scene(setting: SceneSetting, gravity: float) -> tuple[Any, Any]:
+    """Make a scene; gives it and its system. Configurations are global, and copied by what is made next."""
+    sapien = import_sapien()
+    physx, defaults = sapien.physx, sapien.physx.PhysxBodyConfig()
+    changed = {name: setting.changed(name) for name in SOLVER if setting.changed(name) is not None}
+    own = {name: getattr(defaults, name) for name in SOLVER}
+    sleep = defaults.sleep_threshold if setting.sleeping else 0.0
+    tgs = setting.preset["enable_tgs"]
+    physx.set_scene_config(gravity=np.array([0.0, 0.0, -gravity], np.float32), enable_tgs=tgs)
+    physx.set_body_config(**own | changed, sleep_threshold=sleep)
+    system = physx.PhysxCpuSystem()
+    system.timestep = setting.time_step
+    return sapien.Scene([system]), system
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts."""
+    sapien, (world, system) = import_sapien(), _new_scene(setting, GRAVITY)
+    physx = sapien.physx
+    material = physx.PhysxMaterial(scene.friction, scene.friction, 0.0)
+
+    def add(body: Any, half: Any, place: Vector, turned: Quaternion = LEVEL, mass: float = 0.0) -> Any:
+        shape = physx.PhysxCollisionShapeBox(half, material)
+        if mass:
+            shape.set_density(mass / float(np.prod(2 * np.array(half))))
+        body.attach(shape)
+        entity = sapien.Entity()
+        entity.add_component(body)
+        entity.set_pose(sapien.Pose(place, turned))
+        world.add_entity(entity)
+        return body
+
+    pressed = belt = None
+    if scene.grip:
+        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        add(physx.PhysxRigidStaticComponent(), FINGER, (-reach, 0.0, height))
+        pressed = add(physx.PhysxRigidDynamicComponent(), FINGER, (reach, 0.0, height), mass=FINGER_MASS)
+        pressed.set_locked_motion_axes(ALONG_X)
+    elif scene.belt:
+        belt = physx.PhysxRigidDynamicComponent()
+        belt.set_kinematic(True)
+        add(belt, (20.0, 1.0, 0.1), (0.0, 0.0, -0.1))
+    else:
+        x, y, z = scene.normal
+        add(physx.PhysxRigidStaticComponent(), (GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
+    for box, place in zip(scene.boxes, scene.places, strict=True):
+        body = add(physx.PhysxRigidDynamicComponent(), [box.side / 2] * 3, place, scene.orientation, box.mass)
+    time = 0.0
+
+    def step() -> None:
+        nonlocal time
+        time += setting.time_step
+        if pressed is not None:
+            pressed.add_force_torque(np.array([-scene.grip, 0.0, 0.0]), np.zeros(3))
+        if belt is not None:
+            belt.set_kinematic_target(sapien.Pose([scene.belt * time, 0.0, -0.1]))
+        system.step()
+
+    def state() -> Any:
+        assert world is not None, "bodies do not keep their scene"
+        pose = body.pose
+        return pose.p, pose.q, body.linear_velocity
+
+    return SteppedWorld(step, state, body.set_linear_velocity)
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with joints."""
+    single = isinstance(scene, JointScene)
+    sapien, (world, system) = import_sapien(), _new_scene(setting, 0.0 if single else GRAVITY)
+    pose, builder = sapien.Pose, world.create_articulation_builder()
+    link = builder.create_link_builder()
+    link.set_mass_and_inertia(1.0, pose(), np.ones(3))
+    bounds = [scene.friction] if isinstance(scene, JointScene) else scene.friction
+    kind = "prismatic" if isinstance(scene, JointScene) and scene.kind == "slide" else "revolute"
+    axis = LEVEL if single else ABOUT_Y
+    for index in range(len(bounds)):
+        link = builder.create_link_builder(link)
+        link.set_joint_name(str(index))
+        centre = pose() if single else pose([LINK_LENGTH / 2, 0, 0])
+        link.set_mass_and_inertia(LINK_MASS, centre, np.ones(3) if single else np.array(LINK_INERTIA))
+        parent = pose([0 if single or not index else LINK_LENGTH, 0, 0], axis)
+        link.set_joint_properties(kind, [[-np.inf, np.inf]], parent, pose([0, 0, 0], axis), 0.0, 0.0)
+    articulation = builder.build(fix_root_link=True)
+    damping = setting.changed("linear damping")
+    for each in articulation.get_links():
+        if damping is not None:
+            each.set_linear_damping(damping)
+    for joint in articulation.get_active_joints():
+        joint.set_friction(setting.preset["joint friction"])
+        joint.set_drive_properties(0.0, setting.preset["drive damping"], bounds[int(joint.name)], "force")
+    load = np.array([scene.load if isinstance(scene, JointScene) else 0.0] * len(bounds), np.float32)
+
+    def step() -> None:
+        articulation.set_qf(load)
+        system.step()
+
+    def state() -> Any:
+        assert world is not None, "articulations do not keep their scene"
+        return (articulation.qpos,)
+
+    return SteppedWorld(step, state)
