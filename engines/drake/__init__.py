@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from engines.drake import contact, joint, presets
+from engines.drake import contact, joint, presets, scene
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
@@ -20,11 +20,16 @@ class Drake(PipEngine):
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": presets.JOINT_TUNED, "default": presets.JOINT_DEFAULT},
+            Formulation.JOINT: {
+                "tuned": presets.JOINT_TUNED,
+                "recommended": presets.JOINT_RECOMMENDED,
+                "default": presets.JOINT_DEFAULT,
+            },
             Formulation.CONTACT: {
                 "tuned": presets.CONTACT_TUNED,
                 "sap": presets.CONTACT_SAP,
                 "similar": presets.CONTACT_SIMILAR,
+                "recommended": presets.CONTACT_RECOMMENDED,
                 "default": presets.CONTACT_DEFAULT,
             },
         },
@@ -42,3 +47,5 @@ class Drake(PipEngine):
             "reproducer_contact.py.jinja", contact.script_numbers, radius=contact.RADIUS, width=contact.WIDTH
         ),
     }
+    scene_step: ClassVar[float] = scene.STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: scene.joints, Formulation.CONTACT: scene.contacts}

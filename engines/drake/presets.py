@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from engines.drake.step_model import actuator, lagged_contact, near_rigid_actuator, sap_contact, similar_contact
+from engines.interface.law import NotModelled
 from engines.interface.presets import Option, Preset
 
 SMOOTH_LAW_MARGIN = 1e-3
@@ -126,4 +127,35 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
     turns=True,
+)
+
+JOINT_RECOMMENDED = replace(
+    JOINT_DEFAULT,
+    description="For joints of any model: actuators with a gain far above what bodies need, at no cost.",
+    changes={
+        "PdControllerGains.d": (
+            1e6,
+            "[N s/m] A stuck joint creeps with λ_T / d; Drake cuts larger ones off by itself.",
+        ),
+    },
+    known_deviation="a stuck contact is a damper of 1e6 N s/m, or as strong as Drake resolves, and creeps with λ_T / d",
+    law=lambda _: NotModelled("whether the gain decides, or Drake's near-rigid limit, depends on masses and step"),
+    optional=True,
+)
+
+CONTACT_RECOMMENDED = replace(
+    CONTACT_DEFAULT,
+    description="For contacts of any model: patches of contact instead of points, and a small stiction velocity.",
+    options={
+        **CONTACT_DEFAULT.options,
+        "hydroelastic_modulus": Option(
+            None, None, "[Pa] Drake's own: none, and two boxes touch in one point, on which they rock."
+        ),
+    },
+    changes={
+        "hydroelastic_modulus": (1e7, "[Pa] Boxes then touch in a patch. Spheres of the chain have one point anyway."),
+        "v_stiction": (1e-5, "[m/s] Creep goes with it; below 1e-6 Drake's solver leaves as much."),
+    },
+    known_deviation=CONTACT_DEFAULT.known_deviation.replace("1e-3", "1e-5"),
+    optional=True,
 )

@@ -82,7 +82,7 @@ def near_rigid_actuator(preset: Preset) -> Law:
 def lagged_contact(preset: Preset) -> Law:
     """Give the law of contacts whose normal force is that of the start of the step."""
     in_si = "v_stiction" in preset.options
-    constant = Constant(preset["v_stiction"], "m/s", "v_stiction") if in_si else _stiction(preset)
+    constant = _stiction_in_si(preset["v_stiction"]) if in_si else _stiction(preset)
     formula = "v_s" if in_si else "v_s s ω_r"
 
     def model(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
@@ -96,6 +96,14 @@ def lagged_contact(preset: Preset) -> Law:
         model=model,
         period_bound=SMOOTH_PERIOD,
     )
+
+
+DRAKE_S_STICTION = 1e-3
+"""Drake's own v_stiction [m/s], of which a hundredth is seen: of a smaller one, as much more of it."""
+
+
+def _stiction_in_si(speed: float) -> Constant:
+    return Constant(speed, "m/s", "v_stiction", visible_error=0.01 * max(1.0, DRAKE_S_STICTION / speed))
 
 
 def sap_contact(preset: Preset) -> Law:

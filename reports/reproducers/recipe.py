@@ -64,4 +64,4 @@ def _formulas(presets: Iterable[Preset]) -> Mapping[str, str]:
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
         return " ".join(map(_text, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}".replace("e+0", "e").replace("e-0", "e-") if isinstance(value, float) else str(value)
