@@ -4,7 +4,15 @@ from typing import ClassVar
 
 from engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane
 from engines.box2d.joint import SPRING_LENGTH, Box2DJointLane
-from engines.box2d.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.box2d.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.box2d.scene import STEP, contacts, joints
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.interface.tolerances import SINGLE_RESIDUAL
 from engines.shared.pip_engine import PipEngine
@@ -23,8 +31,12 @@ class Box2D(PipEngine):
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         precision="single",
         residual=SINGLE_RESIDUAL,
@@ -45,3 +57,5 @@ class Box2D(PipEngine):
             clearance=CLEARANCE_OVER_SLOP,
         ),
     }
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}

@@ -1,7 +1,9 @@
 """The laws of Drake: actuators of bounded effort, and spheres that friction may lift off the depth of their rest."""
 
 import functools
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -92,7 +94,7 @@ def lagged_contact(preset: Preset) -> Law:
 
     return _law(
         formula=f"{STEP}; λ = −μ λ_N w⁺ / √(w⁺² + z²), z = max({formula}, R_t h μ λ_N), {SOFTNESS}",
-        constants={"v_s": constant, "σ": LEAST_SOFTNESS},
+        constants={"v_s": constant, "σ": _least_softness(constant.value if in_si else math.inf)},
         model=model,
         period_bound=SMOOTH_PERIOD,
     )
@@ -104,6 +106,12 @@ DRAKE_S_STICTION = 1e-3
 
 def _stiction_in_si(speed: float) -> Constant:
     return Constant(speed, "m/s", "v_stiction", visible_error=0.01 * max(1.0, DRAKE_S_STICTION / speed))
+
+
+def _least_softness(speed: float) -> Constant:
+    """Give SAP's softness beside a stiction velocity [m/s]: far below Drake's own, the softness is seen."""
+    seen = speed < DRAKE_S_STICTION / 10
+    return replace(LEAST_SOFTNESS, too_small_to_see=False, visible_error=0.5) if seen else LEAST_SOFTNESS
 
 
 def sap_contact(preset: Preset) -> Law:

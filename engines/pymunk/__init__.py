@@ -5,7 +5,15 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pymunk.contact import DEPTH, PymunkBoxes
 from engines.pymunk.joint import PymunkJoints
-from engines.pymunk.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.pymunk.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.pymunk.scene import STEP, contacts, joints
 from engines.pymunk.simulation import SPRING_LENGTH
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
@@ -27,8 +35,12 @@ class Pymunk(PipEngine):
         licence="MIT",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         batch_lanes=16,
         notes=(
@@ -49,3 +61,6 @@ class Pymunk(PipEngine):
             return kind(lanes, preset)
         # In SI units time steps differ, and with them what one space can take.
         return SequentialSimulation([LaneAlone(kind([lane], preset)) for lane in lanes])
+
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}

@@ -99,7 +99,8 @@ class SlideToStop(SceneScenario):
         distance = speed**2 / (2 * scene.friction * GRAVITY)
         direction = math.degrees(math.atan2(across[stop], along[stop]) - math.atan2(task.launch[1], task.launch[0]))
         drift = math.hypot(along[-1] - along[stop], across[-1] - across[stop]) / (time[-1] - time[stop])
-        step = 100 * scene.friction * GRAVITY * task.time_step / speed
+        part = scene.friction * GRAVITY * task.time_step / speed
+        step = 100 * part * (1 + part / 4)  # half a step's way, and what is left of the last step
         round_off_of_drift = 1e6 * round_off(task, distance) / REST
         return {
             DISTANCE: _in_percent(math.hypot(along[stop], across[stop]) / distance, step),

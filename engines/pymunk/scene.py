@@ -1,0 +1,140 @@
+"""Scenes as users of pymunk write them, in the plane: polygons, and motors or pivots of bounded force in joints."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+from engines.interface.scene import (
+    FINGER,
+    FINGER_MASS,
+    GRAVITY,
+    GROUND,
+    LINK_INERTIA,
+    LINK_LENGTH,
+    LINK_MASS,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    SceneSetting,
+    SteppedWorld,
+    Vector,
+)
+from engines.shared.planar_scene import check_planar, in_plane, row
+
+STEP = 1 / 60
+"""Of pymunk's own examples [s]; it has no default."""
+
+GROOVE = 1e3
+"""Half of the length of a groove [m]."""
+
+SLEEP_TIME = 0.5
+"""After which resting bodies sleep where they may [s]."""
+
+
+def _new_space(setting: SceneSetting, gravity: float) -> Any:
+    import pymunk
+
+    space = pymunk.Space()
+    space.gravity = (0, -gravity)
+    for name in ("iterations", "collision_slop"):
+        if setting.changed(name) is not None:
+            setattr(space, name, setting.changed(name))
+    if setting.sleeping:
+        space.sleep_time_threshold = SLEEP_TIME
+    return space
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts."""
+    import pymunk
+
+    check_planar(scene)
+    space = _new_space(setting, GRAVITY)
+
+    def add(body: Any, half: Sequence[float], place: tuple[float, float], angle: float = 0.0) -> Any:
+        body.position, body.angle = place, angle
+        shape = pymunk.Poly.create_box(body, (2 * half[0], 2 * half[-1]))
+        shape.friction = math.sqrt(scene.friction)  # coefficients of two shapes are multiplied
+        space.add(body, shape)
+        return body
+
+    pressed = None
+    if scene.grip:
+        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        add(pymunk.Body(body_type=pymunk.Body.STATIC), FINGER, (-reach, height))
+        pressed = add(pymunk.Body(FINGER_MASS, math.inf), FINGER, (reach, height))
+        space.add(pymunk.GrooveJoint(space.static_body, pressed, (-1, height), (1, height), (0, 0)))
+    elif scene.belt:
+        belt = add(pymunk.Body(body_type=pymunk.Body.KINEMATIC), (20.0, 0.1), (0, -0.1))
+        belt.velocity = (scene.belt, 0)
+    else:
+        x, _, z = scene.normal
+        add(pymunk.Body(body_type=pymunk.Body.STATIC), (GROUND, 1.0), (-x, -z), -scene.slope)
+    for box, place in zip(scene.boxes, scene.places, strict=True):
+        moment = pymunk.moment_for_box(box.mass, (box.side, box.side))
+        body = add(pymunk.Body(box.mass, moment), [box.side / 2] * 2, (place[0], place[2]), -scene.slope)
+
+    def step() -> None:
+        if pressed is not None:
+            pressed.apply_force_at_world_point((-scene.grip, 0), pressed.position)
+        space.step(setting.time_step)
+
+    def launch(velocity: Vector) -> None:
+        body.velocity = in_plane(velocity)
+
+    return SteppedWorld(step, lambda: row(body.position, body.angle, body.velocity), launch)
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with joints."""
+    return _one_joint(scene, setting) if isinstance(scene, JointScene) else _arm(scene, setting)
+
+
+def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
+    import pymunk
+
+    space, body, hinge = _new_space(setting, 0.0), pymunk.Body(1.0, 1.0), scene.kind == "hinge"
+    pin: Any
+    rubbing: Any
+    if hinge:
+        pin, rubbing = (
+            pymunk.PivotJoint(space.static_body, body, (0, 0)),
+            pymunk.SimpleMotor(space.static_body, body, 0),
+        )
+    else:
+        pin = pymunk.GrooveJoint(space.static_body, body, (-GROOVE, 0), (GROOVE, 0), (0, 0))
+        rubbing = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
+        rubbing.max_bias = 0.0  # or it pulls its anchors together
+    rubbing.max_force = scene.friction
+    space.add(body, pin, rubbing)
+
+    def step() -> None:
+        if hinge:
+            body.torque = scene.load
+        else:
+            body.apply_force_at_world_point((scene.load, 0), body.position)
+        space.step(setting.time_step)
+
+    return SteppedWorld(step, lambda: ([body.angle if hinge else body.position[0]],))
+
+
+def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
+    import pymunk
+
+    space = _new_space(setting, GRAVITY)
+    before, links = space.static_body, []
+    for link, bound in enumerate(scene.friction):
+        body = pymunk.Body(LINK_MASS, LINK_INERTIA[1])
+        body.position = (LINK_LENGTH * (link + 0.5), 0)
+        motor = pymunk.SimpleMotor(before, body, 0)
+        motor.max_force = bound
+        space.add(body, pymunk.PivotJoint(before, body, (LINK_LENGTH * link, 0)), motor)
+        links.append(body)
+        before = body
+
+    def state() -> Any:
+        angles = [0.0, *(link.angle for link in links)]
+        return ([after - angle for angle, after in pairwise(angles)],)
+
+    return SteppedWorld(lambda: space.step(setting.time_step), state)
