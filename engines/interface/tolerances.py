@@ -15,10 +15,10 @@ ROUND_OFF = {"double": 1e-9, "single": 8 * SINGLE}
 in single precision a force is stored, turned into an impulse, shared by two points of contact, added up, and
 turned into a force again."""
 
-BOUND_MARGIN = {"double": 1e-6, "single": 8 * SINGLE}
+BOUND_MARGIN = {"double": 1e-6, "single": 1e-6 + 8 * SINGLE}
 """Part by which a reported force may pass its bound: for double precision what the reading of stick and slip takes
-for equal, far above the round-off of any solver; for single precision the rounding of coefficient, force, time step
-and impulse, and of their products."""
+for equal, far above the round-off of any solver; for single precision also the rounding of coefficient, force, time
+step and impulse, and of their products."""
 
 SINGLE_RESIDUAL, SUBSTEPS_RESIDUAL = 1e-5, 2e-5
 """Periodicity residuals that certify a steady state in single precision: of a scheme of steps, and of one of substeps.

@@ -90,8 +90,8 @@ def _text(values: Any) -> str:
     return " ".join(repr(value) for value in ([values] if isinstance(values, int | float) else values))
 
 
-def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
-    """Build a scene with contacts; the followed box has the last free joint."""
+def contact_world(scene: ContactScene, setting: SceneSetting) -> tuple[Any, Any]:
+    """Compile a scene with contacts; gives the model and its data. The followed box has the last free joint."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(contact_model(scene, setting))
@@ -100,6 +100,25 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         data.joint("belt").qvel[0] = scene.belt
     if scene.grip:
         data.joint("finger").qfrc_applied[0] = -scene.grip
+    return model, data
+
+
+def joint_world(scene: JointScene | ArmScene, setting: SceneSetting) -> tuple[Any, Any]:
+    """Compile a scene with joints; gives the model and its data."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(joint_model(scene, setting))
+    data = mujoco.MjData(model)
+    if isinstance(scene, JointScene):
+        data.qfrc_applied[0] = scene.load
+    return model, data
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts."""
+    import mujoco
+
+    model, data = contact_world(scene, setting)
 
     def launch(velocity: Vector) -> None:
         data.qvel[-6:-3] = velocity
@@ -111,8 +130,5 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     import mujoco
 
-    model = mujoco.MjModel.from_xml_string(joint_model(scene, setting))
-    data = mujoco.MjData(model)
-    if isinstance(scene, JointScene):
-        data.qfrc_applied[0] = scene.load
+    model, data = joint_world(scene, setting)
     return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos,))

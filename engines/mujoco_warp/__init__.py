@@ -7,8 +7,17 @@ from engines.interface.reproducer import Reproducer
 from engines.interface.tolerances import SINGLE_RESIDUAL
 from engines.mujoco.contact import light_units, pressed_harder
 from engines.mujoco.reproducer import contact_numbers, joint_numbers
+from engines.mujoco.scene import STEP
 from engines.mujoco.worlds import ModelsSimulation
-from engines.mujoco_warp.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.mujoco_warp.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.mujoco_warp.scene import contacts, joints
 from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
 from engines.shared.claims import check_mass_ratio
 from engines.shared.pip_engine import PipEngine
@@ -38,8 +47,12 @@ class MuJoCoWarp(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         batch_lanes=64,
         precision="single",
@@ -64,6 +77,9 @@ class MuJoCoWarp(PipEngine):
             own_units=True,
         ),
     }
+
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO[formulation], self.capabilities.title)

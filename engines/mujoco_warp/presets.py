@@ -75,3 +75,13 @@ CONTACT_DEFAULT = replace(
     modulated_options={},
     inclines=False,
 )
+
+JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_tolerance=1e-6)
+
+CONTACT_RECOMMENDED = replace(
+    mujoco.CONTACT_RECOMMENDED,
+    split_tolerance=1e-6,
+    normal_force=NormalForce.CONSTANT,
+    modulated_options={},
+    inclines=False,
+)

@@ -4,7 +4,15 @@ from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from engines.interface.tolerances import SINGLE_RESIDUAL
-from engines.newton.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.newton.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.newton.scene import STEP, contacts, joints
 from engines.newton.worlds import ContactWorlds, NewtonSimulation
 from engines.shared.claims import check_mass_ratio
 from engines.shared.pip_engine import PipEngine
@@ -38,8 +46,12 @@ class Newton(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         batch_lanes=64,
         precision="single",
@@ -55,6 +67,9 @@ class Newton(PipEngine):
             "reproducer_contact.py.jinja", Units.in_steps, rows_of_a_cell=ContactWorlds.rows_of_a_cell
         ),
     }
+
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO, self.capabilities.title)

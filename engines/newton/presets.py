@@ -1,5 +1,7 @@
 """Newton's own settings, and the presets that change them."""
 
+from dataclasses import replace
+
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.newton.step_model import friction_anchors
 
@@ -61,4 +63,22 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-4,
     normal_force=NormalForce.MODULATED,
     batch_lanes=4,
+)
+
+ITERATIONS = Option.own(12, "SolverSteel's own.")
+MORE = {"iterations": (50, "Stacks are solved by sweeps; at one world they cost little.")}
+
+JOINT_RECOMMENDED = replace(
+    JOINT_DEFAULT,
+    description="For joints of any model: drives as rows of the solver, as they come; no more sweeps hold an arm.",
+    optional=True,
+)
+
+CONTACT_RECOMMENDED = replace(
+    CONTACT_DEFAULT,
+    description="For contacts of any model: SolverSteel with its own anchors, and more sweeps.",
+    options={**CONTACT_OPTIONS, "iterations": ITERATIONS},
+    changes=MORE,
+    optional=True,
+    varied={"iterations": (30, 100)},
 )

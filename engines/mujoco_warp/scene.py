@@ -1,0 +1,58 @@
+"""Scenes as users of MuJoCo Warp write them: MuJoCo's models, one world, its step recorded as a graph."""
+
+from collections.abc import Callable
+from typing import Any
+
+from engines.interface.scene import ArmScene, ContactScene, JointScene, SceneSetting, SteppedWorld, Vector
+from engines.mujoco.scene import contact_world, joint_world
+from engines.mujoco_warp.worlds import import_mujoco_warp
+from engines.shared.warp_worlds import DEVICE, import_warp
+
+MOST_CONTACTS, MOST_ROWS = 64, 300
+"""Memory of a world: three boxes that lie flat have 12 contacts, with four rows each."""
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts; the followed box has the last free joint."""
+    data, step = _world(*contact_world(scene, setting))
+
+    def state() -> Any:
+        return data.qpos.numpy()[0, -7:], data.qvel.numpy()[0, -6:-3]
+
+    def launch(velocity: Vector) -> None:
+        speeds = data.qvel.numpy()
+        speeds[0, -6:-3] = velocity
+        data.qvel.assign(speeds)
+
+    return SteppedWorld(step, state, launch)
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with joints."""
+    data, step = _world(*joint_world(scene, setting))
+    return SteppedWorld(step, lambda: (data.qpos.numpy()[0],))
+
+
+def _world(model: Any, start: Any) -> tuple[Any, Callable[[], object]]:
+    """Give the data of one world on Warp, and what takes a step: the second one is recorded, and repeated."""
+    warp, engine = import_warp(), import_mujoco_warp()
+    with warp.ScopedDevice(DEVICE):
+        batched = engine.put_model(model)
+        data = engine.put_data(model, start, nworld=1, nconmax=MOST_CONTACTS, njmax=MOST_ROWS)
+    batched.opt.warn_overflow = 0
+    graph: Any = None
+    steps = 0
+
+    def step() -> None:
+        nonlocal graph, steps
+        steps += 1
+        if steps == 1:  # kernels are loaded
+            engine.step(batched, data)
+            return
+        if graph is None:
+            with warp.ScopedCapture(device=DEVICE) as capture:
+                engine.step(batched, data)
+            graph = capture.graph
+        warp.capture_launch(graph)
+
+    return data, step

@@ -1,0 +1,170 @@
+"""Scenes as users of Newton write them, with SolverSteel: bodies, and drives of bounded effort as dry friction."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from engines.interface.scene import (
+    FINGER,
+    FINGER_MASS,
+    GROUND,
+    LINK_INERTIA,
+    LINK_LENGTH,
+    LINK_MASS,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    Quaternion,
+    SceneSetting,
+    SteppedWorld,
+    Vector,
+)
+from engines.newton.worlds import import_newton
+from engines.shared.warp_worlds import DEVICE, import_warp
+
+STEP = 1 / 240
+"""Of Newton's own examples with rigid contacts [s]; a solver has no default."""
+
+BELT_MASS = 1e5
+"""Of a belt that slides, whatever acts on it [kg]."""
+
+BEYOND = 1e6
+"""Limit of a joint that has none [rad], [m]."""
+
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+STATE = ("joint_q", "joint_qd", "body_q", "body_qd")
+"""What a step advances."""
+
+
+class _World:
+    """A model that is ready, and its step, recorded as a graph."""
+
+    def __init__(self, builder: Any, setting: SceneSetting):
+        newton = import_newton()
+        self.model = builder.finalize(device=DEVICE)
+        options = {name: setting.changed(name) for name in ("iterations", "friction_anchor_beta")}
+        options = {name: value for name, value in options.items() if value is not None}
+        self._solver = newton.solvers.SolverSteel(self.model, **options, **_drives(setting))
+        self.state, self._after, self.control = self.model.state(), self.model.state(), self.model.control()
+        newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.state)
+        self._pipeline = newton.CollisionPipeline(self.model) if self.model.shape_count else None
+        self._contacts = self._pipeline.contacts() if self._pipeline else None
+        self._time_step, self._steps, self._graph = setting.time_step, 0, None
+
+    def _advance(self) -> None:
+        warp = import_warp()
+        self.state.clear_forces()
+        if self._pipeline:
+            self._pipeline.collide(self.state, self._contacts)
+        self._solver.step(self.state, self._after, self.control, self._contacts, self._time_step)
+        for name in STATE:
+            warp.copy(getattr(self.state, name), getattr(self._after, name))
+
+    def step(self) -> None:
+        """Take a step; the third one is recorded, and repeated from then on."""
+        warp = import_warp()
+        self._steps += 1
+        if self._steps < 3:  # kernels are loaded, and memory is allocated
+            self._advance()
+            return
+        if self._graph is None:
+            with warp.ScopedCapture(device=DEVICE) as capture:
+                self._advance()
+            self._graph = capture.graph
+        warp.capture_launch(self._graph)
+
+    def set_rates(self, begin: int, rates: Sequence[float]) -> None:
+        """Set velocities of joints from this one on."""
+        values = self.state.joint_qd.numpy()
+        values[begin : begin + len(rates)] = rates
+        self.state.joint_qd.assign(values)
+        import_newton().eval_fk(self.model, self.state.joint_q, self.state.joint_qd, self.state)
+
+
+def _drives(setting: SceneSetting) -> dict[str, str]:
+    """Give the mode of drives, where joints rub: only rows of the solver bound the whole of a drive."""
+    return {"drive_mode": setting.preset["drive_mode"]} if "drive_mode" in setting.preset.options else {}
+
+
+def _pose(place: Vector, turned: Quaternion = LEVEL) -> Any:
+    warp = import_warp()
+    w, x, y, z = turned
+    return warp.transform(warp.vec3(*place), warp.quat(x, y, z, w))
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts."""
+    newton = import_newton()
+    builder = newton.ModelBuilder()
+
+    def add_box(body: int, half: Sequence[float], mass: float = 0.0, pose: Any = None) -> None:
+        density = mass / float(np.prod(2 * np.array(half)))
+        surface = newton.ModelBuilder.ShapeConfig(density=density, mu=scene.friction)
+        builder.add_shape_box(body, xform=pose, hx=half[0], hy=half[1], hz=half[2], cfg=surface)
+
+    def add_slider(half: Sequence[float], mass: float, place: Vector) -> None:
+        body = builder.add_link(xform=_pose(place))
+        add_box(body, half, mass)
+        limits = {"limit_lower": -BEYOND, "limit_upper": BEYOND}
+        joint = builder.add_joint_prismatic(
+            -1, body, axis=newton.Axis.X, parent_xform=_pose(place), armature=0.0, friction=0.0, **limits
+        )
+        builder.add_articulation([joint])
+
+    for box, place in zip(scene.boxes, scene.places, strict=True):
+        body = builder.add_body(xform=_pose(place, scene.orientation))
+        add_box(body, [box.side / 2] * 3, box.mass)
+    if scene.grip:
+        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        add_box(-1, FINGER, pose=_pose((-reach, 0.0, height)))
+        add_slider(FINGER, FINGER_MASS, (reach, 0.0, height))
+    elif scene.belt:
+        add_slider((20.0, 1.0, 0.1), BELT_MASS, (0.0, 0.0, -0.1))
+    else:
+        x, y, z = scene.normal
+        add_box(-1, (GROUND, GROUND, 1.0), pose=_pose((-x, -y, -z), scene.tilt))
+    world = _World(builder, setting)
+    if scene.grip:
+        forces = world.control.joint_f.numpy()
+        forces[-1] = -scene.grip
+        world.control.joint_f.assign(forces)
+    if scene.belt:
+        world.set_rates(len(world.state.joint_qd) - 1, [scene.belt])
+
+    def state() -> Any:
+        x, y, z, i, j, k, w = world.state.body_q.numpy()[body]
+        return (x, y, z), (w, i, j, k), world.state.body_qd.numpy()[body, :3]
+
+    def launch(velocity: Vector) -> None:
+        world.set_rates(6 * body, [*velocity, 0.0, 0.0, 0.0])
+
+    return SteppedWorld(world.step, state, launch)
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with joints."""
+    newton, warp = import_newton(), import_warp()
+    single = isinstance(scene, JointScene)
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0)) if single else newton.ModelBuilder()
+    bounds = [scene.friction] if isinstance(scene, JointScene) else scene.friction
+    centre, diagonal = (0.0, (1.0, 1.0, 1.0)) if single else (LINK_LENGTH / 2, LINK_INERTIA)
+    slides = isinstance(scene, JointScene) and scene.kind == "slide"
+    add = builder.add_joint_prismatic if slides else builder.add_joint_revolute
+    axis = newton.Axis.X if slides else newton.Axis.Z if single else newton.Axis.Y
+    before, chain = -1, []
+    for index, bound in enumerate(bounds):
+        inertia = warp.mat33(*np.diag(diagonal).ravel().tolist())
+        link = builder.add_link(mass=LINK_MASS, com=warp.vec3(centre, 0.0, 0.0), inertia=inertia)
+        drive = {"target_ke": 0.0, "target_kd": setting.preset["target_kd"], "effort_limit": bound}
+        chain.append(add(
+            before, link, axis=axis, parent_xform=_pose((LINK_LENGTH if index else 0.0, 0.0, 0.0)), armature=0.0,
+            limit_lower=-BEYOND, limit_upper=BEYOND, actuator_mode=newton.JointTargetMode.VELOCITY, **drive,
+        ))  # fmt: skip
+        before = link
+    builder.add_articulation(chain)
+    world = _World(builder, setting)
+    if isinstance(scene, JointScene):
+        world.control.joint_f.assign(np.array([scene.load], np.float32))
+    return SteppedWorld(world.step, lambda: (world.state.joint_q.numpy(),))
