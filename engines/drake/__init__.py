@@ -1,4 +1,4 @@
-"""Drake: friction of a joint's actuator with bounded effort, or of spheres pressed on planes."""
+"""Drake: friction emulated by a joint's actuator of bounded effort, or of spheres pressed on planes."""
 
 from typing import ClassVar
 
@@ -34,10 +34,11 @@ class Drake(PipEngine):
             },
         },
         notes=(
-            "Friction is regularised within a narrow band of velocities, in the tuned presets so narrow that a stuck "
-            "contact creeps at 1e-5 of the motion. Springs act with their force at the start of a step, dashpots of "
-            "joints with the velocity at its end. Of the approximations of contact, kLagged, Drake's own, keeps the "
-            "normal force; with kSap and kSimilar friction lifts a sliding body, which then bounces."
+            "In the joint friction is emulated by an actuator of bounded effort. It is regularised within a narrow "
+            "band of velocities, in the tuned presets so narrow that a stuck contact creeps at 1e-5 of the motion. "
+            "Springs act with their force at the start of a step, dashpots of joints with the velocity at its end. Of "
+            "the approximations of contact, kLagged, Drake's own, keeps the normal force; with kSap and kSimilar "
+            "friction lifts a sliding body, which then bounces."
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: joint.DrakeJointLane, Formulation.CONTACT: contact.DrakeContactLane}

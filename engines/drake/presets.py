@@ -24,7 +24,7 @@ TUNED = {
 """What the tuned presets of both formulations change alike."""
 
 JOINT_TUNED = Preset(
-    "Actuators whose gain of velocity is beyond what Drake resolves in a step: then it takes the largest that it does.",
+    "Dry friction emulated by actuators of a gain beyond what Drake resolves, which takes the largest that it does.",
     {
         **OPTIONS,
         "d": Option(
@@ -41,7 +41,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "Actuators with a gain that a newcomer would write, in SI units.",
+    "Dry friction emulated by actuators with a gain that a newcomer would write, in SI units.",
     {
         **OPTIONS,
         "PdControllerGains.d": Option(1e3, 0.0, "[N s/m] Needed: a joint of Drake has no dry friction of its own."),

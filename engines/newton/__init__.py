@@ -58,7 +58,7 @@ class Newton(PipEngine):
         residual=SINGLE_RESIDUAL,
         notes=(
             "Coulomb's law, in single precision, by the experimental one of Newton's solvers. On a processor it has no "
-            "dry friction of joints; a velocity drive of bounded effort is one."
+            "dry friction of joints; a velocity drive of bounded effort emulates it."
         ),
     )
     reproducers: ClassVar = {

@@ -26,7 +26,7 @@ CONTACT_OPTIONS = {
 }
 
 JOINT_TUNED = Preset(
-    "Drives of bounded effort as rows of the solver; springs, dashpots and load as forces at the start of the step.",
+    "Dry friction emulated by velocity drives of bounded effort as rows of the solver; springs and load as forces.",
     JOINT_OPTIONS,
     {"units": LANE_UNITS},
     shares_scheme=True,
@@ -34,7 +34,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "The same drives and forces in SI units, a lane at a time; without the rows there is no friction to compare.",
+    "The same emulation and forces in SI units, a lane at a time; without the rows there is no friction to compare.",
     JOINT_OPTIONS,
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,

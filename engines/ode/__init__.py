@@ -1,4 +1,4 @@
-"""ODE: friction of a slider's motor, or of spheres or boxes pressed on plates, in another Python."""
+"""ODE: friction emulated by a slider's motor, or of spheres or boxes pressed on plates, in another Python."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -39,9 +39,9 @@ class ODE(OutOfProcessEngine):
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         notes=(
-            "Coulomb's law, exact in stick: in the joint a slider's motor of target zero and bounded force, in the "
-            "contact spheres or boxes on plates. Springs, dashpots and the drive are forces that are computed at "
-            "the start of each step. In contacts, mu is a force unless a mode says otherwise."
+            "Coulomb's law, exact in stick: in the joint emulated by a slider's motor of target zero and bounded "
+            "force, in the contact spheres or boxes on plates. Springs, dashpots and the drive are forces that are "
+            "computed at the start of each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )
     server: ClassVar[Path] = Path(__file__).with_name("server.py")

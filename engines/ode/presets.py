@@ -20,7 +20,7 @@ JOINT_OPTIONS = {
 }
 
 JOINT_TUNED = Preset(
-    "Motors that hold the relative velocity at zero with at most the friction bound, and no softness.",
+    "Dry friction emulated, as ODE's manual says, by motors that hold with at most its bound; no softness.",
     JOINT_OPTIONS,
     {
         "units": ("lane", "No number comes near a built-in small one."),
@@ -35,7 +35,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "Motors as dry friction in SI units, with ODE's own softness.",
+    "Dry friction emulated by the same motors in SI units, with ODE's own softness.",
     JOINT_OPTIONS,
     law=soft_motors,
     split_tolerance=1e-12,
@@ -43,7 +43,7 @@ JOINT_DEFAULT = Preset(
 )
 
 JOINT_STOPS = Preset(
-    "ODE's own springs: sliders whose stops are both at zero and as soft as the spring; motors as friction.",
+    "ODE's own springs: sliders whose stops are both at zero and as soft as the spring; motors emulate friction.",
     JOINT_OPTIONS,
     {"springs": ("stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler.")},
     known_deviation=IMPLICIT_SPRINGS,

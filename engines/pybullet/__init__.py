@@ -1,4 +1,4 @@
-"""PyBullet: friction of a motor in a joint, or of boxes pressed together."""
+"""PyBullet: friction emulated by a motor in a joint, or of boxes pressed together."""
 
 import sys
 from typing import ClassVar
@@ -40,9 +40,10 @@ class PyBullet(PipEngine):
             },
         },
         notes=(
-            "Coulomb's law, exact in stick: in the joint a velocity motor of target zero and bounded impulse, in the "
-            "contact boxes pressed on each other. Springs, dashpots and the drive are forces that the adapter "
-            "computes at the start of each step; by default Bullet damps every body against the ground."
+            "Coulomb's law, exact in stick: in the joint emulated by a velocity motor of target zero and bounded "
+            "impulse, as is usual with Bullet, in the contact boxes pressed on each other. Springs, dashpots and the "
+            "drive are forces that the adapter computes at the start of each step; by default Bullet damps every body "
+            "against the ground."
         ),
     )
 

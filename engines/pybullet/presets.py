@@ -59,7 +59,7 @@ JOINT_OPTIONS = {
 }
 
 JOINT_TUNED = Preset(
-    "Motors that hold the relative velocity at zero with at most the friction bound, and no damping by Bullet.",
+    "Dry friction emulated, as is usual, by velocity motors that hold with at most its bound; no damping by Bullet.",
     JOINT_OPTIONS,
     {
         **TUNED,
@@ -73,7 +73,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "Motors as dry friction in SI units, and Bullet's default options.",
+    "Dry friction emulated by the same motors in SI units, and Bullet's default options.",
     JOINT_OPTIONS,
     known_deviation=(
         "Bullet's damping, 0.04 /s of the velocity v and 0.04 /m of v |v|, slows every mass down against the ground, "

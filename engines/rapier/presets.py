@@ -41,7 +41,7 @@ FOUR_SUBSTEPS = (
 )
 
 JOINT_TUNED = Preset(
-    "Motors of bounded force between free bodies; springs, dashpots and drive as forces at the start of the step.",
+    "Dry friction emulated by velocity motors of bounded force between free bodies; springs and drive as forces.",
     JOINT_OPTIONS,
     TUNED,
     shares_scheme=True,
@@ -49,7 +49,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "The same motors and forces in SI units, with Rapier's own four substeps a step.",
+    "The same emulation and forces in SI units, with Rapier's own four substeps a step.",
     JOINT_OPTIONS,
     known_deviation=FOUR_SUBSTEPS,
     law=motor_substeps,

@@ -1,4 +1,4 @@
-"""SAPIEN, which is PhysX 5: drives of bounded force in an articulation, or spheres pressed on plates."""
+"""SAPIEN, which is PhysX 5: friction emulated by drives of an articulation, or of spheres pressed on plates."""
 
 from typing import ClassVar
 
@@ -41,9 +41,10 @@ class Sapien(PipEngine):
         precision="single",
         residual=SUBSTEPS_RESIDUAL,
         notes=(
-            "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Of PhysX's "
-            "two solvers of contacts, the projected Gauss–Seidel takes the reference's step; the temporal one, "
-            "which is SAPIEN's own, moves masses while it is still solving for their friction."
+            "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. In the "
+            "joint a drive of bounded force emulates it. Of PhysX's two solvers of contacts, the projected "
+            "Gauss–Seidel takes the reference's step; the temporal one, which is SAPIEN's own, moves masses while it "
+            "is still solving for their friction."
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: SapienJointLane, Formulation.CONTACT: SapienContactLane}

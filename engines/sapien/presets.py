@@ -49,7 +49,7 @@ def _tangents_of_a_slow_slip(lane: Lane, slip_velocity: float) -> float:
 
 
 JOINT_TUNED = Preset(
-    "Drives of bounded force in one articulation; springs, dashpots and load as forces at the start of the step.",
+    "Dry friction emulated by drives of bounded force in one articulation; springs, dashpots and load as forces.",
     JOINT_OPTIONS,
     {
         "units": ("lane", "Numbers of order one: single precision ends at 1e-38."),
@@ -62,7 +62,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "The same drives and forces in SI units, with SAPIEN's own solver and damping of links.",
+    "The same emulation and forces in SI units, with SAPIEN's own solver and damping of links.",
     JOINT_OPTIONS,
     known_deviation="every mass is slowed down against the ground, by 5 % of its velocity in a second",
     law=damped_links,

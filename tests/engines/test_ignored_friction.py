@@ -1,0 +1,239 @@
+"""A friction that an engine reads and does not use: a block on a slide, in each engine's own interface, glides freely.
+
+Rows of ``docs/questions/ignored_friction.md``. A test that fails tells that a version of an engine has begun to use it.
+"""
+
+import logging
+import re
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "questions" / "ignored_friction.md"
+
+FRICTION, MASS, TIME_STEP, STEPS = 3.0, 2.0, 1e-3, 10
+"""[N], [kg], [s]; few steps, for some of these engines take milliseconds for each."""
+
+ABOVE = 1.1
+LOADS = (0.5 * FRICTION, ABOVE * FRICTION)
+"""Below and above the friction."""
+
+SINGLE = 1e-6
+"""Of a velocity: single precision rounds each of ten steps by 6e-8."""
+
+SAPIEN_PART = 2e-3
+"""Of a velocity: what a step leaves of it enters the friction of the next one."""
+
+MASS_AND_INERTIA = f"""<inertial><mass value="{MASS}"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>"""
+
+URDF = f"""<robot name="slide"><link name="ground"/><link name="block">{MASS_AND_INERTIA}</link>
+    <joint name="slide" type="prismatic"><parent link="ground"/><child link="block"/><axis xyz="1 0 0"/>
+    <limit lower="-1e6" upper="1e6" effort="1e9" velocity="1e9"/>
+    <dynamics damping="0" friction="{FRICTION}"/></joint></robot>"""
+
+SDF = f"""<sdf version="1.9"><model name="slide"><link name="block"><inertial><mass>{MASS}</mass>
+    <inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
+    <joint name="slide" type="prismatic"><parent>world</parent><child>block</child><axis><xyz>1 0 0</xyz>
+    <limit><lower>-1e6</lower><upper>1e6</upper></limit>
+    <dynamics><damping>0</damping><friction>{FRICTION}</friction></dynamics></axis></joint></model></sdf>"""
+
+MJCF = f"""<mujoco model="slide"><worldbody><body name="block"><inertial pos="0 0 0" mass="{MASS}" diaginertia="1 1 1"/>
+    <joint name="slide" type="slide" axis="1 0 0" frictionloss="{FRICTION}"/></body></worldbody></mujoco>"""
+
+
+def drake_velocity(kind: str, text: str, load: float) -> float:
+    """Velocity [m/s] at the end of the steps of a file that Drake parses."""
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.systems.analysis import Simulator
+    from pydrake.systems.framework import DiagramBuilder
+
+    builder = DiagramBuilder()
+    plant = builder.AddSystem(MultibodyPlant(TIME_STEP))
+    plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
+    Parser(plant).AddModelsFromString(text, kind)
+    if kind == "urdf":
+        plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("ground"))
+    plant.Finalize()
+    simulator = Simulator(builder.Build())
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    plant.get_applied_generalized_force_input_port().FixValue(context, [load])
+    simulator.AdvanceTo(STEPS * TIME_STEP)
+    return float(plant.GetVelocities(context)[0])
+
+
+def newton_velocity(solver: str, load: float) -> float:
+    """Velocity [m/s] at the end of the steps of one of Newton's solvers."""
+    import newton
+    import warp as wp
+
+    wp.config.quiet = True
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
+    block = builder.add_link(mass=MASS, inertia=wp.mat33(np.eye(3, dtype=np.float32)))
+    slide = builder.add_joint_prismatic(
+        -1, block, axis=newton.Axis.X, limit_lower=-1e9, limit_upper=1e9, armature=0.0, friction=FRICTION
+    )
+    builder.add_articulation([slide])
+    if solver == "SolverVBD":
+        builder.color()
+    model = builder.finalize(device="cpu")
+    assert model.joint_friction.numpy() == FRICTION
+    step = getattr(newton.solvers, solver)(model).step
+    before, after, control = model.state(), model.state(), model.control()
+    newton.eval_fk(model, before.joint_q, before.joint_qd, before)
+    for _ in range(STEPS):
+        before.clear_forces()
+        control.joint_f.assign(np.array([load], np.float32))
+        step(before, after, control, None, TIME_STEP)
+        if solver != "SolverFeatherstone":
+            # Of solvers that move bodies and not joints.
+            newton.eval_ik(model, after, after.joint_q, after.joint_qd)
+        before, after = after, before
+    return float(before.joint_qd.numpy()[0])
+
+
+def pybullet_velocity(folder: Path, load: float, motor_force: float = 0.0) -> float:
+    """Velocity [m/s] at the end of the steps of a URDF file in PyBullet, under a motor of so much force."""
+    import pybullet
+
+    file = folder / "slide.urdf"
+    file.write_text(URDF, encoding="utf-8")
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        pybullet.setTimeStep(TIME_STEP, physicsClientId=client)
+        robot = pybullet.loadURDF(str(file), useFixedBase=True, physicsClientId=client)
+        assert pybullet.getJointInfo(robot, 0, physicsClientId=client)[7] == FRICTION
+        pybullet.changeDynamics(robot, 0, linearDamping=0, angularDamping=0, jointDamping=0, physicsClientId=client)
+        velocity = pybullet.VELOCITY_CONTROL
+        pybullet.setJointMotorControl2(robot, 0, velocity, targetVelocity=0, force=motor_force, physicsClientId=client)
+        for _ in range(STEPS):
+            pybullet.setJointMotorControl2(robot, 0, pybullet.TORQUE_CONTROL, force=load, physicsClientId=client)
+            pybullet.stepSimulation(physicsClientId=client)
+        return float(pybullet.getJointState(robot, 0, physicsClientId=client)[1])
+    finally:
+        pybullet.disconnect(client)
+
+
+def sapien_velocity(friction: float, load: float, iterations: tuple[int, int], *, temporal: bool) -> float:
+    """Velocity [m/s] at the end of the steps in SAPIEN, of a solver with iterations of positions and velocities."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of drawing, which is not needed
+        import sapien
+        from sapien import physx
+
+    bodies, scenes = physx.get_body_config(), physx.get_scene_config()
+    before = bodies.solver_position_iterations, bodies.solver_velocity_iterations, scenes.enable_tgs
+    _set_iterations(*iterations, temporal=temporal)
+    system = physx.PhysxCpuSystem()
+    system.timestep = TIME_STEP
+    builder = sapien.Scene([system]).create_articulation_builder()
+    ground = builder.create_link_builder()
+    block = builder.create_link_builder(ground)
+    for link in (ground, block):
+        link.set_mass_and_inertia(MASS, sapien.Pose(), np.ones(3))
+    block.set_joint_properties("prismatic", [[-np.inf, np.inf]], sapien.Pose(), sapien.Pose(), 0.0, 0.0)
+    articulation = builder.build(fix_root_link=True)
+    _set_iterations(*before[:2], temporal=before[2])
+    for link in articulation.get_links():
+        link.set_linear_damping(0.0)
+        link.disable_gravity = True
+    joint = articulation.get_active_joints()[0]
+    joint.set_friction(friction)
+    joint.set_armature(np.zeros(1))
+    for _ in range(STEPS):
+        articulation.set_qf(np.array([load], dtype=np.float32))
+        system.step()
+    return float(articulation.get_qvel()[0])
+
+
+def _set_iterations(positions: int, velocities: int, *, temporal: bool) -> None:
+    """Set the solver of scenes and articulations that are made after this."""
+    from sapien import physx
+
+    bodies, scenes = physx.get_body_config(), physx.get_scene_config()
+    bodies.solver_position_iterations, bodies.solver_velocity_iterations = positions, velocities
+    scenes.enable_tgs = temporal
+    physx.set_body_config(bodies)
+    physx.set_scene_config(scenes)
+
+
+def free(load: float) -> float:
+    """Velocity [m/s] at the end of the steps without friction."""
+    return load * STEPS * TIME_STEP / MASS
+
+
+DRAKE: Mapping[str, tuple[str, str]] = {
+    "URDF": (URDF, "does not currently support non-zero joint friction"),
+    "MJCF": (MJCF, "'frictionloss' found in a 'joint' tag is currently unsupported and will be ignored"),
+    "SDF": (SDF, ""),
+}
+"""Where the friction is written: the file, and what Drake says of it."""
+
+NEWTON = ("SolverXPBD", "SolverFeatherstone", "SolverSemiImplicit", "SolverVBD")
+
+
+@pytest.mark.needs("drake")
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("kind", DRAKE)
+def test_drake_reads_the_friction_of_a_file_and_does_not_use_it(
+    kind: str, load: float, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Two of three formats say so in a warning."""
+    text, message = DRAKE[kind]
+    with caplog.at_level(logging.WARNING):
+        assert drake_velocity({"MJCF": "xml"}.get(kind, kind.lower()), text, load) == pytest.approx(free(load))
+    said = caplog.text + capfd.readouterr().err
+    assert message in said if message else not said
+
+
+@pytest.mark.needs("newton")
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("solver", [pytest.param(name, marks=pytest.mark.slow) for name in NEWTON])
+def test_solvers_of_newton_keep_the_friction_of_a_joint_and_do_not_use_it(
+    solver: str, load: float, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Silently: a warning fails every test."""
+    assert newton_velocity(solver, load) == pytest.approx(free(load), rel=SINGLE)
+    assert "friction" not in "".join(capfd.readouterr())
+
+
+@pytest.mark.needs("pybullet")
+@pytest.mark.parametrize("load", LOADS)
+def test_pybullet_tells_the_friction_of_a_file_and_does_not_use_it(
+    load: float, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert pybullet_velocity(tmp_path, load) == pytest.approx(free(load))
+    assert "friction" not in "".join(capfd.readouterr())
+
+
+@pytest.mark.needs("pybullet")
+def test_friction_that_is_used_holds_the_block_below_it_and_slows_it_above(tmp_path: Path) -> None:
+    """What the other tests would find: here by a motor of that force."""
+    held, slowed = (pybullet_velocity(tmp_path, load, FRICTION) for load in LOADS)
+    assert held == 0
+    assert slowed == pytest.approx(free(LOADS[1] - FRICTION))
+
+
+@pytest.mark.needs("sapien")
+@pytest.mark.parametrize("load", [*LOADS, 100 * FRICTION])
+@pytest.mark.parametrize("coefficient", [0.05, 0.5])
+@pytest.mark.parametrize(
+    ("iterations", "temporal", "part"),
+    [((10, 1), True, 1.1), ((5, 1), True, 1.2), ((10, 3), True, 1.3), ((10, 1), False, 1.0)],
+)
+def test_friction_of_sapien_takes_the_same_part_of_every_load(
+    iterations: tuple[int, int], part: float, load: float, coefficient: float, *, temporal: bool
+) -> None:
+    """And so has no bound: 1 + n_v / n_p of the coefficient by the temporal solver, the coefficient by the other."""
+    moved = sapien_velocity(coefficient, load, iterations, temporal=temporal)
+    assert moved == pytest.approx((1 - part * coefficient) * free(load), rel=SAPIEN_PART)
+
+
+def test_page_has_a_row_for_everything_that_is_tested() -> None:
+    rows = re.findall(r"^\| \[?(\w+).*?\| `?([\w.]+)", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    expected = {*(("Drake", kind) for kind in DRAKE), *(("Newton", name) for name in NEWTON)}
+    assert {*expected, ("PyBullet", "URDF"), ("SAPIEN", "set_friction")} == set(rows[1:])
