@@ -38,6 +38,8 @@ def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None
         ("mujoco:noslip_iterations=1", "mujoco"),
         ("mujoco:noslip_iterations=3:iterations=2", "mujoco:iterations=2:noslip_iterations=3"),
         ("mujoco:joint:default:solref_friction=1e-2,1", "mujoco:joint:default:solref_friction=0.01,1.0"),
+        ("mujoco:joint:default:solref_friction=-0.95/h,-0.95/h",) * 2,
+        ("mujoco:solref_friction=-0.95/h,-0.95/h", "mujoco"),
         ("mujoco:disable=", "mujoco:disable="),
         ("rapier:can_sleep=True", "rapier:can_sleep=true"),
         ("mujoco:solver=Newton", "mujoco:solver=Newton"),
@@ -59,7 +61,8 @@ def test_a_variant_has_one_name_however_it_is_written(written: str, name: str) -
         ("mujoco:solver=CG", "solver = 'CG' of mujoco:joint:tuned; allowed: Newton or PGS"),
         ("mujoco:disable=all", "allowed: any of autoreset, eulerdamp"),
         ("mujoco:disable=island,island", "allowed: any of"),
-        ("mujoco:solref_friction=1", "allowed: 2 values with commas between, such as -1.0,-1.0"),
+        ("mujoco:solref_friction=1", "allowed: 2 values with commas between, or -0.95/h,-0.95/h or 2h,1, such as -0.95/h,-0.95/h"),
+        ("mujoco:solref_friction=-0.9/h,-0.9/h", "allowed: 2 values with commas between, or -0.95/h,-0.95/h"),
         ("exudyn-regularised:zone=nan", "zone = 'nan' .* allowed: a number"),
         ("rapier:can_sleep=1", "allowed: true or false"),
         ("mujoco:cone=elliptic:cone=elliptic", "is set twice; allowed: once"),
@@ -88,6 +91,27 @@ def test_a_law_is_that_of_the_changed_options() -> None:
     assert str(changed.law) == "mujoco@law:joint:default:solref_friction=0.01,1.0"
     assert changed.law is not None
     assert changed.law.preset["solref_friction"] == (0.01, 1.0)
+
+
+def test_a_law_of_a_time_constant_is_not_that_of_a_rate() -> None:
+    for value in ("-0.95/h,-0.95/h", "-475,-475"):
+        preset = Variant.recorded(f"mujoco:joint:default:solref_friction={value}").preset
+        assert isinstance(preset.stated_law(), NotModelled)
+
+
+@pytest.mark.parametrize(
+    "name", ["mujoco:solref_friction", "mujoco:contact:solreffriction", "mujoco:joint:default:solref_friction"]
+)
+def test_a_formula_of_the_step_is_the_number_that_the_engine_takes(name: str) -> None:
+    """MuJoCo gets the same rate, whether it is written as a formula or worked out at the lane's time step."""
+    lane, ends = sample_lane(2), []
+    rate = repr(-0.95 / lane.time_step)
+    for value in ("-0.95/h,-0.95/h", f"{rate},{rate}"):
+        simulation = Variant.parse(f"{name}={value}").build([lane])
+        ends.append(simulation.advance(State.at_rest(1, 2), 0, 50).positions)
+        simulation.close()
+    np.testing.assert_array_equal(*ends)
+    assert np.any(ends[0])
 
 
 def test_a_law_that_does_not_know_a_changed_option_is_none() -> None:

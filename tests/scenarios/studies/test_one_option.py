@@ -10,7 +10,8 @@ from scenarios.studies.few_points import one_option_variants, with_single_option
 from tests.reports.conftest import made_errors
 
 DEFAULT, TUNED = Variant("mujoco", "joint", "default"), Variant("mujoco")
-SOLREF, NOSLIP = (DEFAULT.changed(*own) for own in (("solref_friction", (-1.0, -1.0)), ("noslip_iterations", 1)))
+ALONE = (("solref_friction", TUNED.preset["solref_friction"]), ("noslip_iterations", 1))
+SOLREF, NOSLIP = (DEFAULT.changed(*own) for own in ALONE)
 
 
 def test_each_option_of_the_tuned_preset_stands_alone_beside_the_default() -> None:
@@ -42,7 +43,7 @@ def test_options_of_a_version_that_is_not_there_are_named_all_the_same(
     monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path))
     chosen = one_option_variants([Variant("mujoco@3.3.7"), Variant("mujoco@3.3.7", "joint", "default")])
     assert "mujoco@3.3.7:noslip_iterations=0" in map(str, chosen)
-    assert "mujoco@3.3.7:joint:default:solref_friction=-1.0,-1.0" in map(str, chosen)
+    assert "mujoco@3.3.7:joint:default:solref_friction=-0.95/h,-0.95/h" in map(str, chosen)
 
 
 @pytest.mark.parametrize("name", ["mujoco", "mujoco:contact", "pybullet:joint:default", "exudyn-regularised"])
@@ -60,6 +61,6 @@ def test_the_option_that_takes_off_most_of_an_error_is_named() -> None:
     singles = single_options(few)
     assert [own.option for own in singles] == ["solref_friction", "noslip_iterations"]
     (said,) = sentences(few, singles, 299)
-    assert said["decisive"] == [{"setting": "solref_friction=-1.0,-1.0", "left": "0.24 dB (at 5 points)"}]
+    assert said["decisive"] == [{"setting": "solref_friction=-0.95/h,-0.95/h", "left": "0.24 dB (at 5 points)"}]
     (said,) = sentences(few, singles[1:], 299)
     assert said["decisive"] == []
