@@ -87,7 +87,7 @@ def value_text(value: Any) -> str:
 def _read(preset: Preset, setting: str, known: Sequence[Preset], name: str) -> tuple[str, Any]:
     """Read ``NAME=VALUE``."""
     option, _, text = setting.partition("=")
-    settable = [each for each, own in preset.options.items() if not own.fixed]
+    settable = [each for each, own in preset.engine_options.items() if not own.fixed]
     if option not in settable:
         allowed = ", ".join(f"{each} ({_type_text(preset, each, known)})" for each in settable) or "none"
         raise ParameterError(f"option {shown(option)} cannot be set in {name}; allowed: {allowed}")

@@ -74,6 +74,10 @@ class Option:
         return cls(value, value, meaning, fixed)
 
 
+ADAPTERS_UNITS = "units"
+"""A setting of adapters, beside the options of engines: in which units a lane is built."""
+
+
 @dataclass(frozen=True)
 class Preset:
     """A named, documented set of options of one formulation."""
@@ -142,6 +146,11 @@ class Preset:
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
+
+    @property
+    def engine_options(self) -> Mapping[str, Option]:
+        """Give the options of the engine: all but the adapter's own units, on which results depend too."""
+        return {name: option for name, option in self.options.items() if name != ADAPTERS_UNITS}
 
     def value(self, name: str, time_step: float) -> Any:
         """Give the value of an option at a time step, in the units of that step if it depends on it."""

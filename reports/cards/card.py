@@ -200,7 +200,7 @@ def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
 
 
 def _options(variant: Variant) -> tuple[dict[str, str], ...]:
-    changed = {name: own for name, own in variant.preset.options.items() if own.value != own.default}
+    changed = {name: own for name, own in variant.preset.engine_options.items() if own.value != own.default}
     return tuple(
         {"name": name, "value": _plain(own.value), "default": _plain(own.default), "reason": own.reason}
         for name, own in changed.items()

@@ -82,7 +82,7 @@ def with_single_options(default: Variant) -> list[Variant]:
 
 def tuned_options(name: str, formulation: str) -> dict[str, Any]:
     """Give the options of the tuned preset of an engine whose values are others than in its default preset."""
-    tuned, default = (engine(name).preset(formulation, preset).options for preset in ("tuned", "default"))
+    tuned, default = (engine(name).preset(formulation, preset).engine_options for preset in ("tuned", "default"))
     return {
         option: own.value
         for option, own in tuned.items()

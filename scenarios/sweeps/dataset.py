@@ -328,7 +328,7 @@ def description_of(variant: Variant) -> dict[str, Any]:
         "description": preset.description,
         "options": [
             {"name": name, "value": _plain(option.value), "default": option.default, "reason": option.reason}
-            for name, option in preset.options.items()
+            for name, option in preset.engine_options.items()
         ],
     }
 

@@ -8,12 +8,13 @@ import pytest
 from engines.interface.changed_options import _ReadOptions, changed_preset
 from engines.interface.engine import sample_lane
 from engines.interface.law import Law, NotModelled
-from engines.interface.presets import Formulation, Option, Preset
+from engines.interface.presets import ADAPTERS_UNITS, Formulation, Option, Preset
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
-from scenarios.runs.task import SteadyStateTask
+from scenarios.runs.task import SteadyStateTask, options_of
+from scenarios.sweeps.dataset import description_of
 from tests.installed import each_variant, variants_of_all
 
 
@@ -61,12 +62,13 @@ def test_a_variant_has_one_name_however_it_is_written(written: str, name: str) -
         ("mujoco:solver=CG", "solver = 'CG' of mujoco:joint:tuned; allowed: Newton or PGS"),
         ("mujoco:disable=all", "allowed: any of autoreset, eulerdamp"),
         ("mujoco:disable=island,island", "allowed: any of"),
-        ("mujoco:solref_friction=1", "allowed: 2 values with commas between, or -0.95/h,-0.95/h or 2h,1, such as -0.95/h,-0.95/h"),
+        ("mujoco:solref_friction=1", "values with commas between, or -0.95/h,-0.95/h or 2h,1, such as -0.95/h,-0.95/h"),
         ("mujoco:solref_friction=-0.9/h,-0.9/h", "allowed: 2 values with commas between, or -0.95/h,-0.95/h"),
         ("exudyn-regularised:zone=nan", "zone = 'nan' .* allowed: a number"),
         ("rapier:can_sleep=1", "allowed: true or false"),
         ("mujoco:cone=elliptic:cone=elliptic", "is set twice; allowed: once"),
         ("reference:substeps=2", "allowed: none"),
+        ("mujoco:units=SI", "option 'units' cannot be set in mujoco:joint:tuned"),
         ("mujoco:noslip_iterations=3:joint", "has 3 parts"),
     ],
 )
@@ -74,6 +76,14 @@ def test_a_wrong_option_is_refused_in_a_line(written: str, message: str) -> None
     with pytest.raises(ParameterError, match=message) as refused:
         Variant.recorded(written)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("variant", each_variant(variants_of_all()))
+def test_units_are_the_adapters_and_no_option_of_an_engine(variant: Variant) -> None:
+    """Results depend on them all the same: a task has them beside the options."""
+    preset = variant.preset
+    assert ADAPTERS_UNITS not in {own["name"] for own in description_of(variant)["options"]}
+    assert set(options_of(preset)) - set(preset.engine_options) == set(preset.options) & {ADAPTERS_UNITS}
 
 
 def test_a_changed_option_is_another_task() -> None:
