@@ -1,22 +1,30 @@
-"""Rapier: a motor of bounded force, or a sphere pressed on a plate."""
+"""Rapier: friction emulated by a motor of bounded force, a joint's own, or of a sphere pressed on a plate."""
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.interface.tolerances import SUBSTEPS_RESIDUAL
 from engines.rapier.contact import CLEARANCE, RapierContactLane
 from engines.rapier.joint import RapierJointLane
+from engines.rapier.native import RapierNativeLane
 from engines.rapier.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
     JOINT_DEFAULT,
+    JOINT_NATIVE,
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
 from engines.rapier.scene import STEP, contacts, joints
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_units
+from reference_lcp.chain.simulation import Lane
+
+
+def joint_lane(lane: Lane, preset: Preset) -> RapierJointLane | RapierNativeLane:
+    """Give the model of a lane: with motors, or with friction of Rapier's own."""
+    return RapierJointLane(lane, preset) if "motor factor" in preset.options else RapierNativeLane(lane, preset)
 
 
 class Rapier(PipEngine):
@@ -31,7 +39,12 @@ class Rapier(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.JOINT: {
+                "tuned": JOINT_TUNED,
+                "native": JOINT_NATIVE,
+                "recommended": JOINT_RECOMMENDED,
+                "default": JOINT_DEFAULT,
+            },
             Formulation.CONTACT: {
                 "tuned": CONTACT_TUNED,
                 "recommended": CONTACT_RECOMMENDED,
@@ -46,9 +59,9 @@ class Rapier(PipEngine):
             "its own four, springs act late by up to a step."
         ),
     )
-    lane_models: ClassVar = {Formulation.JOINT: RapierJointLane, Formulation.CONTACT: RapierContactLane}
+    lane_models: ClassVar = {Formulation.JOINT: joint_lane, Formulation.CONTACT: RapierContactLane}
     reproducers: ClassVar = {
-        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja"),
+        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja")._replace(without=("native",)),
         Formulation.CONTACT: script_in_units("reproducer_contact.py.jinja", clearance=CLEARANCE),
     }
     scene_step: ClassVar[float] = STEP

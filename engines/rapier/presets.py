@@ -56,6 +56,15 @@ JOINT_DEFAULT = Preset(
     normal_force=NormalForce.MODULATED,
 )
 
+JOINT_NATIVE = Preset(
+    "Rapier's own dry friction, the frictionloss of slides in an MJCF file, loaded as a multibody.",
+    {name: option for name, option in OPTIONS.items() if name != "can_sleep"},
+    {name: change for name, change in TUNED.items() if name != "can_sleep"},
+    shares_scheme=True,
+    optional=True,
+    varied={"num_solver_iterations": (4,)},
+)
+
 CONTACT_TUNED = Preset(
     "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
     CONTACT_OPTIONS,

@@ -14,6 +14,7 @@ from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUNDINGS,
@@ -23,6 +24,7 @@ from tests.engines.scheme_oracle import (
     lane_of,
     random_state,
     scheme,
+    uneven_lane,
 )
 
 pytestmark = pytest.mark.needs("rapier")
@@ -209,3 +211,94 @@ def test_a_builder_is_left_as_it_was_and_a_force_stays() -> None:
     heavy.reset_forces(True)
     world.step()
     assert heavy.linvel.x == 2 / 64
+
+
+def native(lane: Lane, state: State, steps: int = STEPS, **options: object) -> Trajectory:
+    return built_with(Rapier(), lane, "joint", "native", **options).run(state, 0, steps)[0]
+
+
+@pytest.mark.parametrize("lane", [lane_of(), uneven_lane()])
+def test_frictionloss_of_a_multibody_is_the_step_of_the_scheme(lane: Lane) -> None:
+    """With one iteration; friction is read from slips, and is at its bound wherever a contact slides."""
+    state = random_state()
+    motion, friction = native(lane, state), scheme(lane, state, STEPS)[2]
+    assert distance(lane, state, motion) < ROUNDINGS
+    bound = lane.chain.friction_bound
+    assert np.max(np.abs(motion.friction - friction)) < 1e-3 * np.max(bound)
+    assert np.all(np.abs(motion.friction) <= bound)
+    slides = np.abs(motion.relative_velocity) > 1e-3 * AMPLITUDE
+    assert np.all((np.abs(motion.friction) == bound)[slides])
+
+
+def test_four_iterations_of_a_multibody_are_the_substeps_of_motors() -> None:
+    lane = default_lane(AMPLITUDE)
+    law = engine("rapier@law").build([lane], "joint", "default").advance(random_state(), 0, STEPS).positions
+    own = native(lane, random_state(), num_solver_iterations=4, units="SI").positions[-1]
+    assert np.max(np.abs(own - law[0])) < SINGLE_PRECISION_PERIOD * AMPLITUDE
+    assert np.max(np.abs(native(lane, random_state()).positions[-1] - law[0])) > 1e-3 * AMPLITUDE
+
+
+def test_friction_of_a_multibody_repeats_in_single_precision_bit_by_bit() -> None:
+    """One block on a slide, under a load that swings up to twice its friction of 3 N: p = clip(m v, ±3 N h)."""
+    single = np.float32
+    mass, friction, step = single(2.0), single(3.0), single(1e-3)
+    world, blocks, multibody = loaded_blocks(1, 2.0, 3.0)
+    world.step()
+    velocity, largest = single(0), single(friction * step)
+    for index in range(2000):
+        load = single(6 * np.sin(index * 0.004))
+        blocks[0].reset_forces(True)
+        blocks[0].add_force((float(load), 0.0, 0.0), True)
+        world.step()
+        velocity = single(velocity + single(single(load / mass) * step))
+        impulse = np.clip(single(velocity * mass), -largest, largest)
+        velocity = single(velocity - single(impulse / mass))
+        assert multibody().generalized_velocity()[0] == velocity
+
+
+def loaded_blocks(count: int, mass: float, friction: float):
+    """Load blocks on slides, each on the one before; gives the world, the blocks, and what gives their multibody."""
+    import rapier3d
+    from rapier3d.loaders import mjcf
+
+    inertial = f'<inertial pos="0 0 0" mass="{mass}" diaginertia="1 1 1"/>'
+    block = f'<body><joint type="slide" axis="1 0 0" frictionloss="{friction}"/>{inertial}'
+    text = f"<mujoco><worldbody>{block * count}{'</body>' * count}</worldbody></mujoco>"
+    world = rapier3d.PhysicsWorld()
+    world.gravity = rapier3d.Vec3(0.0, 0.0, 0.0)
+    world.integration_parameters.dt, world.integration_parameters.num_solver_iterations = 1e-3, 1
+    robot, _ = mjcf.MjcfRobot.from_str(text)
+    sets = world.rigid_bodies, world.colliders, world.multibody_joints, world.impulse_joints
+    loaded = robot.insert_using_multibody_joints(*sets)
+    blocks = [world.rigid_bodies[each.body] for each in loaded.bodies[1:]]
+    return world, blocks, lambda: world.multibody_joints.multibody(loaded.joints[0].joint)
+
+
+def test_velocities_of_links_are_those_of_the_step_before() -> None:
+    """Of Rapier itself: the adapter reads those of the joints."""
+    world, (block,), multibody = loaded_blocks(1, 2.0, 3.0)
+    world.step()
+    before = 0.0
+    for _ in range(3):
+        block.reset_forces(True)
+        block.add_force((5.0, 0.0, 0.0), True)
+        world.step()
+        assert block.linvel.x == pytest.approx(before)
+        before = multibody().generalized_velocity()[0]
+    assert before > 0
+
+
+def test_a_multibody_has_coordinates_of_its_root_until_its_first_step() -> None:
+    """Of Rapier itself: the adapter takes a step at rest before a motion begins."""
+    world, _, multibody = loaded_blocks(2, 2.0, 3.0)
+    assert multibody().ndofs == 8
+    world.step()
+    assert multibody().ndofs == 2
+
+
+@pytest.mark.parametrize("ratio", [1e-3, 1.0, 100.0])
+def test_outer_masses_carry_inner_ones_up_to_a_hundred_times_as_heavy(ratio: float) -> None:
+    lane, state = lane_of(mass_ratio=ratio), random_state()
+    assert distance(lane, state, native(lane, state)) < ROUNDINGS
+    with pytest.raises(ParameterError, match=r"= 101; allowed: at most 100 in a multibody of Rapier"):
+        native(lane_of(mass_ratio=101.0), state)
