@@ -1,6 +1,7 @@
 """Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build`."""
 
 import re
+import runpy
 import sys
 from html import escape
 from importlib.metadata import version as version_of
@@ -26,7 +27,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["_build", "jupyter_execute"]
+exclude_patterns = ["_build", "jupyter_execute", "scenes/recipes"]
 html_theme = "furo"
 html_title = "multibody-xval"
 html_static_path = ["_static"]
@@ -97,11 +98,12 @@ def visit_display_math(writer, node):
 
 
 def write_pages(_app):
-    """Write the pages of verdicts from their table, and that of commands from the commands."""
+    """Write the pages of verdicts and of scenes from their tables, and that of commands from the commands."""
     import commands
     import pages
 
     pages.write(VERDICTS / "verdicts.csv", VERDICTS)
+    runpy.run_path(str(DOCS / "scenes" / "pages.py"))["write"]()
     commands.write(DOCS / "commands.md")
 
 

@@ -70,7 +70,7 @@ def test_trajectory_has_one_finite_row_a_step_in_si_units(tested: Variant) -> No
     assert run.time == pytest.approx(lane.time_step * np.arange(4, 29))
     assert run.positions.shape == run.velocities.shape == (25, 14)
     assert run.friction.shape == run.normal_force.shape == (25, 7)
-    assert np.all(run.normal_force > 0)
+    assert np.all(run.normal_force >= 0), "a contact pulls"
     for rows in (run.positions, run.velocities, run.friction, run.normal_force):
         assert np.all(np.isfinite(rows)), "the trajectory has numbers that are not finite"
 

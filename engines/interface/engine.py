@@ -165,7 +165,7 @@ class Engine(ABC):
         missing = self.unavailable_reason_of(chosen)
         if missing is not None:
             raise EngineNotInstalled(f"{self.name}: {missing}")
-        return self._build(tuple(lanes), Formulation(formulation), chosen)
+        return self._build(tuple(map(chosen.pressed, lanes)), Formulation(formulation), chosen)
 
     def scene_gap(self, formulation: Formulation) -> str | None:
         """Give the reason why there are no scenes of a formulation; ``None`` if there are."""

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Any, Self
 
 from engines.interface.law import Law, NotModelled
+from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.observables.stick_slip import STICK_MARGIN
@@ -39,6 +40,12 @@ class NormalForce(StrEnum):
         if lane.preload is None:
             return cls.CONSTANT
         return cls.LIFTING if lane.opens else cls.MODULATED
+
+
+ACROSS = "across"
+"""Option of adapters whose tuned contacts are held: what masses do across the row."""
+
+FREE, HELD = "free", "held"
 
 
 @dataclass(frozen=True)
@@ -162,6 +169,11 @@ class Preset:
         values = {name: other.options.get(name) for name in self.options}
         before = {name: own.default if (of := values[name]) is None else of.value for name, own in self.options.items()}
         return {name: value for name, value in before.items() if self[name] != value}
+
+    def pressed(self, lane: Lane) -> Lane:
+        """Give a lane as it is built: where masses are free across the row, a constant force presses them together."""
+        free = ACROSS in self.options and self[ACROSS] == FREE
+        return replace(lane, preload=CONSTANT) if free and lane.preload is None else lane
 
     def takes(self, version: str) -> bool:
         """Tell whether a version of the engine has what it sets."""

@@ -92,6 +92,7 @@ def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool) -> Any:
         pair = _add_contact(spec, chain, cell, preset)
         pair.solreffriction = solref_of(preset, "solreffriction", lane.time_step, units)
         if lifting:
+            pair.condim = 3 if chain.friction_bound[cell] else 1  # MuJoCo's own for what does not rub
             pair.solref = solref_of(preset, "solref", lane.time_step, units)
         else:
             # In its direct form, negative, a solref holds stiffness and damping; this is that of a time constant.

@@ -1,7 +1,7 @@
 """MuJoCo's own settings, and the presets that change them."""
 
 from engines.interface.law import NotModelled
-from engines.interface.presets import NormalForce, OfStep, Option, Preset
+from engines.interface.presets import ACROSS, FREE, HELD, NormalForce, OfStep, Option, Preset
 from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, joint_friction, pyramidal_contact
 from engines.mujoco.yielding import yielding_spring
 
@@ -32,6 +32,7 @@ JOINT_OPTIONS = {
 
 CONTACT_OPTIONS = {
     **OPTIONS,
+    ACROSS: Option.own(FREE, "As bodies rest on each other: a constant force presses the sphere on its plate."),
     "solreffriction": Option.own((0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
     "normal time constant": Option.own(
         SOLREF[0], "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
@@ -126,11 +127,14 @@ YIELD = Preset(
 
 HARDEST_STOPS = stops_in_one_step(HARDEST)
 
+IS_HELD = (HELD, "A construct of this suite, exact for its chain: nothing moves across, whatever friction does.")
+
 CONTACT_TUNED = Preset(
     "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
     CONTACT_OPTIONS,
     {
         **TUNED,
+        ACROSS: IS_HELD,
         "units": ("contact", "The sweep's fixed tolerances of 1e-10 are then far below every number."),
         "solver": ("PGS", "The dual problem: friction does not act back on the normal force."),
         "cone": ELLIPTIC,
@@ -176,7 +180,7 @@ SOFT_EDGES = (
 )
 
 CONTACT_DEFAULT = Preset(
-    "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
+    "A sphere that rests on its plate, pressed by a constant force, in SI units and with MuJoCo's own options.",
     CONTACT_OPTIONS,
     known_deviation=SOFT_EDGES,
     law=pyramidal_contact,

@@ -84,7 +84,7 @@ def pyramidal_contact(preset: Preset) -> Law:
             "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, MuJoCo's own: of one deeper than the width"),
             "δ": Constant(WIDTH, "m", "solimp, MuJoCo's own"),
         },
-        model=_pyramidal_contact,
+        model=lambda lane, of: _pyramidal_contact(preset.pressed(lane), of),
         period_bound=NEWTON_PERIOD,
         bound_reason=NEWTON_REASON,
         modulated=lifting,

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from engines.interface.law import Law, NotModelled
-from engines.interface.presets import NormalForce, Preset
+from engines.interface.presets import ACROSS, NormalForce, Preset
 from engines.mujoco import presets as mujoco
 from engines.mujoco import step_model
 
@@ -59,6 +59,7 @@ CONTACT_TUNED = Preset(
     {**mujoco.CONTACT_OPTIONS, **mujoco.PRESSED_HARDER},
     {
         **TUNED,
+        ACROSS: mujoco.IS_HELD,
         "cone": mujoco.ELLIPTIC,
         "solreffriction": mujoco.stops_in_one_step(mujoco.SOFTEST),
         "normal time constant": mujoco.CHOSEN_STIFFNESS,
@@ -69,6 +70,8 @@ CONTACT_TUNED = Preset(
 
 CONTACT_DEFAULT = replace(
     mujoco.CONTACT_DEFAULT,
+    description="A sphere held at a fixed depth in its plate, in SI units, with MuJoCo's own options elsewhere.",
+    changes={ACROSS: mujoco.IS_HELD},
     law=pyramidal_contact,
     split_tolerance=1e-6,
     normal_force=NormalForce.CONSTANT,
@@ -80,6 +83,7 @@ JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_
 
 CONTACT_RECOMMENDED = replace(
     mujoco.CONTACT_RECOMMENDED,
+    changes={ACROSS: mujoco.IS_HELD},
     split_tolerance=1e-6,
     normal_force=NormalForce.CONSTANT,
     modulated_options={},

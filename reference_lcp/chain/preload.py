@@ -55,6 +55,10 @@ class Preload:
         return 1 + self.modulation * np.sin(self.angular_frequency * time + self.phase)
 
 
+CONSTANT = Preload(modulation=0.0, angular_frequency=1.0)
+"""A constant force that presses a contact whose masses are free to part, as a body rests on the ground."""
+
+
 @dataclass(frozen=True)
 class Flight:
     """The exact flight of an inner mass under a preload that opens its contact, once in a cycle of the preload."""

@@ -175,7 +175,7 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
     if not math.isclose(lane.time_step * steps_per_period, period, rel_tol=1e-12):
         steps = period / lane.time_step
         raise ParameterError(f"the time step makes {steps:g} steps a period; allowed: {steps_per_period}")
-    if lane.preload is not None:
+    if lane.preload is not None and lane.preload.modulation:
         multiple = lane.preload.angular_frequency * period / (2 * np.pi)
         if not math.isclose(multiple, max(1, round(multiple)), rel_tol=1e-12):
             raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")

@@ -10,7 +10,7 @@ from pydantic import Field, PlainSerializer, PlainValidator
 from engines.interface.presets import Formulation, NormalForce
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.preload import Preload
+from reference_lcp.chain.preload import CONSTANT, Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.chain.transient import RecordedBase
@@ -132,9 +132,6 @@ CARRIER_FREQUENCY = 80.0
 CARRIER_DAMPING = 0.1
 """c_c / (2 √(k_c m_o)) of the carrier: what begins to shake it dies out in a few tenths of a second."""
 
-PRESSED = Preload(modulation=0.0, angular_frequency=1.0)
-"""A force that presses a contact whose masses are free to part, as a body rests on the ground."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
@@ -211,7 +208,7 @@ class BlockTask(TransientTask):
             self.chain,
             self.base,
             self.time_step,
-            PRESSED if self.preloaded else None,
+            CONSTANT if self.preloaded else None,
             direction=self.direction,
             static_ratio=self.static_ratio,
         )
