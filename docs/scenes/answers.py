@@ -30,11 +30,13 @@ def answers(name: str, evaluator: Evaluator) -> list[tuple[str, str, float, floa
 def main(store: str | None = None) -> None:
     """Write the table."""
     rows = []
-    with opened_store(Path(store) if store else None) as stored:
-        with Evaluator(stored, executor_for(None, TIME_LIMIT, None)) as evaluator:
-            for name in engine_names():
-                if engine(name).scene_worlds and engine(name).unavailable_reason() is None:
-                    rows += answers(name, evaluator)
+    with (
+        opened_store(Path(store) if store else None) as stored,
+        Evaluator(stored, executor_for(None, TIME_LIMIT, None)) as evaluator,
+    ):
+        for name in engine_names():
+            if engine(name).scene_worlds and engine(name).unavailable_reason() is None:
+                rows += answers(name, evaluator)
     pd.DataFrame(rows, columns=list(COLUMNS)).to_csv(ANSWERS, index=False, float_format="%.4g", lineterminator="\n")
 
 

@@ -38,7 +38,8 @@ def recipe_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
     yield from ("## My blocks creep: what to write", "", "```text", recipe_text(name).rstrip(), "```", "")
     if rows.empty:
         return
-    yield f"Worst number of [each scene](../scenes/index.md) at the engine's own time step (`multibody-xval recipe {name}`):"
+    command = f"`multibody-xval recipe {name}`"
+    yield f"Worst number of [each scene](../scenes/index.md) at the engine's own time step ({command}):"
     yield from ("", "| scene | as installed | recipe |", "|---|---|---|")
     for row in rows.itertuples():
         if row.number.startswith("cost"):

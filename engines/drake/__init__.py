@@ -48,5 +48,5 @@ class Drake(PipEngine):
             "reproducer_contact.py.jinja", contact.script_numbers, radius=contact.RADIUS, width=contact.WIDTH
         ),
     }
-    scene_step: ClassVar[float] = scene.STEP
+    scene_step: ClassVar[float] = scene.TIME_STEP
     scene_worlds: ClassVar = {Formulation.JOINT: scene.joints, Formulation.CONTACT: scene.contacts}

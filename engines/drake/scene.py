@@ -20,7 +20,7 @@ from engines.interface.scene import (
     Vector,
 )
 
-STEP = 0.001
+TIME_STEP = 0.001
 """Of most of Drake's own examples [s]; a plant has no default."""
 
 SLAB = (20.0, 1.0, 0.1)
@@ -64,7 +64,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     def launch(velocity: Vector) -> None:
         motion = drake.SpatialVelocity(np.zeros(3), np.array(velocity))
-        plant.SetFreeBodySpatialVelocity(bodies[-1], motion, context)
+        plant.SetFreeBodySpatialVelocity(context, bodies[-1], motion)
 
     return SteppedWorld(step, state, launch)
 

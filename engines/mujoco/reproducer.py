@@ -25,7 +25,7 @@ def joint_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) 
 
 def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
-    lifting = lane.preload is not None
+    lifting = preset.pressed(lane).preload is not None
     options = preset.modulated() if lifting else preset
     pair = _pair(options, lane, units)
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length

@@ -22,10 +22,10 @@ from engines.interface.scene import (
 STEP = 0.002
 """MuJoCo's own time step [s]."""
 
-MODEL_OPTIONS = ("solver", "iterations", "cone", "impratio", "integrator", "noslip_iterations", "noslip_tolerance")
+MODEL_ATTRIBUTES = ("solver", "iterations", "cone", "impratio", "integrator", "noslip_iterations", "noslip_tolerance")
 """Options that are attributes of the model's ``option``."""
 
-JOINT_OPTIONS = {"solref_friction": "solreffriction", "solimp_friction": "solimpfriction"}
+JOINT_ATTRIBUTES = {"solref_friction": "solreffriction", "solimp_friction": "solimpfriction"}
 """Options that are attributes of a joint, by the names that they have in XML."""
 
 BELT_MASS = 1e6
@@ -57,7 +57,7 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
 
 def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
     """Write a scene with joints in XML."""
-    written = {name: _changed(setting, option) for option, name in JOINT_OPTIONS.items()}
+    written = {name: _changed(setting, option) for option, name in JOINT_ATTRIBUTES.items()}
     own = " ".join(f'{name}="{value}"' for name, value in written.items() if value)
     if isinstance(scene, JointScene):
         axis = "0 0 1" if scene.kind == "hinge" else "1 0 0"
@@ -73,7 +73,7 @@ def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
 
 
 def _model(setting: SceneSetting, bodies: Iterable[str], gravity: float = GRAVITY) -> str:
-    changed = {name: _changed(setting, name) for name in MODEL_OPTIONS}
+    changed = {name: _changed(setting, name) for name in MODEL_ATTRIBUTES}
     attributes = " ".join(f'{name}="{value}"' for name, value in changed.items() if value)
     sleep = '<flag sleep="enable"/>' if setting.sleeping else ""
     option = f'<option timestep="{setting.time_step}" gravity="0 0 {-gravity}" {attributes}>{sleep}</option>'

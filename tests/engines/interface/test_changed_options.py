@@ -21,9 +21,8 @@ from tests.installed import each_variant, variants_of_all
 @pytest.mark.parametrize("variant", each_variant(variants_of_all()))
 def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None:
     own, options = engine(variant.engine), _ReadOptions(variant.preset.options)
-    simulation = own._build(
-        (sample_lane(2),), Formulation(variant.formulation), replace(variant.preset, options=options)
-    )
+    preset = replace(variant.preset, options=options)
+    simulation = own._build((preset.pressed(sample_lane(2)),), Formulation(variant.formulation), preset)
     try:
         simulation.advance(State.at_rest(1, 2), 0, 1)
     finally:
