@@ -57,8 +57,8 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
 
 def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
     """Write a scene with joints in XML."""
-    written = {name: _changed(setting, option) for option, name in JOINT_ATTRIBUTES.items()}
-    own = " ".join(f'{name}="{value}"' for name, value in written.items() if value)
+    attributes = {name: written(setting, option) for option, name in JOINT_ATTRIBUTES.items()}
+    own = " ".join(f'{name}="{value}"' for name, value in attributes.items() if value)
     if isinstance(scene, JointScene):
         axis = "0 0 1" if scene.kind == "hinge" else "1 0 0"
         joint = f'<joint type="{scene.kind}" axis="{axis}" frictionloss="{scene.friction}" {own}/>'
@@ -73,14 +73,14 @@ def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
 
 
 def _model(setting: SceneSetting, bodies: Iterable[str], gravity: float = GRAVITY) -> str:
-    changed = {name: _changed(setting, name) for name in MODEL_ATTRIBUTES}
+    changed = {name: written(setting, name) for name in MODEL_ATTRIBUTES}
     attributes = " ".join(f'{name}="{value}"' for name, value in changed.items() if value)
     sleep = '<flag sleep="enable"/>' if setting.sleeping else ""
     option = f'<option timestep="{setting.time_step}" gravity="0 0 {-gravity}" {attributes}>{sleep}</option>'
     return f"<mujoco>{option}<worldbody>{''.join(bodies)}</worldbody></mujoco>"
 
 
-def _changed(setting: SceneSetting, option: str) -> str:
+def written(setting: SceneSetting, option: str) -> str:
     """Write the value of an option that the preset changes; an empty text where it does not."""
     value = setting.changed(option)
     return "" if value is None else value if isinstance(value, str) else _text(value)

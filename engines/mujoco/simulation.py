@@ -78,7 +78,7 @@ class MuJoCoSimulation(LanesInUnits):
         qvel[:] = self._checked("velocities", state.velocities, self._velocity)
         self._set_internal_state(state, start)
         self._batch.bind("qacc_warmstart")[:] = 0
-        with _no_warning_file():
+        with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
 
     def _set_internal_state(self, state: State, start: int) -> None:
@@ -190,7 +190,7 @@ class _Batch:
 
 
 @contextlib.contextmanager
-def _no_warning_file() -> Iterator[None]:
+def no_warning_file() -> Iterator[None]:
     """Keep MuJoCo from writing to MUJOCO_LOG.TXT when a motion diverges; the rows show it."""
     import mujoco
 

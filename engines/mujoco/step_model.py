@@ -94,10 +94,19 @@ def pyramidal_contact(preset: Preset) -> Law:
 
 
 def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    rate = 2 / (constants["d_max"] * max(constants.get("τ", 0.0), 2 * lane.time_step))
-    step = _step(lane, rate)
-    softness = (1 - constants["d_0"]) / constants["d_0"]
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))
+    step = _step(lane, damping_rate(constants.get("τ", 0.0), constants["d_max"], lane.time_step))
+    softness = relative_softness(constants["d_0"]) * step.coupling.diagonal()
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness))
+
+
+def damping_rate(time_constant: float, largest: float, time_step: float) -> float:
+    """Give b, by which a slip velocity decelerates itself [1/s]; `largest` is d_max."""
+    return 2 / (largest * max(time_constant, 2 * time_step))
+
+
+def relative_softness(least: float) -> float:
+    """Give R / A of a joint's friction; `least` is d_0."""
+    return (1 - least) / least
 
 
 def _pyramidal_contact(lane: Lane, constants: Mapping[str, float]) -> LaneModel:

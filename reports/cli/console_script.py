@@ -23,6 +23,7 @@ COMMANDS = {
     "report": ("report", "Compare engines with the reference, and write a page about it."),
     "compare": ("compare", "Compare two stores, and print what has changed."),
     "card": ("shown", "Write the numbers of one engine that its maintainer would quote."),
+    "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
     "reproduce": ("shown", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "animate": ("shown", "Show the chain in motion over one period."),
