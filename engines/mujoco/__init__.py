@@ -5,6 +5,7 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.mujoco.contact import compiled_contacts
 from engines.mujoco.joint import compiled_joints
+from engines.mujoco.lugre import BristleSimulation, compiled_bristles
 from engines.mujoco.presets import (
     CONTACT_DEFAULT,
     CONTACT_NEWTON,
@@ -13,6 +14,7 @@ from engines.mujoco.presets import (
     JOINT_DEFAULT,
     JOINT_RECOMMENDED,
     JOINT_TUNED,
+    LUGRE,
     YIELD,
 )
 from engines.mujoco.reproducer import CONTACT, JOINT
@@ -38,6 +40,7 @@ class MuJoCo(PipEngine):
             Formulation.JOINT: {
                 "tuned": JOINT_TUNED,
                 "yield": YIELD,
+                "lugre": LUGRE,
                 "recommended": JOINT_RECOMMENDED,
                 "default": JOINT_DEFAULT,
             },
@@ -62,6 +65,8 @@ class MuJoCo(PipEngine):
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if "spring_phase" in preset.options:
             return YieldingSimulation([compiled_springs(lane, preset) for lane in lanes])
+        if "bristle_phase" in preset.options:
+            return BristleSimulation([compiled_bristles(lane, preset) for lane in lanes])
         modulated = any(lane.preload is not None for lane in lanes)
         options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:

@@ -2,6 +2,7 @@
 
 from engines.interface.law import NotModelled
 from engines.interface.presets import ACROSS, FREE, HELD, NormalForce, OfStep, Option, Preset
+from engines.mujoco.lugre import bristle
 from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, joint_friction, pyramidal_contact
 from engines.mujoco.yielding import yielding_spring
 
@@ -100,6 +101,12 @@ JOINT_DEFAULT = Preset(
     normal_force=NormalForce.MODULATED,
 )
 
+YIELD_CHANGES = {
+    "units": ("lane", "No number comes near MuJoCo's built-in smallest and largest ones."),
+    "jacobian": TUNED["jacobian"],
+    "disable": TUNED["disable"],
+}
+
 YIELD = Preset(
     "A spring parallel to the inner one that yields at the friction bound, as stiff as the step resolves.",
     {
@@ -110,11 +117,7 @@ YIELD = Preset(
             "h √(k_s / m_red), and so stiffness k_s and springyield F / k_s: half of Euler's limit of stability.",
         ),
     },
-    {
-        "units": ("lane", "No number comes near MuJoCo's built-in smallest and largest ones."),
-        "jacobian": TUNED["jacobian"],
-        "disable": TUNED["disable"],
-    },
+    YIELD_CHANGES,
     known_deviation=(
         "a stuck contact is a spring that gives way by F / k_s, without a dashpot: it rings, at velocities up to "
         "F h / (θ m_red)"
@@ -128,6 +131,29 @@ YIELD = Preset(
 HARDEST_STOPS = stops_in_one_step(HARDEST)
 
 IS_HELD = (HELD, "A construct of this suite, exact for its chain: nothing moves across, whatever friction does.")
+
+LUGRE = Preset(
+    "The LuGre friction of a motor without an input: bristles as stiff as the step resolves, half critically damped.",
+    {
+        **OPTIONS,
+        "bristle_phase": Option(
+            1.0, None, "h √(σ_0 / m_red), and so stiffness σ_0: half of Euler's limit of stability."
+        ),
+        "bristle_damping": Option(
+            0.5, None, "Of critical, and so damping σ_1: Euler's step is stable below 0.75 here."
+        ),
+    },
+    YIELD_CHANGES,
+    known_deviation=(
+        "a stuck contact is a spring with a dashpot that gives way by F / σ_0: under a load that swings "
+        "it creeps (a ratchet), and where bristles bend first friction is beyond its bound by σ_1 w"
+    ),
+    law=bristle,
+    passes_bound="the damping of bristles is not bounded: σ_1 w is added where a slip begins or reverses",
+    split_tolerance=1e-12,
+    versions=">=3.12",
+    optional=True,
+)
 
 CONTACT_TUNED = Preset(
     "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",

@@ -81,5 +81,12 @@ def _solref(preset: Preset, name: str, lane: Lane, units: Units) -> str:
     )
 
 
-JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers, without=("yield",))
+JOINT = Reproducer(
+    "reproducer_joint.py.jinja",
+    joint_numbers,
+    without=(
+        "yield",
+        "lugre",
+    ),
+)
 CONTACT = Reproducer("reproducer_contact.py.jinja", contact_numbers)
