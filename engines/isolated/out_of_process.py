@@ -3,7 +3,7 @@
 import functools
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation, Preset
+from engines.interface.scene import Vector
 from engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
 from engines.isolated.worker import Message
 from engines.shared.units import Units
@@ -27,6 +28,16 @@ def system_python() -> str:
     """Give the Python that the packages of a distribution are for; a virtual environment's own comes first in PATH."""
     search = os.pathsep.join([os.defpath, os.environ.get("PATH", "")])
     return shutil.which("python3", path=search) or "python3"
+
+
+def interpreter_variable(engine: str) -> str:
+    """Give the environment variable that names an engine's Python; the system's is taken without it."""
+    return f"MULTIBODY_XVAL_{engine.upper()}_PYTHON"
+
+
+def process_of(engine: str, server: Path) -> EngineProcess:
+    """Give the worker process that runs a server in an engine's Python, which all that it builds share."""
+    return _process(engine, os.environ.get(interpreter_variable(engine)) or system_python(), server)
 
 
 @functools.cache
@@ -143,6 +154,29 @@ class OutOfProcessLane(LaneModel):
             raise
 
 
+class ServedScene:
+    """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
+
+    def __init__(self, process: EngineProcess, parameters: Message):
+        self._built = Built(process, parameters)
+        self._launch: Sequence[float] = ()
+        self.close = self._built.close
+
+    def run(self, steps: int) -> FloatArray:
+        """Take steps in one request; see `SceneWorld.run`."""
+        limit, known = REQUEST_LIMIT + STEP_LIMIT * steps, self._built.number
+        reply = self._built.request("follow", limit, steps=steps, launch=self._launch)
+        if known not in {-1, self._built.number}:
+            raise EngineProcessError("a scene was lost with its worker, and with it how far it had come")
+        self._launch = ()
+        rows: FloatArray = reply["rows"]
+        return rows
+
+    def launch(self, velocity: Vector) -> None:
+        """Give the followed box a velocity [m/s], with the next request."""
+        self._launch = velocity
+
+
 class OutOfProcessEngine(Engine):
     """An engine whose lanes live in a worker process; an adapter adds name, capabilities and server."""
 
@@ -153,7 +187,7 @@ class OutOfProcessEngine(Engine):
     @property
     def variable(self) -> str:
         """Environment variable that names its Python; the system's is taken without it."""
-        return f"MULTIBODY_XVAL_{self.name.upper()}_PYTHON"
+        return interpreter_variable(self.name)
 
     @property
     def interpreter(self) -> str:

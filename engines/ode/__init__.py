@@ -5,7 +5,16 @@ from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
-from engines.ode.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_STOPS, JOINT_TUNED
+from engines.ode.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_STOPS,
+    JOINT_TUNED,
+)
+from engines.ode.scene import STEP, contacts, joints
 from engines.shared.script_units import script_in_si
 
 BOX = 4.0
@@ -35,8 +44,17 @@ class ODE(OutOfProcessEngine):
         licence="BSD-3-Clause or LGPL-2.1-or-later",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT, "stops": JOINT_STOPS},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {
+                "tuned": JOINT_TUNED,
+                "recommended": JOINT_RECOMMENDED,
+                "default": JOINT_DEFAULT,
+                "stops": JOINT_STOPS,
+            },
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         notes=(
             "Coulomb's law, exact in stick: in the joint emulated by a slider's motor of target zero and bounded "
@@ -50,3 +68,5 @@ class ODE(OutOfProcessEngine):
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),
         Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", box=BOX, plate=PLATE, spacing=SPACING),
     }
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}

@@ -351,11 +351,14 @@ class ContactModel(JointModel):
     def _find_contacts(self) -> None:
         """Make a joint of every point at which an inner mass meets its plate."""
         world, group, mode, record = self.world, self._contacts, int(self._given["mode"]), self._record
+        softness = float(self._given.get("soft_cfm", 0.0))
+        mode |= ode.ContactSoftCFM if softness else 0
         self._drop_contacts()
         for inner, outer, slider, plate, coefficient, cell in self._rubbing:
             for contact in ode.collide(slider, plate):
                 contact.setMode(mode)
                 contact.setMu(coefficient)
+                contact.setSoftCFM(softness)
                 joint = ode.ContactJoint(world, group, contact)
                 joint.attach(inner, outer)
                 if record:

@@ -5,8 +5,12 @@ import sys
 import numpy as np
 import pytest
 
+from engines.interface.scene import JointScene, SceneSetting
+from engines.isolated.out_of_process import process_of
+from engines.isolated.process import EngineProcessError
 from engines.ode import ODE
-from engines.ode.presets import BOUNCE
+from engines.ode.presets import BOUNCE, JOINT_DEFAULT
+from engines.ode.scene import SERVER, STEP
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (
@@ -83,3 +87,13 @@ def test_a_python_without_ode_is_a_reason_with_a_remedy(monkeypatch: pytest.Monk
 
 def test_the_version_is_that_of_the_library() -> None:
     assert ODE().version().startswith("0.16")
+
+
+def test_a_scene_whose_worker_is_lost_does_not_begin_anew_without_a_word() -> None:
+    world = ODE().scene_world(JointScene(load=2.0), SceneSetting(JOINT_DEFAULT, STEP))
+    first, second = world.run(1)[0, 0], world.run(1)[0, 0]
+    assert second == pytest.approx(3 * first)  # 2 - 1 N m on 1 kg m²: h² and 3 h²
+    assert abs(first) == pytest.approx(STEP**2)
+    process_of("ode", SERVER).close()
+    with pytest.raises(EngineProcessError, match="lost"):
+        world.run(1)

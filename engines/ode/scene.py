@@ -1,0 +1,73 @@
+"""Scenes as users of ODE write them, as data from which `scene_server` builds them in another Python."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from engines.interface.scene import (
+    FINGER,
+    FINGER_MASS,
+    GRAVITY,
+    LINK_INERTIA,
+    LINK_LENGTH,
+    LINK_MASS,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    Quaternion,
+    SceneSetting,
+    Vector,
+)
+from engines.isolated.out_of_process import ServedScene, process_of
+
+STEP = 0.01
+"""Chosen [s]: ODE has no default."""
+
+SERVER = Path(__file__).with_name("scene_server.py")
+
+BELT = 20.0, 1.0, 0.1
+"""Half sides of a belt [m]."""
+
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+def contacts(scene: ContactScene, setting: SceneSetting) -> ServedScene:
+    """Build a scene with contacts: the followed box comes last."""
+    solids: list[tuple[str, Sequence[float], float, Vector, Quaternion]] = []
+    plane: dict[str, Any] = {}
+    if scene.grip:
+        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        solids.append(("fixed", FINGER, FINGER_MASS, (-reach, 0.0, height), LEVEL))
+        solids.append(("pressed", FINGER, FINGER_MASS, (reach, 0.0, height), LEVEL))
+    elif scene.belt:
+        solids.append(("driven", BELT, 1.0, (0.0, 0.0, -BELT[2]), LEVEL))
+    else:
+        plane = {"normal": scene.normal}
+    for box, place in zip(scene.boxes, scene.places, strict=True):
+        solids.append(("free", [box.side / 2] * 3, box.mass, place, scene.orientation))
+    columns = zip(("kind", "half", "mass", "place", "orientation"), zip(*solids, strict=True), strict=True)
+    acting = {"friction": scene.friction, "belt": scene.belt, "grip": scene.grip, "gravity": GRAVITY}
+    return _served({**dict(columns), **acting, **plane}, setting, "mode", "soft_cfm")
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> ServedScene:
+    """Build a scene with joints."""
+    if isinstance(scene, JointScene):
+        axis = (0.0, 0.0, 1.0) if scene.kind == "hinge" else (1.0, 0.0, 0.0)
+        body = {"mass": 1.0, "inertia": (1.0, 1.0, 1.0), "place": np.zeros((1, 3)), "anchor": np.zeros((1, 3))}
+        acting = {"kind": scene.kind, "axis": axis, "friction": (scene.friction,), "load": scene.load, "gravity": 0.0}
+        return _served({**body, **acting}, setting, "fmax")
+    link = np.array([LINK_LENGTH, 0.0, 0.0])
+    anchors = np.outer(np.arange(scene.links), link)
+    links = {"mass": LINK_MASS, "inertia": LINK_INERTIA, "anchor": anchors, "place": anchors + link / 2}
+    acting = {"kind": "hinge", "axis": (0.0, 1.0, 0.0), "friction": scene.friction, "load": 0.0, "gravity": GRAVITY}
+    return _served({**links, **acting}, setting, "fmax")
+
+
+def _served(given: dict[str, Any], setting: SceneSetting, *options: str) -> ServedScene:
+    changed = {name: setting.changed(name) for name in ("cfm", "erp", *options)}
+    of_preset = {name: value for name, value in changed.items() if value is not None}
+    stepping = {"time_step": setting.time_step, "sleeping": setting.sleeping}
+    return ServedScene(process_of("ode", SERVER), {**given, **of_preset, **stepping})
