@@ -11,6 +11,7 @@ from engines.exudyn import presets
 from engines.exudyn.contact import ContactLane
 from engines.exudyn.joint import BristleLane, RegularisedLane
 from engines.exudyn.reproducer import bristle_numbers, disc_numbers, zone_numbers
+from engines.exudyn.scene import NO_CONTACTS, STEP, JointWorld
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
@@ -28,7 +29,11 @@ class ExudynRegularised(PipEngine):
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": presets.REGULARISED_TUNED, "default": presets.REGULARISED_DEFAULT},
+            Formulation.JOINT: {
+                "tuned": presets.REGULARISED_TUNED,
+                "recommended": presets.REGULARISED_RECOMMENDED,
+                "default": presets.REGULARISED_DEFAULT,
+            },
             Formulation.CONTACT: {"tuned": presets.CONTACT_TUNED, "default": presets.CONTACT_DEFAULT},
         },
         notes=(
@@ -41,6 +46,9 @@ class ExudynRegularised(PipEngine):
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", zone_numbers),
         Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", disc_numbers),
     }
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: JointWorld}
+    no_scenes: ClassVar[str] = NO_CONTACTS
 
 
 class ExudynBristle(PipEngine):
@@ -54,7 +62,13 @@ class ExudynBristle(PipEngine):
         package="exudyn",
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.BRISTLE,
-        presets={Formulation.JOINT: {"tuned": presets.BRISTLE_TUNED, "default": presets.BRISTLE_DEFAULT}},
+        presets={
+            Formulation.JOINT: {
+                "tuned": presets.BRISTLE_TUNED,
+                "recommended": presets.BRISTLE_RECOMMENDED,
+                "default": presets.BRISTLE_DEFAULT,
+            }
+        },
         notes=(
             "A stuck contact is a stiff spring and dashpot and gives way by F / k_s; a slipping one sticks only from "
             "the end of a substep on, so that the period map jumps, and some orbits repeat to 1e-3 and not to 1e-8."
@@ -62,3 +76,6 @@ class ExudynBristle(PipEngine):
     )
     lane_models: ClassVar = {Formulation.JOINT: BristleLane}
     reproducers: ClassVar = {Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", bristle_numbers)}
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: JointWorld}
+    no_scenes: ClassVar[str] = NO_CONTACTS

@@ -131,7 +131,7 @@ class ExudynLane(LaneModel):
         integration.numberOfSteps = steps * self._substeps
         self._settings.solution.sensors.active = record
         solver = self._exudyn.MainSolverImplicitSecondOrder()
-        with _silent(self._exudyn):
+        with silent(self._exudyn):
             succeeded = solver.SolveSystem(self._system, self._settings)
         if not succeeded:
             raise RuntimeError(f"exudyn stopped at {solver.it.currentTime * self._units.time:g} s: no convergence")
@@ -365,12 +365,12 @@ def imported(module: str) -> Iterator[Any]:
         import exudyn
         import exudyn.advancedUtilities
         import exudyn.itemInterface
-    with _silent(exudyn):
+    with silent(exudyn):
         yield exudyn
 
 
 @contextlib.contextmanager
-def _silent(exudyn: Any) -> Iterator[None]:
+def silent(exudyn: Any) -> Iterator[None]:
     """Keep Exudyn from printing; failures are raised, with their reason."""
     printed = exudyn.config.printToConsole
     exudyn.config.printToConsole = False

@@ -1,6 +1,9 @@
 """Options and presets of Exudyn's two laws of friction."""
 
-from engines.exudyn.step_model import bristle, disc, zone
+from dataclasses import replace
+
+from engines.exudyn.step_model import FAILS, bristle, disc, zone
+from engines.interface.law import NotModelled
 from engines.interface.presets import Option, Preset
 
 OPTIONS = {
@@ -69,6 +72,20 @@ REGULARISED_DEFAULT = Preset(
     law=zone,
     static_friction=True,
     split_tolerance=1e-4,
+)
+
+REGULARISED_RECOMMENDED = replace(
+    REGULARISED_DEFAULT,
+    description="For joints of any model: a hundredth of the zone, and of its creep; with less arms fail.",
+    changes={"frictionProportionalZone": (1e-5, "[m/s, rad/s] A joint creeps by its load over its bound, times this.")},
+    known_deviation=(
+        "friction is proportional to the slip velocity within a zone of 1e-5 m/s: a stuck contact creeps, "
+        "whatever the time step"
+    ),
+    law=lambda _: NotModelled(FAILS),
+    split_tolerance=0.05,
+    optional=True,
+    varied={"frictionProportionalZone": (1e-4, 1e-6)},
 )
 
 CONTACT_TUNED = Preset(
@@ -146,4 +163,16 @@ BRISTLE_DEFAULT = Preset(
     law=bristle,
     static_friction=True,
     split_tolerance=0.05,
+)
+
+BRISTLE_RECOMMENDED = replace(
+    BRISTLE_DEFAULT,
+    description="For joints of any model, at small steps: bristles as they come, whose state is corrected once a step.",
+    changes={
+        "discontinuous_iterations": (
+            1,
+            "discontinuous.maxIterations: what should stick in an arm else turns to slip and back, and it comes down.",
+        )
+    },
+    optional=True,
 )

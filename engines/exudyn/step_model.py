@@ -98,19 +98,31 @@ def bristle(preset: Preset) -> Law | NotModelled:
             "is slip: in up to half of the steps"
         )
 
+    given = "stickingStiffness" in preset.options
+
     def model(lane: Lane, constants: Mapping[str, float]) -> "BristleModelLane":
-        phase_and_damping = constants["θ"], constants["ζ"]
-        springs = bristle_numbers(lane.chain, lane.time_step, preset["substeps"], *phase_and_damping)
-        return BristleModelLane(lane, preset, TRAPEZOIDAL, BRISTLE, *springs)
+        if given:
+            springs = np.full(lane.chain.cells, constants["k_s"]), np.full(lane.chain.cells, constants["d_s"])
+        else:
+            phase_and_damping = constants["θ"], constants["ζ"]
+            springs = bristle_numbers(lane.chain, lane.time_step, preset["substeps"], *phase_and_damping)
+        return BristleModelLane(lane, preset, _rule(constants), BRISTLE, *springs)
 
     formula = (
-        "stick: φ = k_s (x − foot) + d_s w, k_s = m_red (θ / h)², d_s = 2 ζ √(k_s m_red), until |φ| > F after a "
-        f"substep; slip: φ = F sgn w, until w has reversed after a substep; {_steps(preset)}"
+        f"stick: φ = k_s (x − foot) + d_s w, {'' if given else 'k_s = m_red (θ / h)², d_s = 2 ζ √(k_s m_red), '}"
+        f"until |φ| > F after a substep; slip: φ = F sgn w, until w has reversed after a substep; {_steps(preset)}"
     )
-    constants = {
-        "θ": Constant(preset["bristle_phase"], "", "bristle_phase, and so stickingStiffness"),
-        "ζ": Constant(preset["bristle_damping"], "", "bristle_damping, and so stickingDamping"),
-    }
+    if given:
+        constants = {
+            "k_s": Constant(preset["stickingStiffness"], "N/m", "stickingStiffness"),
+            "d_s": Constant(preset["stickingDamping"], "N s/m", "stickingDamping"),
+        }
+    else:
+        constants = {
+            "θ": Constant(preset["bristle_phase"], "", "bristle_phase, and so stickingStiffness"),
+            "ζ": Constant(preset["bristle_damping"], "", "bristle_damping, and so stickingDamping"),
+        }
+    constants |= _integrator(preset)
     return _law(preset, formula, constants, model)
 
 
@@ -259,9 +271,14 @@ def _constants(preset: Preset) -> dict[str, Constant]:
             "z_s": Constant(preset["zone"], "", "zone, and so frictionProportionalZone"),
             "z_k": Constant(preset["zone_per_kick"], "", "zone_per_kick, and so frictionProportionalZone"),
         }
-    if preset["solver"] != "Newmark":
-        constants["ρ"] = Constant(SPECTRAL_RADIUS, "", "generalizedAlpha.spectralRadius, Exudyn's own")
-    return constants
+    return constants | _integrator(preset)
+
+
+def _integrator(preset: Preset) -> dict[str, Constant]:
+    """Give the constants of the integrator."""
+    if preset["solver"] == "Newmark":
+        return {}
+    return {"ρ": Constant(SPECTRAL_RADIUS, "", "generalizedAlpha.spectralRadius, Exudyn's own")}
 
 
 def _rule(constants: Mapping[str, float]) -> tuple[float, ...]:
