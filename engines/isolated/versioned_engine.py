@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from engines.interface.engine import Engine, EngineNotInstalled
 from engines.interface.presets import Formulation, Preset
 from engines.isolated.environment import Environment, Record, unavailable_reason
 from engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess
-from engines.shared.pip_engine import PipEngine
+from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError, shown
@@ -200,6 +200,8 @@ class VersionedEngine(Engine):
 
 class EnvironmentEngine(VersionedEngine):
     """An engine, or a version of one, in an environment of its own."""
+
+    no_scenes: ClassVar[str] = SCENES_BESIDE
 
     def __init__(self, requirement: Requirement):
         super().__init__(requirement)

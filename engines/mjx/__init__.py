@@ -7,7 +7,7 @@ from engines.mjx.presets import JOINT_TUNED
 from engines.mjx.worlds import SIZES, MJXWorlds
 from engines.mujoco.presets import JOINT_DEFAULT
 from engines.mujoco.worlds import ModelsSimulation
-from engines.shared.pip_engine import PipEngine
+from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError
 
@@ -43,6 +43,7 @@ class MJX(PipEngine):
             "left out: its line search fails in steps in which one of them starts or stops."
         ),
     )
+    no_scenes: ClassVar[str] = SCENES_BESIDE
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         sweeps = preset["noslip_iterations"]

@@ -31,3 +31,4 @@ class Pinocchio(PipEngine):
 
     lane_models: ClassVar = {Formulation.JOINT: PinocchioJointLane}
     reproducers: ClassVar = {Formulation.JOINT: script_in_si("reproducer_joint.py.jinja")}
+    no_scenes: ClassVar[str] = "Pinocchio takes no steps by itself: its user writes them"

@@ -52,3 +52,4 @@ class Siconos(OutOfProcessEngine):
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", deep=DEEP),
         Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja"),
     }
+    no_scenes: ClassVar[str] = "its adapter does without Siconos's mechanics, where bodies and collisions are"
