@@ -19,7 +19,7 @@ FOLDER = Path(__file__).parent
 DECADES = 6
 """Shades of the heat map: decades of a number over the smallest one that counts as none."""
 
-LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "°": 0.1}
+LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1}
 """By unit, what counts as none."""
 
 

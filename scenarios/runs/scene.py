@@ -116,7 +116,8 @@ def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iter
 
     Of boxes, ``along``, ``across`` and ``off`` the plane [m] from where the motion began, the ``speed`` along each
     [m/s], the ``turn`` about its normal [rad], and ``highest``, off the plane so far. Of joints, ``joint 1`` and so
-    on, from where the motion began.
+    on, from where the motion began. ``from the start`` is the whole way since the scene was built, at the end: along,
+    across and off the plane, or of every joint.
     """
     stride = math.ceil(task.steps / ROWS)
     kept = slice((task.steps - 1) % stride, None, stride)
@@ -125,6 +126,7 @@ def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iter
         start = np.zeros(rows.shape[1]) if first is None else first[0]
         for joint, values in enumerate((rows - start).T, 1):
             yield f"joint {joint}", tuple(values[kept])
+        yield "from the start", tuple(rows[-1])
         return
     axes = _axes(task.scene)
     start = np.concatenate([task.scene.places[-1], task.scene.orientation]) if first is None else first[0]
@@ -132,6 +134,7 @@ def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iter
     for index, name in enumerate(("along", "across", "off")):
         yield name, tuple(way[kept, index])
         yield f"speed {name}", tuple(speed[kept, index])
+    yield "from the start", tuple((rows[-1, :3] - task.scene.places[-1]) @ axes.T)
     yield "highest", tuple(np.maximum.accumulate(way[:, 2])[kept])
     yield "turn", tuple(_turns(rows[kept, 3:7], start[3:7], axes[2]))
 

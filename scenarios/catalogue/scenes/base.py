@@ -42,6 +42,12 @@ CREEP_RESOLUTION = 0.1
 CREEP = Metric("creep", "µm/s", f"Mean velocity over {HOLDING:g} s of a body that friction should hold.")
 
 
+SAG_RESOLUTION = 1.0
+"""Way since a scene was built that counts as none [mm], [mrad]: bodies that are put in touch settle by less."""
+
+SAG = Metric("sag", "mm", "Way of a body that friction should hold since the scene was built.")
+
+
 class Measured(NamedTuple):
     """A number of a motion, what it should be, and what may be left of the difference."""
 
@@ -178,3 +184,8 @@ def creep(task: SceneTask, *ways: FloatArray) -> Measured:
     way = float(np.linalg.norm([own[-1] for own in ways]))
     resolution = CREEP_RESOLUTION + 1e6 * round_off(task) / task.time
     return Measured(1e6 * way / task.time, 0.0, resolution)
+
+
+def sag(*ways: float) -> Measured:
+    """Read how far a body has moved since it was let go that should not, along some axes [m], or angles [rad]."""
+    return Measured(1e3 * float(np.linalg.norm(ways)), 0.0, SAG_RESOLUTION)

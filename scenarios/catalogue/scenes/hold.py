@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from engines.interface.scene import Box, ContactScene
-from scenarios.catalogue.scenes.base import CREEP, HOLDING, Measured, SceneCase, SceneScenario, creep
+from scenarios.catalogue.scenes.base import CREEP, HOLDING, SAG, Measured, SceneCase, SceneScenario, creep, sag
 from scenarios.runs.result import NamedNumbers
 from scenarios.runs.scene import SceneTask
 from scenarios.verdicts.finding import Metric
@@ -29,12 +29,13 @@ def on_slope(load: float, *, friction: float = 0.5, turn: float = 0.0, box: Box 
 class _Hold(SceneScenario):
     """The last box should not move."""
 
-    metrics = (CREEP,)
+    metrics = (CREEP, SAG)
 
     def numbers(self, case: SceneCase, task: SceneTask, series: NamedNumbers) -> Mapping[Metric, Measured]:
-        """Read the creep of the last box in the plane that holds it."""
-        first = "off" if isinstance(task.scene, ContactScene) and task.scene.grip else "along"
-        return {CREEP: creep(task, *(np.array(series[name]) for name in (first, "across")))}
+        """Read the creep of the last box in the plane that holds it, and its way since the start."""
+        along, across, off = series["from the start"]
+        first, way = ("off", off) if isinstance(task.scene, ContactScene) and task.scene.grip else ("along", along)
+        return {CREEP: creep(task, *(np.array(series[name]) for name in (first, "across"))), SAG: sag(way, across)}
 
 
 def _case(name: str, scene: ContactScene, *, sleeping: bool = False) -> SceneCase:

@@ -5,12 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
-from scenarios.catalogue.scenes.base import CREEP, HOLDING, Measured, SceneCase, SceneScenario, creep
+from scenarios.catalogue.scenes.base import CREEP, HOLDING, Measured, SceneCase, SceneScenario, creep, sag
 from scenarios.runs.result import NamedNumbers
 from scenarios.runs.scene import SceneTask
 from scenarios.verdicts.finding import Metric
 
 TURNING = Metric("turning", "µrad/s", f"Mean angular velocity over {HOLDING:g} s of a hinge that friction should hold.")
+
+
+TURNED = Metric("turned", "mrad", "Angle of a hinge that friction should hold since the scene was built.")
 
 
 class JointHold(SceneScenario):
@@ -47,11 +50,11 @@ class ArmHold(SceneScenario):
     """An arm whose hinges have enough friction stays stretched out under gravity."""
 
     name = "arm-hold"
-    metrics = (TURNING,)
+    metrics = (TURNING, TURNED)
     cases = tuple(SceneCase(name=f"{links} hinges, load 0.9", scene=arm(links), time=HOLDING) for links in (1, 2, 3, 6))
     held_out = (SceneCase(name="4 hinges, load 0.7", scene=arm(4, 0.7), time=HOLDING),)
 
     def numbers(self, case: SceneCase, task: SceneTask, series: NamedNumbers) -> Mapping[Metric, Measured]:
-        """Read the creep of the hinge that turns most."""
-        turned = max((np.array(way) for name, way in series.items() if name != "time"), key=lambda way: abs(way[-1]))
-        return {TURNING: creep(task, turned)}
+        """Read the creep of the hinge that turns most, and how far any has turned: it may rest after a fall."""
+        turned = max((np.array(way) for name, way in series.items() if "joint" in name), key=lambda way: abs(way[-1]))
+        return {TURNING: creep(task, turned), TURNED: sag(max(series["from the start"], key=abs))}

@@ -30,7 +30,7 @@ from scenarios.verdicts.finding import Finding, Verdict
 MOST_SETS = 32
 """Sets of a study: those of five options."""
 
-BLOCKS, STEPS = 8, 60
+BLOCKS, STEPS = 25, 60
 """Samples of a cost, and steps of each: the fastest counts, for other programs only add time."""
 
 NOT_SPOILT = 1.1
