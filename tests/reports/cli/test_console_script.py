@@ -46,12 +46,12 @@ def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        ("re", ["reference", "report", "reproduce"]),
+        ("re", ["reference", "report", "reproduce", "recipe"]),
         ("run unit", ["unit-cell"]),
         ("run unit-cell --engine exudyn", ["exudyn-bristle", "exudyn-regularised"]),
         (
             "report --engine mujoco:contact:",
-            ["mujoco:contact:tuned", "mujoco:contact:newton", "mujoco:contact:default"],
+            [f"mujoco:contact:{preset}" for preset in ("tuned", "newton", "recommended", "default")],
         ),
         ("card pyb", ["pybullet"]),
         ("animate --engine none:", []),

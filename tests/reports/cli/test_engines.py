@@ -81,6 +81,7 @@ def test_law_that_holds_at_no_point_is_not_measured(capsys: pytest.CaptureFixtur
     assert "not measured: it does not claim to hold at any of 18 points: the kick F h / m_red of a step is" in printed
 
 
+@pytest.mark.needs("mujoco-warp")
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
@@ -91,7 +92,7 @@ def test_law_that_holds_at_no_point_is_not_measured(capsys: pytest.CaptureFixtur
 def test_law_of_an_engine_that_fails_is_not_measured(
     capsys: pytest.CaptureFixture[str], setting: str, said: str
 ) -> None:
-    assert said in printed_by(capsys, "law", f"mujoco:contact:default:{setting}")
+    assert said in printed_by(capsys, "law", f"mujoco-warp:contact:default:{setting}")
 
 
 def test_law_of_an_engine_that_is_missing_is_not_measured(
