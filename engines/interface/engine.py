@@ -3,9 +3,9 @@
 import math
 import platform
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.changed_options import changed_preset
 from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
@@ -62,6 +62,8 @@ class Engine(ABC):
     """Time step that its users take where they choose none [s]: its own default."""
     scene_worlds: ClassVar[Mapping[Formulation, SceneBuilder]] = {}
     """What builds scenes as its users write them, by the formulation of the friction; none is needed."""
+    scene_models: ClassVar[Mapping[Formulation, Callable[[Any, SceneSetting], str]]] = {}
+    """What writes such scenes as texts, of an engine whose users write models so."""
     no_scenes: ClassVar[str] = "its adapter builds none"
     """Why there are no scenes of a formulation that is not in `scene_worlds`."""
 

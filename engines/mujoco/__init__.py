@@ -18,7 +18,7 @@ from engines.mujoco.presets import (
     YIELD,
 )
 from engines.mujoco.reproducer import CONTACT, JOINT
-from engines.mujoco.scene import STEP, contacts, joints
+from engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
 from engines.mujoco.yielding import YieldingSimulation, compiled_springs
 from engines.shared.pip_engine import PipEngine
@@ -61,6 +61,7 @@ class MuJoCo(PipEngine):
     reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
     scene_step: ClassVar[float] = STEP
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
+    scene_models: ClassVar = {Formulation.JOINT: joint_model, Formulation.CONTACT: contact_model}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if "spring_phase" in preset.options:

@@ -97,7 +97,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     def state() -> Any:
         assert world is not None, "bodies do not keep their scene"
-        pose = body.pose
+        pose = body.entity_pose
         return pose.p, pose.q, body.linear_velocity
 
     return SteppedWorld(step, state, body.set_linear_velocity)

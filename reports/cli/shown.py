@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from engines.completion import complete_engine, complete_variant
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode, ParameterError, checked_choice
 from reference_lcp.output import replacing
 from reference_lcp.terminal import visible
 from reports.cli.options import NAME_METAVAR, Engines, Limit, Settings, Store, Work, Workers, check_outs, opened
@@ -63,10 +63,14 @@ def reproduce(
         ),
     ],
     scenario: Annotated[
-        str, typer.Argument(help="The scenario: static-hold, breakaway, stopping-distance or figure3.")
+        str,
+        typer.Argument(
+            help="The scenario: static-hold, breakaway, stopping-distance or figure3, or of scenes slope-hold, "
+            "stack-hold, heavy-on-light, slide-to-stop, grip, joint-hold or arm-hold."
+        ),
     ],
     case: Annotated[
-        str | None, typer.Argument(help="Case of the scenario; without it, a case of 1 kg, or (0.6, 0.9) of figure3.")
+        str | None, typer.Argument(help="Case of the scenario; without it, the one that says most.")
     ] = None,
     store: Store = None,
     time_limit: Limit = TIME_LIMIT,
@@ -81,12 +85,15 @@ def reproduce(
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from engines.interface.variant import check_installed
-    from reports.reproducers.script import checked, script
+    from reports.reproducers.questions import QUESTIONS
+    from reports.reproducers.scene_script import SCENES, checked_scene, scene_script
+    from reports.reproducers.script import Reproduction, checked, script
 
-    shown = checked(variant, scenario, case)
+    checked_choice("scenario", scenario, [*QUESTIONS, *SCENES])
+    shown = (checked_scene if scenario in SCENES else checked)(variant, scenario, case)
     check_installed(shown.variant.engine, shown.variant.unavailable_reason)
     with Work(1, time_limit).evaluator(store, [shown.variant]) as evaluator:
-        text = script(shown, evaluator)
+        text = script(shown, evaluator) if isinstance(shown, Reproduction) else scene_script(shown, evaluator)
     print(text, end="")
 
 

@@ -119,8 +119,7 @@ def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iter
     on, from where the motion began. ``from the start`` is the whole way since the scene was built, at the end: along,
     across and off the plane, or of every joint.
     """
-    stride = math.ceil(task.steps / ROWS)
-    kept = slice((task.steps - 1) % stride, None, stride)
+    kept = kept_rows(task.steps)
     yield "time", tuple((task.time_step * np.arange(1, task.steps + 1))[kept])
     if not isinstance(task.scene, ContactScene):
         start = np.zeros(rows.shape[1]) if first is None else first[0]
@@ -128,7 +127,7 @@ def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iter
             yield f"joint {joint}", tuple(values[kept])
         yield "from the start", tuple(rows[-1])
         return
-    axes = _axes(task.scene)
+    axes = plane_axes(task.scene)
     start = np.concatenate([task.scene.places[-1], task.scene.orientation]) if first is None else first[0]
     way, speed = (rows[:, :3] - start[:3]) @ axes.T, rows[:, 7:10] @ axes.T
     for index, name in enumerate(("along", "across", "off")):
@@ -139,7 +138,13 @@ def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iter
     yield "turn", tuple(_turns(rows[kept, 3:7], start[3:7], axes[2]))
 
 
-def _axes(scene: ContactScene) -> FloatArray:
+def kept_rows(steps: int) -> range:
+    """Give the numbers of the rows that are kept of so many steps, from zero."""
+    stride = math.ceil(steps / ROWS)
+    return range((steps - 1) % stride, steps, stride)
+
+
+def plane_axes(scene: ContactScene) -> FloatArray:
     """Give the unit vectors along the plane, across it and off it, as rows."""
     return np.array([scene.downhill, (0.0, 1.0, 0.0), scene.normal])
 
@@ -148,7 +153,7 @@ def in_world(scene: Scene, vector: Vector) -> Vector:
     """Give a vector along, across and off the plane in the axes of the world."""
     if not isinstance(scene, ContactScene):
         raise ParameterError(f"launch = {vector} of a joint; allowed: of a box")
-    x, y, z = np.array(vector) @ _axes(scene)
+    x, y, z = np.array(vector) @ plane_axes(scene)
     return float(x), float(y), float(z)
 
 

@@ -1,0 +1,93 @@
+"""Scripts of scenes: they need the engine alone, and print the number that the suite has."""
+
+import pytest
+
+from engines.interface.registry import engine_names, registered_engine
+from engines.interface.variant import Variant
+from reference_lcp.process import run_command
+from reports.cli.shown import app
+from reports.reproducers.scene_script import ON_A_PLANE, SCENES, checked_scene, has_scene_script, scene_script
+from reports.reproducers.script import LONGEST_LINE, MOST_LINES
+from scenarios.catalogue.registry import CATALOGUE
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.scene import GENERAL
+from scenarios.runs.store import opened_store
+from tests.reports.reproducers.test_reproducers import DIGITS, WithoutEngines, printed_by
+from tests.scenarios.in_process import evaluator
+
+FORMULATIONS = {name: "joint" if name in ("joint-hold", "arm-hold") else "contact" for name in SCENES}
+
+WRITTEN = [
+    (f"{name}:{FORMULATIONS[scenario]}:{preset}", scenario)
+    for name in engine_names()
+    for scenario in SCENES
+    if has_scene_script(name, scenario)
+    for preset in GENERAL
+]
+
+
+def check_number(name: str, scenario: str, folder, changed=("", "")) -> None:
+    reason = registered_engine(name.partition(":")[0]).unavailable_reason()
+    if reason is not None:
+        pytest.skip(reason)
+    shown = checked_scene(name, scenario)
+    with opened_store(None) as store, evaluator(store) as running:
+        text = scene_script(shown, running)
+        _, value = shown.number(running.evaluate([shown.task])[0])
+    assert changed[0] in text
+    printed = printed_by(text.replace(*changed), folder, Variant.parse(name))
+    assert printed == pytest.approx(value, rel=DIGITS, abs=0)
+
+
+@pytest.mark.parametrize("preset", GENERAL)
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_script_alone_prints_the_creep_that_the_suite_has(name, preset, tmp_path) -> None:
+    check_number(f"{name}:contact:{preset}", "slope-hold", tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "scenario"), WRITTEN)
+def test_script_alone_prints_the_number_that_the_suite_has(name, scenario, tmp_path) -> None:
+    check_number(name, scenario, tmp_path)
+
+
+def test_script_with_a_hundredth_less_friction_prints_another_distance(tmp_path) -> None:
+    less = ("FRICTION, GRAVITY = 0.5", "FRICTION, GRAVITY = 0.495")
+    with pytest.raises(AssertionError, match="comparison failed"):
+        check_number("pybullet:contact:default", "slide-to-stop", tmp_path, less)
+
+
+@pytest.mark.parametrize(("name", "scenario"), WRITTEN)
+def test_script_of_every_case_is_short_enough_for_a_tracker(name, scenario) -> None:
+    with opened_store(None) as store, WithoutEngines(store, InProcessExecutor()) as results:
+        for case in CATALOGUE[scenario].cases:
+            if not case.sleeping:
+                lines = scene_script(checked_scene(name, scenario, case.name), results).splitlines()
+                assert len(lines) <= MOST_LINES, case
+                assert max(map(len, lines)) <= LONGEST_LINE
+                compile("\n".join(lines), "reproducer.py", "exec")
+
+
+def test_engines_with_scripts_of_scenes() -> None:
+    names = ["drake", "mujoco", "newton", "pybullet", "rapier", "sapien"]
+    assert [name for name in engine_names() if has_scene_script(name, "slope-hold")] == names
+    assert {scenario for name, scenario in WRITTEN if name.startswith("mujoco:")} == set(SCENES)
+    assert {scenario for name, scenario in WRITTEN if name.startswith("drake:")} == set(ON_A_PLANE)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["mujoco:contact:tuned", "slope-hold"], "preset = tuned is for the chain"),
+        (["mujoco:joint:default", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
+        (["drake:contact:default", "grip"], "engine = drake has no script of grip; allowed: mujoco"),
+        (["mujoco:contact:default", "slope-hold", "load 2"], "case = 'load 2' is unknown; allowed: load 0.1"),
+        (["mujoco:contact:default", "slope-holt"], "scenario = 'slope-holt' is unknown"),
+        (["dart:contact:default", "slope-hold"], "engine = dart has no script of slope-hold; allowed: drake, mujoco"),
+    ],
+)
+def test_what_cannot_be_shown_is_named_with_what_can(capsys, arguments, message) -> None:
+    assert run_command(app, ["reproduce", *arguments]) == 2
+    printed = capsys.readouterr().err
+    assert message in printed
+    assert printed.count("\n") == 1
