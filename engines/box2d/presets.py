@@ -96,6 +96,6 @@ JOINT_RECOMMENDED = replace(
 
 CONTACT_RECOMMENDED = replace(
     CONTACT_DEFAULT,
-    description="For contacts of any model: as Box2D comes; more sweeps help tall stacks, and spoil heavy on light.",
+    description="For contacts of any model: as Box2D comes; more sweeps help tall stacks alone.",
     optional=True,
 )
