@@ -167,7 +167,7 @@ def _loaded(path: Path) -> Any:
     except (ValueError, OSError, RuntimeError) as problem:
         reason = " ".join(str(problem).split())[:200]
         raise ParameterError(
-            f"MODEL = {shown(str(path))} does not load: {reason}; allowed: MJCF or URDF as MuJoCo reads it"
+            f"MODEL = {shown(path.name)} does not load: {reason}; allowed: MJCF or URDF as MuJoCo reads it"
         ) from None
     sleep = getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", None)
     if sleep is not None:
@@ -332,7 +332,7 @@ def _check(path: Path, installed: _Run, held: Sequence[Creep], settling: float) 
     elif not held:
         problem = f"does not rest after {settling:g} s: all that rubs slides; allowed: a longer --settling, or another"
     if problem is not None:
-        raise ParameterError(f"MODEL = {shown(str(path))} {problem}")
+        raise ParameterError(f"MODEL = {shown(path.name)} {problem}")
 
 
 def _costs(models: Mapping[str, Any], runs: Mapping[str, _Run]) -> dict[str, float]:
