@@ -60,16 +60,6 @@ class Box:
         checked_scalar("mass", self.mass, "> 0")
         checked_scalar("side", self.side, "> 0")
 
-    @property
-    def density(self) -> float:
-        """Mass over volume [kg/m³]."""
-        return self.mass / self.side**3
-
-    @property
-    def inertia(self) -> float:
-        """About every axis through the centre [kg m²]."""
-        return self.mass * self.side**2 / 6
-
 
 @dataclass(frozen=True, kw_only=True)
 class ContactScene:
@@ -128,11 +118,6 @@ class ContactScene:
             top += box.side
         x, y, z = (0.0, 0.0, 1.0) if self.grip else self.normal
         return [(x * height, y * height, z * height) for height in heights]
-
-    @property
-    def planar(self) -> bool:
-        """Whether everything happens in the plane of x and z."""
-        return self.turn == 0
 
 
 @dataclass(frozen=True, kw_only=True)

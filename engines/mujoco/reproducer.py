@@ -25,7 +25,8 @@ def joint_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) 
 
 def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
-    lifting = preset.pressed(lane).preload is not None
+    lane = preset.pressed(lane)
+    lifting = lane.preload is not None
     options = preset.modulated() if lifting else preset
     pair = _pair(options, lane, units)
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
@@ -81,12 +82,5 @@ def _solref(preset: Preset, name: str, lane: Lane, units: Units) -> str:
     )
 
 
-JOINT = Reproducer(
-    "reproducer_joint.py.jinja",
-    joint_numbers,
-    without=(
-        "yield",
-        "lugre",
-    ),
-)
+JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers, without=("yield", "lugre"))
 CONTACT = Reproducer("reproducer_contact.py.jinja", contact_numbers)
