@@ -73,6 +73,7 @@ class SteadyState:
             "phase_rad": self.phase,
             "residual": self.orbit.residual,
             "status": str(self.orbit.status),
+            **({"reason": self.orbit.reason} if self.orbit.reason else {}),
             "periods": self.orbit.periods,
             "steps_per_period": self.orbit.trajectory.steps,
             "stuck_fraction": self.stuck_fraction.tolist(),

@@ -211,6 +211,11 @@ class PeriodicOrbit:
 
     More than one for a subharmonic response, 0 where no repetition was found.
     """
+    reason: str = ""
+    """Whether it attracts, and what the motion from rest reaches, where motions need not tend to a steady state.
+
+    See `reference_lcp.steady.attraction`; empty elsewhere.
+    """
 
     @property
     def converged(self) -> bool:

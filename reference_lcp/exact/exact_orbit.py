@@ -26,6 +26,7 @@ from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimula
 from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN, Transition
 from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.steady.attraction import attracts_all, largest_moving, without_dashpots
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray
 
@@ -222,9 +223,15 @@ def _newton_step(chain: EventDrivenChain, state: State, period: float) -> State:
     x = np.concatenate([state.positions[0], state.velocities[0]])
     change = segments[-1].states(np.array([segments[-1].duration]))[0] - x
     scale = np.repeat([1.0, 2 * np.pi / period], width)
-    matrix = np.eye(2 * width) - monodromy_matrix(chain, segments) * scale / scale[:, None]
+    matrix = np.eye(2 * width) - _scaled_monodromy(chain, segments, period)
     x = x + scale * np.linalg.lstsq(matrix, change / scale, rcond=NULL_DIRECTION)[0]
     return State(x[None, :width], x[None, width:])
+
+
+def _scaled_monodromy(chain: EventDrivenChain, segments: list[Segment], period: float) -> FloatArray:
+    """`monodromy_matrix` of a period [s], of positions and of velocities over ω."""
+    scale = np.repeat([1.0, 2 * np.pi / period], 2 * chain.lane.chain.cells)
+    return monodromy_matrix(chain, segments) * scale / scale[:, None]
 
 
 def exact_orbit(
@@ -245,9 +252,18 @@ def exact_orbit(
             near = search(start=scheme.trajectory.end, tolerance=tolerance, max_periods=1)[0]
             orbit = polished(near, steps_per_period, tolerance)
             if orbit.converged:
-                return orbit, ExactPeriod.following(orbit, drive.period)
+                return _judged(orbit, drive.period)
     orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
-    return orbit, ExactPeriod.following(orbit, drive.period)
+    return _judged(orbit, drive.period)
+
+
+def _judged(orbit: PeriodicOrbit, period: float) -> tuple[PeriodicOrbit, ExactPeriod]:
+    """Give an orbit with the period [s] that follows; without dashpots, its multipliers say whether it is reached."""
+    exact, chain = ExactPeriod.following(orbit, period), orbit.lane.chain
+    if not orbit.converged or attracts_all(orbit.lane):
+        return orbit, exact
+    jacobian = _scaled_monodromy(EventDrivenChain(orbit.lane), exact.segments, period)
+    return without_dashpots(orbit, largest_moving(jacobian, chain.cells)), exact

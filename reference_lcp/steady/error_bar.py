@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
@@ -24,15 +25,19 @@ from reference_lcp.observables.stick_slip import (
     match_transitions,
     transitions_between,
 )
-from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.steady.richardson import amplitude_in_db, richardson, unresolved_amplitude
+from reference_lcp.steady.richardson import SAFETY, amplitude_in_db, richardson, unresolved_amplitude
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 REFINEMENTS = (1, 2, 4)
 """Numbers of steps that are compared, over the fewest of them."""
+
+MARGINAL_STEPS = 3
+"""Steps before a reversal in which a force below its bound would have held the contact, and which leave open whether it
+sticks there for a moment: the scheme stops contacts a step or two early or late, and steps of any size may agree."""
 
 BATCH = 900
 """Cells of orbits that are refined together: more save no time, and take memory."""
@@ -46,12 +51,17 @@ class ErrorBar:
     """Largest distance of the true transmittance [dB]; inf where it is not resolved, NaN where a finer step failed."""
     floor_db: float
     """Where the transmittance is not resolved, the largest one that is consistent with the result [dB]; else NaN."""
+    phase: float
+    """As `transmittance_db`, for the phase of the last outer mass's fundamental [rad]."""
     stuck_fraction: FloatArray
     """As `transmittance_db`, for the stuck fraction of each contact, shape (n,)."""
     transition_time: FloatArray
     """The same for the time of each of `transitions` [s]; NaN where it is inconclusive: not there with every step."""
     missing_transitions: list[Transition]
-    """Transitions that other steps show and the judged one does not: inconclusive too."""
+    """Transitions that other steps show and the judged one does not: inconclusive too.
+
+    So are sticks at a reversal that is `MARGINAL_STEPS` from one.
+    """
     order: float
     """Measured over three step sizes, see `Estimate`."""
     extrapolated_db: float
@@ -69,6 +79,7 @@ class ErrorBar:
         return {
             "error_bar_db": _known(self.transmittance_db),
             "floor_db": _known(self.floor_db),
+            "error_bar_phase_rad": _known(self.phase),
             "error_bar_stuck_fraction": [_known(bar) for bar in self.stuck_fraction.tolist()],
             "missing_transitions": [change.as_dict() for change in self.missing_transitions],
             "order": _known(self.order),
@@ -130,10 +141,15 @@ def _error_bars(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplifica
     stuck = np.array([[np.mean(read == 0, axis=0) for read in row] for row in modes])
     stuck[~np.array([[orbit.converged for orbit in orbits] for orbits in ladder])] = np.nan
     sticks = np.array([_sticks(row, stuck.shape[2]) for row in changes[place]])
-    of_stuck = richardson(steps, stuck, steps[place]).error + sticks / steps[place]
+    marginal = [
+        _marginal_reversals(orbit, read, row)
+        for orbit, read, row in zip(judged, modes[place], changes[place], strict=True)
+    ]
+    sticks += [_count(row, stuck.shape[2]) * MARGINAL_STEPS for row in marginal]
+    of_stuck = richardson(steps, stuck, steps[place]).error + SAFETY * sticks / steps[place]
     matched = [
-        _transition_times(orbits, row, place)
-        for orbits, row in zip(zip(*ladder, strict=True), zip(*changes, strict=True), strict=True)
+        _transition_times(orbits, row, place, own)
+        for orbits, row, own in zip(zip(*ladder, strict=True), zip(*changes, strict=True), marginal, strict=True)
     ]
     times = richardson(steps, np.hstack([times for times, _ in matched]), steps[place]).error
     of_times = np.split(times, np.cumsum([part.shape[1] for part, _ in matched])[:-1])
@@ -156,22 +172,28 @@ def _transmittance_bars(
 ) -> list[dict[str, float]]:
     """Give the fields of each `ErrorBar` that the transmittance decides."""
     steps = [orbits[0].trajectory.steps for orbits in ladder]
-    amplitudes = np.array(
-        [[transmittance(orbit) if orbit.converged else np.nan for orbit in orbits] for orbits in ladder]
+    ratios = np.array(
+        [[complex_transmittance(orbit) if orbit.converged else np.nan for orbit in orbits] for orbits in ladder]
     )
+    amplitudes = np.abs(ratios)
     with np.errstate(divide="ignore"):
         levels = 20 * np.log10(amplitudes)
-    by_amplitude, by_level = (richardson(steps, values, steps[place]) for values in (amplitudes, levels))
+    phases = np.angle(ratios * np.conj(ratios[place]))
+    by_amplitude, by_level, by_phase = (
+        richardson(steps, values, steps[place]) for values in (amplitudes, levels, phases)
+    )
     bars = []
     for k, orbit in enumerate(ladder[place]):
         simulated, level = orbit.periods * orbit.trajectory.steps, float(levels[place, k])
         unresolved = unresolved_amplitude(orbit.residual, float(amplification[k]), simulated, level)
-        bar = dict.fromkeys(("transmittance_db", "floor_db", "order", "extrapolated_db"), math.nan)
+        bar = dict.fromkeys(("transmittance_db", "phase", "floor_db", "order", "extrapolated_db"), math.nan)
         if unresolved >= amplitudes[place, k]:
             largest = amplitudes[place, k] + unresolved + by_amplitude.error[k]
             bar |= {"transmittance_db": math.nan if math.isnan(largest) else math.inf, "floor_db": decibel(largest)}
+            bar["phase"] = bar["transmittance_db"]
         else:
             bar["transmittance_db"] = float(by_level.error[k]) - amplitude_in_db(-unresolved, level)
+            bar["phase"] = float(by_phase.error[k]) + math.asin(unresolved / amplitudes[place, k])
             bar |= {"order": float(by_level.order[k]), "extrapolated_db": float(by_level.extrapolated[k])}
         bars.append(bar)
     return bars
@@ -179,19 +201,41 @@ def _transmittance_bars(
 
 def _sticks(changes: Sequence[Transition], cells: int) -> FloatArray:
     """Sticks of each contact in a period, at least one, shape (n,): what each of them lasts is off by up to a step."""
-    stuck = [change.cell - 1 for change in changes if change.kind == Mode.STICK]
-    return np.maximum(1, np.bincount(stuck, minlength=cells)).astype(np.float64)
+    return np.maximum(1.0, _count([change for change in changes if change.kind == Mode.STICK], cells))
+
+
+def _count(changes: Sequence[Transition], cells: int) -> FloatArray:
+    """How many of the changes each contact has, shape (n,)."""
+    return np.bincount([change.cell - 1 for change in changes], minlength=cells).astype(np.float64)
+
+
+def _marginal_reversals(
+    orbit: PeriodicOrbit, modes: NDArray[np.int8], changes: Sequence[Transition]
+) -> list[Transition]:
+    """Reversals in which a contact may stick for less than the steps show, see `MARGINAL_STEPS`.
+
+    The force that would have held a contact is that on it, less what has changed its relative velocity.
+    """
+    trajectory, chain = orbit.trajectory, orbit.lane.chain
+    slip = trajectory.relative_velocity
+    mass = chain.inner_mass * chain.outer_mass / (chain.inner_mass + chain.outer_mass)
+    held = trajectory.friction - mass * (slip - np.roll(slip, 1, axis=0)) / orbit.lane.time_step
+    within = np.abs(held) < chain.friction_coefficient * trajectory.normal_force
+    marginal = np.any([np.roll(within, before, axis=0) for before in range(1, MARGINAL_STEPS + 1)], axis=0)
+    found = marginal & (modes * np.roll(modes, 1, axis=0) == -1)
+    places = [round(change.time / orbit.lane.time_step) % trajectory.steps for change in changes]
+    return [change for change, step in zip(changes, places, strict=True) if found[step, change.cell - 1]]
 
 
 def _transition_times(
-    orbits: Sequence[PeriodicOrbit], observed: Sequence[list[Transition]], place: int
+    orbits: Sequence[PeriodicOrbit], observed: Sequence[list[Transition]], place: int, marginal: Sequence[Transition]
 ) -> tuple[FloatArray, list[Transition]]:
     """Times [s] of the judged transitions with every step, NaN without a match, shape (orbits, transitions); others."""
     judged = observed[place]
     index: dict[TimedTransition, int] = {change: k for k, change in enumerate(judged)}
     period = orbits[place].lane.time_step * orbits[place].trajectory.steps
     times = np.full((len(orbits), len(judged)), np.nan)
-    missing: list[TimedTransition] = []
+    missing: list[TimedTransition] = [(change.cell, change.time, Mode.STICK) for change in marginal]
     for number, orbit in enumerate(orbits):
         if not orbit.converged:
             continue
@@ -202,6 +246,7 @@ def _transition_times(
         for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
             times[number, index[expected]] = expected[1] + error * period
         missing.extend(match_transitions(match.spurious, missing, period).spurious)
+    times[:, [index[change] for change in marginal]] = np.nan
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
 
 

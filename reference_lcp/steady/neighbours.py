@@ -20,13 +20,10 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.schemes.euler import CompiledSimulation, euler_simulation
 from reference_lcp.steady.anderson import WARM_UP_PERIODS, StateScales
+from reference_lcp.steady.attraction import OFFSET
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbits, searched
 from reference_lcp.validation import FloatArray
-
-OFFSET = 1e-7
-"""Change of each position and velocity, over their scales, with which the Jacobian is taken: ten times the residual
-that certifies an orbit. The map is affine between changes of mode: the quotient's only error is round-off, 1e-9."""
 
 LASTING = 1e-4
 """Singular values of I − J below this belong to offsets that last, if what they move is at rest.

@@ -14,7 +14,7 @@ from reference_lcp.chain.simulation import PeriodicOrbit, steps_per_period_for
 from reference_lcp.exact.event_driven import EventsAccumulate
 from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
 from reference_lcp.observables.stick_slip import TimedTransition, match_transitions, stuck_fraction, transitions
-from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.observables.transmittance import complex_transmittance, decibel, transmittance
 from reference_lcp.output import replacing
 from reference_lcp.steady.error_bar import REFINEMENTS, ErrorBar, error_bar, euler_orbit
 from reference_lcp.steady.richardson import SAFETY
@@ -36,6 +36,7 @@ QUANTITIES = (
     "transmittance by two steps",
     "transmittance below −100 dB",
     "floor of transmittance",
+    "phase",
     "stuck fraction",
     "transition time",
 )
@@ -222,6 +223,7 @@ def _compared(orbits: Sequence[PeriodicOrbit], place: int, exact: ExactPeriod) -
         two_steps,
         level if decibel(exact.transmittance) < DEEP_DB else (),
         () if bar.resolved else level,
+        (_phase_margin(orbit, bar, exact),) if bar.resolved else (),
         _stuck_margins(orbit, bar, exact),
     )
     rows = [Coverage(name, refinement, values) for name, values in zip(QUANTITIES, margins, strict=False)]
@@ -232,6 +234,10 @@ def _transmittance_margin(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPerio
     if not bar.resolved:
         return _ratio(10 ** (bar.floor_db / 20), exact.transmittance)
     return _ratio(bar.transmittance_db, abs(decibel(transmittance(orbit)) - decibel(exact.transmittance)))
+
+
+def _phase_margin(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> float:
+    return _ratio(bar.phase, abs(float(np.angle(complex_transmittance(orbit) / exact.complex_transmittance))))
 
 
 def _stuck_margins(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> tuple[float, ...]:
@@ -266,5 +272,5 @@ def _rows(chains: Sequence[Sequence[Coverage]]) -> Iterable[Coverage]:
         for refinement in REFINEMENTS:
             parts = [row for rows in chains for row in rows if (row.quantity, row.refinement) == (quantity, refinement)]
             margins = tuple(margin for part in parts for margin in part.margins)
-            if margins or quantity in ("transmittance", "stuck fraction", "transition time"):
+            if margins or quantity in ("transmittance", "phase", "stuck fraction", "transition time"):
                 yield Coverage(quantity, refinement, margins, sum(part.inconclusive for part in parts))

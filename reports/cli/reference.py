@@ -148,6 +148,8 @@ def _print(state: SteadyState, why_more_steps: str | None) -> None:
     if state.exact_db is not None:
         print(f"exact                 {state.exact_db:.4f} dB")
     print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")
+    if orbit.reason:
+        print(f"steady state          {orbit.reason}")
     print(f"steps per period      {orbit.trajectory.steps} (dt = {orbit.lane.time_step:.6g} s)")
     if why_more_steps is not None:
         print(f"                      {why_more_steps}")

@@ -1,6 +1,7 @@
 """Steady states: the linear limits, the certificate, and what happens where there is none."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -165,3 +166,39 @@ def test_drive_without_a_period_and_step_that_does_not_divide_it_are_refused() -
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), 400)
     with pytest.raises(ParameterError, match="400 steps a period; allowed: 300"):
         periodic_orbits(CompiledSimulation([lane]), 300)
+
+
+def undamped(**ratios) -> Chain:
+    return Chain.from_ratios(damping_ratio=0.0, **ratios)
+
+
+@pytest.mark.parametrize("solver", ["compiled", "exact"])
+def test_without_dashpots_a_steady_state_that_does_not_attract_is_not_converged(solver) -> None:
+    """Free oscillations last for ever where nothing slips: the steady state is one of many motions."""
+    chain = undamped(cells=3, friction_ratio=50.0)
+    state = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), solver=solver, with_error_bar=False)
+    assert state.orbit.residual < 1e-8
+    assert state.orbit.status is OrbitStatus.PERIOD_LIMIT
+    assert state.as_dict()["reason"].startswith("not every cell has a dashpot: the steady state is one of many")
+
+
+@pytest.mark.parametrize("solver", ["compiled", "exact"])
+def test_without_dashpots_friction_alone_may_attract_every_motion(solver) -> None:
+    chain = undamped(cells=1, friction_ratio=0.3)
+    state = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), solver=solver, with_error_bar=False)
+    assert state.orbit.converged
+    assert "attracts, largest multiplier 0." in state.orbit.reason
+
+
+def test_undamped_resonance_has_no_steady_state() -> None:
+    chain = undamped(cells=2, friction_ratio=0.0)
+    (frequency, *_) = np.sqrt(np.linalg.eigvalsh(np.linalg.inv(chain.mass_matrix) @ chain.stiffness_matrix))
+    drive = HarmonicBase(0.01, float(frequency) * (1 + 1e-7))
+    state = steady_state(chain, drive)
+    assert not state.orbit.converged
+    assert state.error_bar is not None
+    assert not math.isfinite(state.error_bar.transmittance_db)
+
+
+def test_with_dashpots_nothing_is_said_of_attraction() -> None:
+    assert orbit_of(Chain.from_ratios(cells=2, friction_ratio=0.3), 0.9).reason == ""

@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import reference_lcp.steady.error_bar
@@ -24,6 +26,10 @@ DEEP = 33
 
 UNSTABLE = 189
 """Chain of three cells with two sticks that are shorter than the coarsest step."""
+
+
+BRIEF = (611, 221)
+"""Seed and chain of nine cells, one of which sticks for 0.0014 periods at a reversal; no step of the three shows it."""
 
 
 def numbers(of, quantity):
@@ -56,6 +62,21 @@ def test_sticks_that_finer_steps_show_only_are_flagged(monkeypatch) -> None:
     )
     missed = numbers(compared_with_exact(*random_setting(SEED, UNSTABLE)), "transition time")
     assert missed.count(0.0) == 4
+
+
+def test_stick_that_no_step_shows_is_flagged(monkeypatch) -> None:
+    rows = compared_with_exact(*random_setting(*BRIEF))
+    assert [row.inconclusive for row in rows if row.quantity == "transition time"] == [4, 4, 4]
+    assert min(numbers(rows, "transition time")) >= 1
+    assert min(numbers(rows, "stuck fraction")) >= 1
+    monkeypatch.setattr(reference_lcp.steady.error_bar, "MARGINAL_STEPS", 0)
+    rows = compared_with_exact(*random_setting(*BRIEF))
+    assert numbers(rows, "transition time").count(0.0) == 2
+
+
+def test_phase_has_a_bar_that_covers_the_exact_one() -> None:
+    (margin,) = numbers(compared_with_exact(*random_setting(*BRIEF)), "phase")
+    assert 1 <= margin <= WIDEST_MEDIAN
 
 
 def test_shares_and_medians_are_those_of_the_margins() -> None:
@@ -94,4 +115,15 @@ def test_bars_cover_the_exact_values_of_random_chains() -> None:
 
 @pytest.mark.slow
 def test_bars_cover_the_exact_values_of_200_random_chains() -> None:
-    check(coverage(200, seed=1), ("transmittance", "floor of transmittance", "stuck fraction", "transition time"))
+    known = ("transmittance", "floor of transmittance", "phase", "stuck fraction", "transition time")
+    check(coverage(200, seed=1), known)
+
+
+def test_contacts_that_stick_all_the_time_or_never_have_no_error_to_cover(monkeypatch) -> None:
+    monkeypatch.setattr(reference_lcp.studies.against_exact, "stuck_fraction", lambda _: np.array([1.0, 0.0, 1.0, 0.0]))
+    bar, exact = (
+        SimpleNamespace(stuck_fraction=np.full(4, 0.2)),
+        SimpleNamespace(stuck_fraction=np.array([1.0, 0.0, 0.9, 0.1])),
+    )
+    margins = reference_lcp.studies.against_exact._stuck_margins(None, bar, exact)
+    assert margins == pytest.approx([2.0, 2.0])
