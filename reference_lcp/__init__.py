@@ -8,6 +8,8 @@ folders themselves.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from reference_lcp.process import ensure_kernel_cache
+
 if TYPE_CHECKING:
     from reference_lcp.chain.drives import HarmonicBase as HarmonicBase
     from reference_lcp.chain.drives import HarmonicForce as HarmonicForce
@@ -97,3 +99,6 @@ def __getattr__(name: str) -> Any:
 def __dir__() -> list[str]:
     """Names for completion."""
     return sorted({*globals(), *_MODULES})
+
+
+ensure_kernel_cache()

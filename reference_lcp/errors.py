@@ -57,12 +57,14 @@ class ExitCode(IntEnum):
     DONE = 0
     """The command succeeded."""
     FAILED = 1
-    """A comparison failed: an unmodelled disagreement, a preset with too few certified numbers, a regression, or no
-    steady state."""
+    """A comparison failed: an unmodelled disagreement, a preset with too few certified numbers, an engine that fails
+    too often, a regression, or no steady state."""
     WRONG_INPUT = 2
     """The input is refused: a value, a damaged store, an output that cannot be written, an engine that is missing."""
     RUN_FAILED = 3
     """The run could not go on, or its outputs could not be written: a full disk, a store that is gone or stays locked,
     a lost cluster."""
+    UNEXPECTED = 4
+    """A fault of the suite itself; the line names a file with the details, which belong into a report of it."""
     INTERRUPTED = 130
     """It was stopped by Ctrl-C; shells use this number too."""

@@ -4,21 +4,25 @@ Ctrl-C ends a command within two seconds, also while its modules are imported: i
 ``python -m`` `refuse_shadows`, before it imports anything else, so that this module imports the standard library only.
 """
 
+import atexit
 import importlib.util
 import io
 import os
 import select
+import shutil
 import signal
 import socket
 import sys
+import tempfile
 import time
+import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from reference_lcp.errors import SHOWN, ExitCode, ParameterError, RunError
+from reference_lcp.errors import SHOWN, ExitCode, ParameterError, RunError, shortened
 
 if TYPE_CHECKING:
     import typer
@@ -28,6 +32,9 @@ CLOSE_SECONDS = 1.5
 
 LONGEST_MESSAGE = 1000
 """Characters of an error that are printed; of a longer one, beginning and end."""
+
+CACHE_VARIABLE = "NUMBA_CACHE_DIR"
+"""Variable of the environment that names where numba keeps compiled kernels."""
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -117,6 +124,30 @@ def _wait_for_interrupt(reader: socket.socket, seconds: float | None) -> None:
             return
 
 
+def ensure_kernel_cache() -> None:
+    """Let kernels be kept in a private folder while this process lives, where numba has no place for them."""
+    if CACHE_VARIABLE in os.environ:
+        return
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "numba")  # noqa: PTH111 - "~" stays
+    if _writable(ROOT / "reference_lcp" / "chain" / "__pycache__") or (cache.is_absolute() and _writable(cache)):
+        return
+    folder, maker = tempfile.mkdtemp(prefix="mbxv-kernels-"), os.getpid()
+    os.environ[CACHE_VARIABLE] = folder
+    atexit.register(lambda: shutil.rmtree(folder, ignore_errors=True) if os.getpid() == maker else None)
+    where = f"neither {ROOT} nor {cache} can be written"
+    print(f"{where}: compiled solvers are kept until the end only; {CACHE_VARIABLE} names a folder", file=sys.stderr)
+
+
+def _writable(folder: Path) -> bool:
+    """Tell whether files can be made in a folder, which is made if it can be, as numba does."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
+
+
 def refuse_shadows() -> None:
     """End a command of ``python -m`` where a package of the suite is hidden by something of the working folder."""
     from reference_lcp.terminal import PACKAGES
@@ -144,14 +175,24 @@ def run_command(app: "typer.Typer", arguments: list[str] | None = None) -> int:
             code = _exit_code(app, sys.argv[1:] if arguments is None else arguments)
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
-        except Exception:
-            if not interrupt_pending():
-                raise
-            code = ExitCode.INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
+        except Exception as problem:
+            # a module that was being imported may turn Ctrl-C into an error of its own
+            code = ExitCode.INTERRUPTED if interrupt_pending() else _report_fault(problem)
         if code == ExitCode.INTERRUPTED:
             announce_interrupt("error: interrupted")
             end_interrupted()
         return code
+
+
+def _report_fault(problem: Exception) -> ExitCode:
+    """Say in one line what has gone wrong with the suite itself, and where the details are."""
+    details, where = "".join(traceback.format_exception(problem)), "which cannot be written"
+    with suppress(OSError), tempfile.NamedTemporaryFile("wb", prefix="multibody-xval-", delete=False) as file:
+        file.write(details.encode(errors="backslashreplace"))
+        where = file.name
+    text = shortened(str(problem), LONGEST_MESSAGE // 2)
+    _print_error(f"a fault of the suite, {type(problem).__name__}: {text}; details, for a report of it: {where}")
+    return ExitCode.UNEXPECTED
 
 
 def _exit_code(app: "typer.Typer", arguments: list[str]) -> int:

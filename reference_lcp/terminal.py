@@ -107,7 +107,8 @@ def _table(columns: Sequence[_Column], title: str | None, width: int) -> "Table"
     from rich.markup import escape
     from rich.table import Table
 
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, title_justify="left")
+    shown = None if title is None else escape(visible(title))
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=shown, title_justify="left")
     widths = [column.least for column in columns]
     free = width - _width(columns)
     wrapped = sorted(

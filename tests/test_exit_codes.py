@@ -54,7 +54,8 @@ def test_documentation_has_every_command_with_what_its_codes_mean() -> None:
     for path in COMMANDS.keys() - GROUPS:
         codes = codes_of(path)
         assert codes.pop(ExitCode.INTERRUPTED) == "interrupted"
-        cells = " | ".join(codes.get(code, "–") for code in sorted(set(ExitCode) - {ExitCode.INTERRUPTED}))
+        own = sorted(set(ExitCode) - {ExitCode.UNEXPECTED, ExitCode.INTERRUPTED})
+        cells = " | ".join(codes.get(code, "–") for code in own)
         rows.setdefault(name_of(path), set()).add(f"| `{name_of(path)}` | {cells} |")
     assert [name for name, own in rows.items() if len(own) > 1] == []
     expected = sorted(row for own in rows.values() for row in own)
@@ -167,3 +168,20 @@ def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stor
     assert code_of(line) == ExitCode.WRONG_INPUT
     assert f"engine = mujoco is not installed: {reason}" in capsys.readouterr().err
     assert set(Path().iterdir()) == before
+
+
+def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(monkeypatch, capsys) -> None:
+    def faulty(_name: str) -> None:
+        raise ZeroDivisionError("a\nfault\x1b[2J")
+
+    monkeypatch.setattr("engines.interface.registry.broken_reason", faulty)
+    assert run_command(app, ["engines"]) == ExitCode.UNEXPECTED
+    error = capsys.readouterr().err
+    line = re.fullmatch(
+        r"error: a fault of the suite, ZeroDivisionError: a fault\\x1b\[2J; details, .*: (\S+)\n", error
+    )
+    details = Path(line[1])
+    assert "in faulty" in details.read_text()
+    details.unlink()
+    monkeypatch.undo()
+    assert run_command(app, ["engines"]) == ExitCode.DONE

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from reference_lcp import process
+
 END_SECONDS = 2.0
 """Within which a command has to end."""
 
@@ -110,3 +112,29 @@ def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
         process.wait(2 * END_SECONDS)
     process.kill()
     process.communicate()
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_kernels_are_kept_in_a_private_folder_where_there_is_no_other_place(
+    kept, tmp_path, monkeypatch, capsys
+) -> None:
+    """Below a file no folder can be made, whoever asks for it."""
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(process, "ROOT", tmp_path / "file")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / ("cache" if kept else "file")))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setattr(process.tempfile, "tempdir", str(tmp_path))
+    process.ensure_kernel_cache()
+    line = capsys.readouterr().err
+    assert ("NUMBA_CACHE_DIR" in os.environ) is not kept
+    assert line.count("\n") == (not kept)
+    if not kept:
+        folder = Path(os.environ["NUMBA_CACHE_DIR"])
+        assert folder.parent == tmp_path
+        assert folder.stat().st_mode & 0o777 == 0o700
+        code = "import numba\n\n@numba.njit(cache=True)\ndef f(x):\n    return x + 1\n\nprint(f(1))\n"
+        (tmp_path / "own.py").write_text(code)
+        done = subprocess.run([sys.executable, str(tmp_path / "own.py")], capture_output=True, text=True, check=True)
+        assert done.stdout == "2\n"
+        assert list(folder.rglob("*.nbi"))
