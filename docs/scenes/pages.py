@@ -3,39 +3,56 @@
 The documentation calls `write` before it is built; what it writes is not kept.
 """
 
-import math
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
 
 import pandas as pd
 
 from engines.interface import registry
+from engines.interface.variant import FOR_THE_CHAIN, Variant
+from reports.page.sections.scenes import heat_map
 from reports.reproducers.recipe import has_recipe, recipe_text
 from scenarios.catalogue.scenes.table import printed_number
+from scenarios.studies.few_points import tuned_options
 
 FOLDER = Path(__file__).parent
-
-DECADES = 6
-"""Shades of the heat map: decades of a number over the smallest one that counts as none."""
-
-LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1}
-"""By unit, what counts as none."""
 
 
 def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
     """Write the heat map as HTML, and a page of Markdown an engine, to be included in that of the engine."""
     rows = pd.read_csv(table)
-    (folder / "heat_map.html").write_text("\n".join(heat_map(rows)), encoding="utf-8")
+    pages = {name: f"../engines/{_page(name)}.html" for name in rows.engine.unique()}
+    (folder / "heat_map.html").write_text(heat_map(rows[~rows.number.str.startswith("cost")], pages), encoding="utf-8")
     (folder / "recipes").mkdir(exist_ok=True)
     for name in filter(lambda each: has_recipe(registry.registered_engine(each)), registry.engine_names()):
         text = "\n".join(recipe_page(name, rows[rows.engine == name]))
         (folder / "recipes" / f"{name}.md").write_text(text, encoding="utf-8")
 
 
+def _reaches(name: str) -> Iterator[str]:
+    """Say of the options of tuned presets which hold in any model."""
+    yield f"*Tuned* presets are of no use here. {FOR_THE_CHAIN} Of what they change:"
+    yield ""
+    for formulation in registry.registered_engine(name).capabilities.presets:
+        tuned = Variant(name, str(formulation))
+        kinds: dict[str, list[str]] = {}
+        for option in tuned_options(name, formulation):
+            kinds.setdefault(tuned.reach(option), []).append(f"`{option}`")
+        texts = [f"*{kind}* {', '.join(own)}" for kind, own in kinds.items()]
+        yield f"- {formulation}: {'; '.join(texts) or 'nothing'}."
+    yield ""
+
+
+def _page(name: str) -> str:
+    """Give the page of an engine; both of Exudyn's have one."""
+    own = name.replace("-", "_")
+    return own if (FOLDER.parent / "engines" / f"{own}.md").is_file() else own.partition("_")[0]
+
+
 def recipe_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
     """Give what to write in one's own model, and what it gives."""
     yield from ("## My blocks creep: what to write", "", "```text", recipe_text(name).rstrip(), "```", "")
+    yield from _reaches(name)
     if rows.empty:
         return
     command = f"`multibody-xval recipe {name}`"
@@ -47,34 +64,3 @@ def recipe_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
         else:
             yield f"| {row.number} | {printed_number(row.default)} | {printed_number(row.recommended)} |"
     yield ""
-
-
-def heat_map(rows: pd.DataFrame) -> Iterator[str]:
-    """Give the lines of an HTML table: a row an engine, a column a number, as installed over recommended."""
-    own = rows[~rows.number.str.startswith("cost")]
-    numbers = list(dict.fromkeys(own.number))
-    yield '<div class="verdict-map scene-map"><table><thead><tr><th>engine</th>'
-    yield from (f"<th><span>{escape(number)}</span></th>" for number in numbers)
-    yield "</tr></thead><tbody>"
-    for engine, each in own.groupby("engine", sort=False):
-        title = registry.registered_engine(str(engine)).capabilities.title
-        yield f'<tr><th><a href="../engines/{str(engine).replace("-", "_")}.html">{escape(title)}</a></th>'
-        cells = {row.number: (row.default, row.recommended) for row in each.itertuples()}
-        yield from (_cell(number, *cells.get(number, (math.nan, math.nan))) for number in numbers)
-        yield "</tr>"
-    yield "</tbody></table></div>"
-
-
-def _cell(number: str, before: float, after: float) -> str:
-    if math.isnan(before):
-        return "<td></td>"
-    texts = list(dict.fromkeys([printed_number(before), printed_number(after)]))
-    return f'<td class="shade{_shade(number, after)}">{" → ".join(texts)}</td>'
-
-
-def _shade(number: str, value: float) -> int:
-    """Give the decades of a number over what counts as none."""
-    least = LEAST[number.rpartition("[")[2].rstrip("]")]
-    if not math.isfinite(value):
-        return DECADES
-    return min(DECADES, max(0, math.ceil(math.log10(max(abs(value), least) / least))))

@@ -1,10 +1,10 @@
 """Scenes as users of Box2D write them, in the plane: polygons, and motors of bounded force in joints."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
@@ -18,7 +18,7 @@ from engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from engines.shared.planar_scene import check_planar, in_plane, row
+from engines.shared.planar_scene import check_planar, hinge_angles, in_plane, row
 
 STEP = 1 / 60
 """Of Box2D's manual [s]; it has no default."""
@@ -65,12 +65,12 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     own, rub, pressed = _World(setting, GRAVITY), scene.friction, None
     world = own.world
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         world.CreateStaticBody(position=(-reach, height), fixtures=own.fixture(FINGER, rub))
         pressed = own.free((reach, height), 0.0, own.fixture(FINGER, rub, FINGER_MASS))
         world.CreatePrismaticJoint(bodyA=own.still, bodyB=pressed, anchor=pressed.position, axis=(1, 0))
     elif scene.belt:
-        belt = own.fixture((20.0, 0.1), rub)
+        belt = own.fixture(BELT, rub)
         world.CreateKinematicBody(position=(0, -0.1), linearVelocity=(scene.belt, 0), fixtures=belt)
     else:
         x, _, z = scene.normal
@@ -83,8 +83,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
             pressed.ApplyForceToCenter((-scene.grip, 0), True)
         own.step()
 
-    def launch(velocity: Vector) -> None:
-        body.linearVelocity, body.awake = in_plane(velocity), True
+    def launch(velocity: Vector, spin: float) -> None:
+        body.linearVelocity, body.awake = in_plane(velocity, spin), True
 
     return SteppedWorld(step, lambda: row(body.position, body.angle, body.linearVelocity), launch)
 
@@ -136,8 +136,4 @@ def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
         links.append(body)
         before = body
 
-    def state() -> Any:
-        angles = [0.0, *(link.angle for link in links)]
-        return ([after - angle for angle, after in pairwise(angles)],)
-
-    return SteppedWorld(own.step, state)
+    return SteppedWorld(own.step, lambda: (hinge_angles(link.angle for link in links),))

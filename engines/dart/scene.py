@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
     GROUND,
+    LEVEL,
     LINK_INERTIA,
     LINK_LENGTH,
     LINK_MASS,
@@ -27,8 +29,6 @@ STEP = 0.001
 
 BELT_MASS = 1e5
 """Of a belt that slides, whatever acts on it [kg]."""
-
-LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 def _new_world(setting: SceneSetting, gravity: float) -> Any:
@@ -103,11 +103,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     pressed = None
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         fixed(FINGER, (-reach, 0.0, height))
         pressed = sliding(FINGER, (reach, 0.0, height), FINGER_MASS)
     elif scene.belt:
-        sliding((20.0, 1.0, 0.1), (0.0, 0.0, -0.1), BELT_MASS).setVelocities([scene.belt])
+        sliding(BELT, (0.0, 0.0, -BELT[2]), BELT_MASS).setVelocities([scene.belt])
     else:
         x, y, z = scene.normal
         fixed((GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
@@ -127,9 +127,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         pose = body.getWorldTransform()
         return pose.translation(), _quaternion(np.array(pose.rotation())), body.getCOMLinearVelocity()
 
-    def launch(velocity: Vector) -> None:
+    def launch(velocity: Vector, spin: float) -> None:
         rotation = np.array(body.getWorldTransform().rotation())
-        skeleton.setVelocities(np.concatenate([np.zeros(3), rotation.T @ np.array(velocity)]))
+        skeleton.setVelocities(np.concatenate([rotation.T @ (0, 0, spin), rotation.T @ velocity]))
 
     return SteppedWorld(step, state, launch)
 

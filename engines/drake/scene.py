@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
@@ -22,9 +23,6 @@ from engines.interface.scene import (
 
 TIME_STEP = 0.001
 """Of most of Drake's own examples [s]; a plant has no default."""
-
-SLAB = (20.0, 1.0, 0.1)
-"""Half sides of a belt [m]."""
 
 BELT_MASS = 1e5
 """Of a belt that slides, whatever acts on it [kg]."""
@@ -62,8 +60,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         velocity = plant.EvalBodySpatialVelocityInWorld(context, bodies[-1]).translational()
         return pose.translation(), pose.rotation().ToQuaternion().wxyz(), velocity
 
-    def launch(velocity: Vector) -> None:
-        motion = drake.SpatialVelocity(np.zeros(3), np.array(velocity))
+    def launch(velocity: Vector, spin: float) -> None:
+        motion = drake.SpatialVelocity(np.array([0.0, 0.0, spin]), np.array(velocity))
         plant.SetFreeBodySpatialVelocity(context, bodies[-1], motion)
 
     return SteppedWorld(step, state, launch)
@@ -97,13 +95,13 @@ def _add_surroundings(plant: Any, scene: ContactScene, properties: Properties) -
 
     world = plant.world_body()
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         shape = drake.Box(*(2 * np.array(FINGER)))
         fixed = drake.RigidTransform([-reach, 0.0, height])
         plant.RegisterCollisionGeometry(world, fixed, shape, "finger", properties(True, FINGER[0]))
         _add_slide(plant, FINGER, FINGER_MASS, (reach, 0.0, height), properties)
     elif scene.belt:
-        _add_slide(plant, SLAB, BELT_MASS, (0.0, 0.0, -SLAB[2]), properties)
+        _add_slide(plant, BELT, BELT_MASS, (0.0, 0.0, -BELT[2]), properties)
     else:
         pose = drake.RigidTransform(drake.Quaternion(scene.tilt), np.zeros(3))
         plant.RegisterCollisionGeometry(world, pose, drake.HalfSpace(), "ground", properties(True, 1.0))

@@ -55,9 +55,9 @@ class JointWorld:
         rows: FloatArray = self._system.GetSensorStoredData(self._sensor)[1:, 1:]
         return rows
 
-    def launch(self, velocity: Vector) -> None:
+    def launch(self, velocity: Vector, spin: float) -> None:
         """Refuse: there is no box."""
-        not_launched(velocity)
+        not_launched(velocity, spin)
 
     def close(self) -> None:
         """Empty the system."""

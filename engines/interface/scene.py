@@ -33,11 +33,17 @@ FINGER_MASS = 0.5
 FINGER = (0.02, 0.1, 0.1)
 """Half sides of a finger [m]."""
 
+BELT = (20.0, 1.0, 0.1)
+"""Half sides of a belt, whose upper face is at zero [m]."""
+
 RIGHT_ANGLE = math.pi / 2
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 """(w, x, y, z)."""
+
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
+"""Not turned."""
 
 
 def turned_about(axis: int, angle: float) -> Quaternion:
@@ -119,6 +125,11 @@ class ContactScene:
         x, y, z = (0.0, 0.0, 1.0) if self.grip else self.normal
         return [(x * height, y * height, z * height) for height in heights]
 
+    @property
+    def finger(self) -> tuple[float, float]:
+        """Distance of the fingers' centres from the middle, and their height [m]."""
+        return self.boxes[0].side / 2 + FINGER[0], self.places[0][2]
+
 
 @dataclass(frozen=True, kw_only=True)
 class JointScene:
@@ -163,9 +174,9 @@ def nothing() -> None:
     """Do nothing: there is nothing to free."""
 
 
-def not_launched(velocity: Vector) -> None:
+def not_launched(velocity: Vector, spin: float) -> None:
     """Refuse to launch what is no box."""
-    raise ParameterError(f"launch = {velocity} of a joint; allowed: of a box")
+    raise ParameterError(f"launch = {velocity}, {spin} of a joint; allowed: of a box")
 
 
 class SceneWorld(Protocol):
@@ -179,8 +190,8 @@ class SceneWorld(Protocol):
         """
         ...
 
-    def launch(self, velocity: Vector) -> object:
-        """Give the followed box a velocity [m/s]."""
+    def launch(self, velocity: Vector, spin: float) -> object:
+        """Give the followed box a velocity [m/s], and an angular one about the vertical [rad/s]."""
         ...
 
     def close(self) -> object:
@@ -195,7 +206,7 @@ class SteppedWorld:
     step: Callable[[], object]
     state: Callable[[], Iterable[Any]]
     """Gives numbers or arrays that together are a row; see `SceneWorld.run`."""
-    launch: Callable[[Vector], object] = not_launched
+    launch: Callable[[Vector, float], object] = not_launched
     close: Callable[[], object] = nothing
 
     def run(self, steps: int) -> FloatArray:

@@ -172,9 +172,9 @@ class ServedScene:
         rows: FloatArray = reply["rows"]
         return rows
 
-    def launch(self, velocity: Vector) -> None:
-        """Give the followed box a velocity [m/s], with the next request."""
-        self._launch = velocity
+    def launch(self, velocity: Vector, spin: float) -> None:
+        """Give the followed box a velocity [m/s] and a spin [rad/s], with the next request."""
+        self._launch = *velocity, spin
 
 
 class OutOfProcessEngine(Engine):

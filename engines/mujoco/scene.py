@@ -37,8 +37,7 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
     rub = f'friction="{scene.friction} 0.005 0.0001"'
     bodies = []
     if scene.grip:
-        height = scene.places[0][2]
-        reach = scene.boxes[0].side / 2 + FINGER[0]
+        reach, height = scene.finger
         bodies.append(f'<geom type="box" size="{_text(FINGER)}" pos="{-reach} 0 {height}" {rub}/>')
     elif scene.belt:
         belt = f'<geom type="box" size="20 1 .1" mass="{BELT_MASS}" {rub}/>'
@@ -120,8 +119,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     model, data = contact_world(scene, setting)
 
-    def launch(velocity: Vector) -> None:
-        data.qvel[-6:-3] = velocity
+    def launch(velocity: Vector, spin: float) -> None:
+        data.qvel[-6:] = *velocity, 0.0, 0.0, spin
 
     return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos[-7:], data.qvel[-6:-3]), launch)
 

@@ -19,9 +19,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def state() -> Any:
         return data.qpos.numpy()[0, -7:], data.qvel.numpy()[0, -6:-3]
 
-    def launch(velocity: Vector) -> None:
+    def launch(velocity: Vector, spin: float) -> None:
         speeds = data.qvel.numpy()
-        speeds[0, -6:-3] = velocity
+        speeds[0, -6:] = *velocity, 0.0, 0.0, spin
         data.qvel.assign(speeds)
 
     return SteppedWorld(step, state, launch)

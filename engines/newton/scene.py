@@ -9,6 +9,7 @@ from engines.interface.scene import (
     FINGER,
     FINGER_MASS,
     GROUND,
+    LEVEL,
     LINK_INERTIA,
     LINK_LENGTH,
     LINK_MASS,
@@ -31,8 +32,6 @@ BELT_MASS = 1e5
 
 BEYOND = 1e6
 """Limit of a joint that has none [rad], [m]."""
-
-LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 STATE = ("joint_q", "joint_qd", "body_q", "body_qd")
 """What a step advances."""
@@ -117,7 +116,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body = builder.add_body(xform=_pose(place, scene.orientation))
         add_box(body, [box.side / 2] * 3, box.mass)
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         add_box(-1, FINGER, pose=_pose((-reach, 0.0, height)))
         add_slider(FINGER, FINGER_MASS, (reach, 0.0, height))
     elif scene.belt:
@@ -137,8 +136,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         x, y, z, i, j, k, w = world.state.body_q.numpy()[body]
         return (x, y, z), (w, i, j, k), world.state.body_qd.numpy()[body, :3]
 
-    def launch(velocity: Vector) -> None:
-        world.set_rates(6 * body, [*velocity, 0.0, 0.0, 0.0])
+    def launch(velocity: Vector, spin: float) -> None:
+        world.set_rates(6 * body, [*velocity, 0.0, 0.0, spin])
 
     return SteppedWorld(world.step, state, launch)
 

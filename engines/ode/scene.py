@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
+    LEVEL,
     LINK_INERTIA,
     LINK_LENGTH,
     LINK_MASS,
@@ -27,18 +29,13 @@ STEP = 0.01
 
 SERVER = Path(__file__).with_name("scene_server.py")
 
-BELT = 20.0, 1.0, 0.1
-"""Half sides of a belt [m]."""
-
-LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> ServedScene:
     """Build a scene with contacts: the followed box comes last."""
     solids: list[tuple[str, Sequence[float], float, Vector, Quaternion]] = []
     plane: dict[str, Any] = {}
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         solids.append(("fixed", FINGER, FINGER_MASS, (-reach, 0.0, height), LEVEL))
         solids.append(("pressed", FINGER, FINGER_MASS, (reach, 0.0, height), LEVEL))
     elif scene.belt:

@@ -106,8 +106,10 @@ class Boxes:
         return [*self._body.getPosition(), *self._body.getQuaternion(), *self._body.getLinearVel()]
 
     def launch(self, velocity: Any) -> None:
-        """Give the followed box a velocity; it may have been asleep."""
-        self._body.setLinearVel(velocity)
+        """Give the followed box a velocity and a spin about the vertical; it may have been asleep."""
+        *linear, spin = velocity
+        self._body.setLinearVel(linear)
+        self._body.setAngularVel((0.0, 0.0, spin))
         self._body.enable()
 
 

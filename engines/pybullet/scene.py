@@ -6,10 +6,12 @@ from functools import partial
 from typing import Any
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
     GROUND,
+    LEVEL,
     LINK_INERTIA,
     LINK_LENGTH,
     LINK_MASS,
@@ -31,8 +33,6 @@ DYNAMICS = (("linearDamping", "angularDamping"), ("frictionAnchor",))
 
 BELT_FORCE = 1e9
 """Of the motor that drives a belt, whatever acts on it [N]."""
-
-LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 class _Scene:
@@ -113,14 +113,13 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     bullet, client, rub = world.bullet, world.client, scene.friction
     pressed = -1
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         world.add_box(FINGER, 0, (-reach, 0, height), LEVEL, rub)
         slide = bullet.JOINT_PRISMATIC
         pressed = world.add_links(slide, (1, 0, 0), [(0, 0, 0)], FINGER_MASS, base=(reach, 0, height), half=FINGER)
         world.set_dynamics(pressed, 0, rub)
     elif scene.belt:
-        half = (20.0, 1.0, 0.1)
-        belt = world.add_links(bullet.JOINT_PRISMATIC, (1, 0, 0), [(0, 0, 0)], 1e4, base=(0, 0, -half[2]), half=half)
+        belt = world.add_links(bullet.JOINT_PRISMATIC, (1, 0, 0), [(0, 0, 0)], 1e4, base=(0, 0, -BELT[2]), half=BELT)
         world.set_dynamics(belt, 0, rub)
         world.set_motor(belt, 0, targetVelocity=scene.belt, force=BELT_FORCE)
         bullet.resetJointState(belt, 0, 0, scene.belt, physicsClientId=client)
@@ -139,8 +138,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         place, (x, y, z, w) = bullet.getBasePositionAndOrientation(body, physicsClientId=client)
         return place, (w, x, y, z), bullet.getBaseVelocity(body, physicsClientId=client)[0]
 
-    def launch(velocity: Vector) -> None:
-        bullet.resetBaseVelocity(body, velocity, (0, 0, 0), physicsClientId=client)
+    def launch(velocity: Vector, spin: float) -> None:
+        bullet.resetBaseVelocity(body, velocity, (0, 0, spin), physicsClientId=client)
 
     return SteppedWorld(step, state, launch, world.close)
 

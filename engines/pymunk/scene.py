@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
@@ -20,7 +20,7 @@ from engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from engines.shared.planar_scene import check_planar, in_plane, row
+from engines.shared.planar_scene import check_planar, hinge_angles, in_plane, row
 
 STEP = 1 / 60
 """Of pymunk's own examples [s]; it has no default."""
@@ -61,12 +61,12 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     pressed = None
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         add(pymunk.Body(body_type=pymunk.Body.STATIC), FINGER, (-reach, height))
         pressed = add(pymunk.Body(FINGER_MASS, math.inf), FINGER, (reach, height))
         space.add(pymunk.GrooveJoint(space.static_body, pressed, (-1, height), (1, height), (0, 0)))
     elif scene.belt:
-        belt = add(pymunk.Body(body_type=pymunk.Body.KINEMATIC), (20.0, 0.1), (0, -0.1))
+        belt = add(pymunk.Body(body_type=pymunk.Body.KINEMATIC), BELT, (0, -BELT[2]))
         belt.velocity = (scene.belt, 0)
     else:
         x, _, z = scene.normal
@@ -80,8 +80,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
             pressed.apply_force_at_world_point((-scene.grip, 0), pressed.position)
         space.step(setting.time_step)
 
-    def launch(velocity: Vector) -> None:
-        body.velocity = in_plane(velocity)
+    def launch(velocity: Vector, spin: float) -> None:
+        body.velocity = in_plane(velocity, spin)
 
     return SteppedWorld(step, lambda: row(body.position, body.angle, body.velocity), launch)
 
@@ -133,8 +133,4 @@ def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
         links.append(body)
         before = body
 
-    def state() -> Any:
-        angles = [0.0, *(link.angle for link in links)]
-        return ([after - angle for angle, after in pairwise(angles)],)
-
-    return SteppedWorld(lambda: space.step(setting.time_step), state)
+    return SteppedWorld(lambda: space.step(setting.time_step), lambda: (hinge_angles(link.angle for link in links),))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
@@ -79,7 +80,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     world, rub = _new_world(setting, GRAVITY), scene.friction
     vector, bodies = rapier3d.Vec3, rapier3d.RigidBody
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         world.add_body(bodies.fixed().translation(vector(-reach, 0, height)), [_box(FINGER, 0, rub)])
         finger = bodies.dynamic().translation(vector(reach, 0, height)).can_sleep(setting.sleeping)
         finger = finger.enabled_translations((True, False, False)).enabled_rotations((False, False, False))
@@ -87,7 +88,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         world.rigid_bodies[pressed].add_force(vector(-scene.grip, 0, 0), True)
     elif scene.belt:
         belt = bodies.kinematic_velocity_based().translation(vector(0, 0, -0.1)).linvel(vector(scene.belt, 0, 0))
-        world.add_body(belt, [_box((20.0, 1.0, 0.1), 0, rub)])
+        world.add_body(belt, [_box(BELT, 0, rub)])
     else:
         x, y, z = scene.normal
         ground = bodies.fixed().rotation(_scaled_axis(scene.tilt)).translation(vector(-x, -y, -z))
@@ -101,8 +102,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         place, speed = body.translation, body.linvel
         return (place.x, place.y, place.z), _quaternion(body.rotation), (speed.x, speed.y, speed.z)
 
-    def launch(velocity: Vector) -> None:
-        body.linvel = vector(*velocity)
+    def launch(velocity: Vector, spin: float) -> None:
+        body.linvel, body.angvel = vector(*velocity), vector(0, 0, spin)
 
     return SteppedWorld(world.step, state, launch)
 

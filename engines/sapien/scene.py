@@ -5,10 +5,12 @@ from typing import Any
 import numpy as np
 
 from engines.interface.scene import (
+    BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
     GROUND,
+    LEVEL,
     LINK_INERTIA,
     LINK_LENGTH,
     LINK_MASS,
@@ -30,8 +32,6 @@ SOLVER = ("solver_position_iterations", "solver_velocity_iterations")
 
 ALONG_X = [False, True, True, True, True, True]
 """Locked motions of a finger on a prismatic joint."""
-
-LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 ABOUT_Y = (2**-0.5, 0.0, 0.0, 2**-0.5)
 """Turns the axis of a joint, which is x, into y."""
@@ -71,14 +71,14 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     pressed = belt = None
     if scene.grip:
-        reach, height = scene.boxes[0].side / 2 + FINGER[0], scene.places[0][2]
+        reach, height = scene.finger
         add(physx.PhysxRigidStaticComponent(), FINGER, (-reach, 0.0, height))
         pressed = add(physx.PhysxRigidDynamicComponent(), FINGER, (reach, 0.0, height), mass=FINGER_MASS)
         pressed.set_locked_motion_axes(ALONG_X)
     elif scene.belt:
         belt = physx.PhysxRigidDynamicComponent()
         belt.set_kinematic(True)
-        add(belt, (20.0, 1.0, 0.1), (0.0, 0.0, -0.1))
+        add(belt, BELT, (0.0, 0.0, -BELT[2]))
     else:
         x, y, z = scene.normal
         add(physx.PhysxRigidStaticComponent(), (GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
@@ -100,7 +100,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         pose = body.entity_pose
         return pose.p, pose.q, body.linear_velocity
 
-    return SteppedWorld(step, state, body.set_linear_velocity)
+    def launch(velocity: Vector, spin: float) -> None:
+        body.set_linear_velocity(velocity)
+        body.set_angular_velocity((0, 0, spin))
+
+    return SteppedWorld(step, state, launch)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

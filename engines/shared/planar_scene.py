@@ -1,6 +1,8 @@
 """Scenes in the plane of x and z, for engines in two dimensions: what they can represent, and their rows."""
 
 import math
+from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any
 
 from engines.interface.scene import ContactScene, Vector
@@ -13,12 +15,17 @@ def check_planar(scene: ContactScene) -> None:
         raise ParameterError(f"turn = {scene.turn:g} of a box on its plane; allowed in two dimensions: 0")
 
 
-def in_plane(vector: Vector) -> tuple[float, float]:
-    """Give a vector along x and z, or raise if it has a part along y."""
+def in_plane(vector: Vector, spin: float) -> tuple[float, float]:
+    """Give a velocity along x and z, or raise if it leaves the plane."""
     x, y, z = vector
-    if y:
-        raise ParameterError(f"launch = {vector}; allowed in two dimensions: nothing along y")
+    if y or spin:
+        raise ParameterError(f"launch = {vector}, {spin:g} rad/s; allowed in two dimensions: nothing out of the plane")
     return x, z
+
+
+def hinge_angles(links: Iterable[float]) -> list[float]:
+    """Give the angles of hinges in a row from those of the links that they carry."""
+    return [after - before for before, after in pairwise([0.0, *links])]
 
 
 def row(place: Any, angle: float, velocity: Any) -> tuple[Vector, tuple[float, ...], Vector]:

@@ -1,8 +1,6 @@
 """An engine's recipe in its own syntax: what to write in one's own model so that friction holds."""
 
 from collections.abc import Iterable, Mapping
-from importlib import import_module
-from importlib.resources import files
 from typing import Any
 
 from engines.interface.engine import Engine
@@ -10,6 +8,7 @@ from engines.interface.presets import Formulation, OfStep, Preset
 from engines.interface.registry import engine_names, registered_engine
 from reference_lcp.errors import ParameterError, checked_choice
 from reports.formatting import environment
+from reports.reproducers.script import beside
 from scenarios.catalogue.scenes.base import COMMON_STEP
 
 TEMPLATE = "recipe.jinja"
@@ -21,7 +20,7 @@ RECOMMENDED = "recommended"
 
 def has_recipe(adapter: Engine) -> bool:
     """Whether an engine has a recipe."""
-    return _template(adapter).is_file()
+    return beside(adapter, TEMPLATE).is_file()
 
 
 def recipe_text(name: str) -> str:
@@ -40,12 +39,8 @@ def recipe_text(name: str) -> str:
     step = adapter.scene_step if Formulation.CONTACT in adapter.scene_worlds else COMMON_STEP
     presets = {kind: own[RECOMMENDED] for kind, own in adapter.capabilities.presets.items() if RECOMMENDED in own}
     values = {str(kind): _values(adapter, kind, step) for kind in presets}
-    text = environment(markup=False).from_string(_template(adapter).read_text(encoding="utf-8"))
+    text = environment(markup=False).from_string(beside(adapter, TEMPLATE).read_text(encoding="utf-8"))
     return text.render(**values, formula=_formulas(presets.values()), step=f"{step:g}").strip() + "\n"
-
-
-def _template(adapter: Engine) -> Any:
-    return files(import_module(type(adapter).__module__)).joinpath(TEMPLATE)
 
 
 def _values(adapter: Engine, kind: Formulation, step: float) -> Mapping[str, str]:

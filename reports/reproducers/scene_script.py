@@ -4,21 +4,19 @@ import math
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
 from jinja2 import DictLoader
 
-from engines.interface.engine import Engine
 from engines.interface.presets import Formulation
 from engines.interface.registry import engine, engine_names, registered_engine
 from engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSetting
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError, checked_choice
 from reports.formatting import environment
-from reports.reproducers.script import WIDTH
+from reports.reproducers.script import WIDTH, beside, check_not_blocked, docstring
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes.base import SceneCase, SceneScenario
 from scenarios.catalogue.scenes.slide import REST
@@ -86,22 +84,19 @@ def checked_scene(name: str, scenario: str, case: str | None = None) -> SceneRep
 def has_scene_script(name: str, scenario: str) -> bool:
     """Whether there is a template for a scenario in an engine."""
     adapter = registered_engine(name) if name in engine_names() else None
-    if adapter is None or not _template(adapter).is_file():
+    if adapter is None or not beside(adapter, TEMPLATE).is_file():
         return False
     return scenario in (SCENES if adapter.scene_models else ON_A_PLANE)
-
-
-def _template(adapter: Engine) -> Any:
-    return files(import_module(type(adapter).__module__)).joinpath(TEMPLATE)
 
 
 def scene_script(shown: SceneReproduction, evaluator: Evaluator) -> str:
     """Write the script of one number; the suite's own is in its header, computed where the store lacks it."""
     (result,) = evaluator.evaluate([shown.task])
+    check_not_blocked(shown.variant, shown.case.name, result)
     metric, value = shown.number(result)
     templates = environment(markup=False)
     frame = files("reports.reproducers").joinpath("templates", TEMPLATE).read_text(encoding="utf-8")
-    own = _template(engine(shown.variant.engine)).read_text(encoding="utf-8")
+    own = beside(engine(shown.variant.engine), TEMPLATE).read_text(encoding="utf-8")
     templates.loader = DictLoader({"engine": own, "scene": frame})
     suite = f"{value:.6g} {metric.unit}" if math.isfinite(value) else f"no number ({result.reason or result.status})"
     text = templates.get_template("engine").render(
@@ -118,7 +113,7 @@ def _header(shown: SceneReproduction, metric: Metric, suite: str) -> str:
         f"{variant.formulation}, {variant.preset_name}: {variant.preset.description} {shown.scenario.name}: "
         f"{shown.case.name}. Exact: 0 {metric.unit}; the cross-validation suite has {suite}."
     )
-    return "\n".join([*textwrap.wrap(title, WIDTH), "", *textwrap.wrap(told, WIDTH)])
+    return docstring(title, told)
 
 
 def _numbers(shown: SceneReproduction) -> Mapping[str, Any]:

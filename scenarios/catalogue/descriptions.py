@@ -65,6 +65,10 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "Does a contact hold a load below its bound, or does it creep?",
             "no slip; allowed: round-off, and the creep that the options of the preset state",
         ),
+        "ratchet": Description(
+            "Does a contact hold a load that swings below its bound, or does it creep with every swing?",
+            "no slip; allowed: round-off, and the creep that the options of the preset state",
+        ),
         "breakaway": Description(
             "Under a load that grows slowly, at which part of its bound does a contact begin to slip?",
             f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: two steps",
@@ -150,7 +154,15 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "When does a box that is put on a belt move with it?", f"closed form: v/(μ g); allowed: {EULER}"
         ),
         "joint-hold": Description("Does a joint with dry friction stay where it is under a load?", NO_MOTION),
+        "spin": Description(
+            "Does a box that is spun on the flat stop on its place, by a torque that friction can have?",
+            f"limits: from that of a uniform pressure to μ m g s/√2, that of the corners; allowed: {EULER}",
+        ),
         "arm-hold": Description("Does an arm whose hinges rub stay stretched out under gravity?", NO_MOTION),
+        "repeat": Description(
+            "Is a motion the same when it is run again, in another process, beside others, in another order?",
+            "the first motion, bit for bit",
+        ),
     }
 )
 """Descriptions by the names of the scenarios, in the order in which they are listed and run."""

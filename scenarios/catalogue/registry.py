@@ -8,11 +8,13 @@ from scenarios.catalogue.block.breakaway import Breakaway
 from scenarios.catalogue.block.direction import Direction
 from scenarios.catalogue.block.published import Published
 from scenarios.catalogue.block.static_above_kinetic import StaticAboveKinetic
-from scenarios.catalogue.block.static_hold import StaticHold
+from scenarios.catalogue.block.static_hold import Ratchet, StaticHold
 from scenarios.catalogue.block.stopping_distance import StoppingDistance
+from scenarios.catalogue.repeat import Repeat
 from scenarios.catalogue.scenes.hold import Grip, HeavyOnLight, SlopeHold, StackHold
 from scenarios.catalogue.scenes.joints import ArmHold, JointHold
 from scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
+from scenarios.catalogue.scenes.spin import Spin
 from scenarios.catalogue.steady.den_hartog import DenHartog
 from scenarios.catalogue.steady.figure3 import Figure3Points
 from scenarios.catalogue.steady.inclined_steady_state import InclinedSteadyState
@@ -36,6 +38,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     LockedLimit(),
     FreeDecay(),
     StaticHold(),
+    Ratchet(),
     Breakaway(),
     StoppingDistance(),
     StaticAboveKinetic(),
@@ -58,8 +61,10 @@ SCENARIOS: tuple[Scenario, ...] = (
     HeavyOnLight(),
     Grip(),
     Conveyor(),
+    Spin(),
     JointHold(),
     ArmHold(),
+    Repeat(),
 )
 
 CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})

@@ -12,6 +12,7 @@ from engines.interface.engine import EngineNotInstalled
 from engines.interface.presets import Formulation
 from engines.interface.registry import engine
 from engines.interface.scene import ContactScene, Scene, SceneSetting, SceneWorld, Vector, formulation_of
+from engines.interface.variant import GENERAL
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from scenarios.runs.failures import results_together
@@ -24,9 +25,6 @@ ROWS = 100
 
 EXPLODED = 1e4
 """A position [m] or an angle [rad] beyond is an explosion: nothing falls or turns as far within the scenes' times."""
-
-GENERAL = ("default", "recommended")
-"""Presets that hold in any model; others are for the chain."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +40,8 @@ class SceneTask(Task):
     """How long the scene is left alone before [s]."""
     launch: Vector = (0.0, 0.0, 0.0)
     """Velocity that the followed box then gets, along the plane, across and off it [m/s]."""
+    spin: Annotated[float, left_out(0.0)] = 0.0
+    """Angular velocity about the vertical that it then gets [rad/s]."""
     sleeping: Annotated[bool, left_out(False)] = False
     """Bodies may be put to sleep, as far as the engine does so as it comes."""
 
@@ -97,8 +97,8 @@ def followed(task: SceneTask, world: SceneWorld) -> Result:
     try:
         settling = round(task.settling / task.time_step)
         first = world.run(settling)[-1:] if settling else None
-        if any(task.launch):
-            world.launch(in_world(task.scene, task.launch))
+        if any(task.launch) or task.spin:
+            world.launch(in_world(task.scene, task.launch), task.spin)
         rows = world.run(task.steps)
     finally:
         world.close()

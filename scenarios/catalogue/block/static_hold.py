@@ -32,6 +32,9 @@ SHARE_OF_VIBRATION = 0.002
 """Amplitude of the vibration's acceleration times m, over the bound: with all that it makes of the carrier at first, a
 load of 0.99 stays below the bound."""
 
+SWING = 0.2
+"""The same of a load that swings: one of a half stays below the bound, whatever it makes of the carrier at first."""
+
 VIBRATION_FREQUENCY = 2 * math.pi * 2.0
 """ω of the vibration [rad/s]."""
 
@@ -52,17 +55,18 @@ class Hold(NamedTuple):
 
     scale: Scale
     load: float
-    shaken: bool
+    share: float = 0.0
+    """Of the vibration, see `SHARE_OF_VIBRATION`."""
 
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant."""
         block = self.scale.block(LENGTH)
-        swing = SHARE_OF_VIBRATION * block.bound / (block.mass * VIBRATION_FREQUENCY**2)
+        swing = self.share * block.bound / (block.mass * VIBRATION_FREQUENCY**2)
         steps = round(HOLD_TIME / TIME_STEP)
         return BlockTask(
             variant=variant,
             block=block,
-            base=Vibration(SIZE, swing, VIBRATION_FREQUENCY) if self.shaken else StillBase(SIZE),
+            base=Vibration(SIZE, swing, VIBRATION_FREQUENCY) if self.share else StillBase(SIZE),
             slip=self.load * LENGTH,
             time_step=TIME_STEP,
             steps=steps,
@@ -70,7 +74,7 @@ class Hold(NamedTuple):
         )
 
     def __str__(self) -> str:
-        shaken = ", shaken" if self.shaken else ""
+        shaken = ", shaken" if self.share else ""
         return f"{self.scale.title}, load {self.load:g}{shaken}"
 
 
@@ -80,14 +84,14 @@ class StaticHold(BlockScenario[Hold]):
     name = "static-hold"
     source = "Coulomb's law: |λ_T| < μ λ_N means no slip. As users ask it: google-deepmind/mujoco, issue 3328."
     metrics = (CREEP, GROWTH, SAG)
-    cases = tuple(Hold(scale, load, shaken) for scale in SCALES for shaken in (False, True) for load in LOADS)
+    cases = tuple(Hold(scale, load, share) for scale in SCALES for share in (0.0, SHARE_OF_VIBRATION) for load in LOADS)
 
     def parameters(self) -> list[str]:
         """Give load, vibration and steps; see `Scenario.parameters`."""
         return [
             f"a spring, stretched to a part of the {LENGTH:g} m at which it pulls with μ λ_N, for {HOLD_TIME:g} s in "
             f"steps of {1e3 * TIME_STEP:g} ms",
-            f"shaken: the base vibrates with m a = {SHARE_OF_VIBRATION:g} μ λ_N at "
+            f"shaken: the base vibrates with m a = {max(case.share for case in self.cases):g} μ λ_N at "
             f"{VIBRATION_FREQUENCY / (2 * math.pi):g} Hz",
         ]
 
@@ -118,3 +122,13 @@ class StaticHold(BlockScenario[Hold]):
             Finding(variant, str(case), metric, value, 0.0, judged_at_one_step(metric, value, task, READ_OVER[metric]))
             for metric, value in values.items()
         ]
+
+
+class Ratchet(StaticHold):
+    """Coulomb friction holds a load that swings below its bound; bristles creep, a little with every swing."""
+
+    name = "ratchet"
+    source = (
+        "Coulomb's law, as above. Drift of bristles: Dupont, Armstrong and Hayward, American Control Conference 2000."
+    )
+    cases = tuple(Hold(scale, 0.5, SWING) for scale in SCALES)

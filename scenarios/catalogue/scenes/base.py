@@ -14,13 +14,13 @@ import numpy as np
 from engines.interface.presets import Formulation
 from engines.interface.registry import engine, engine_names
 from engines.interface.scene import Scene, Vector, formulation_of
-from engines.interface.variant import Variant, check_installed, name_parts, variants_named
+from engines.interface.variant import GENERAL, Variant, check_installed, name_parts, variants_named
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.scene import GENERAL, SceneTask
+from scenarios.runs.scene import SceneTask
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
 from scenarios.verdicts.judge import decide, missing
 
@@ -68,6 +68,7 @@ class SceneCase:
     time: float
     settling: float = SETTLING
     launch: Vector = (0.0, 0.0, 0.0)
+    spin: float = 0.0
     sleeping: bool = False
 
     def task(self, variant: Variant, time_step: float) -> SceneTask:
@@ -79,6 +80,7 @@ class SceneCase:
             time=self.time,
             settling=self.settling,
             launch=self.launch,
+            spin=self.spin,
             sleeping=self.sleeping,
         )
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pandas as pd
 
+from engines.interface.variant import GENERAL
 from scenarios.catalogue.scenes.base import OWN_STEP
-from scenarios.runs.scene import GENERAL
 from scenarios.verdicts.finding import Verdict
 
 FAILED, NONE = math.inf, math.nan

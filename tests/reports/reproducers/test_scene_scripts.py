@@ -3,16 +3,23 @@
 import pytest
 
 from engines.interface.registry import engine_names, registered_engine
-from engines.interface.variant import Variant
+from engines.interface.variant import GENERAL, Variant
+from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
 from reports.cli.shown import app
 from reports.reproducers.scene_script import ON_A_PLANE, SCENES, checked_scene, has_scene_script, scene_script
 from reports.reproducers.script import LONGEST_LINE, MOST_LINES
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.scene import GENERAL
 from scenarios.runs.store import opened_store
-from tests.reports.reproducers.test_reproducers import DIGITS, WithoutEngines, printed_by
+from tests.reports.reproducers.test_reproducers import (
+    DIGITS,
+    Hostile,
+    HostileMissing,
+    WithoutEngines,
+    printed_by,
+    statements,
+)
 from tests.scenarios.in_process import evaluator
 
 FORMULATIONS = {name: "joint" if name in ("joint-hold", "arm-hold") else "contact" for name in SCENES}
@@ -66,6 +73,15 @@ def test_script_of_every_case_is_short_enough_for_a_tracker(name, scenario) -> N
                 assert len(lines) <= MOST_LINES, case
                 assert max(map(len, lines)) <= LONGEST_LINE
                 compile("\n".join(lines), "reproducer.py", "exec")
+
+
+def test_a_reason_of_a_strangers_store_stays_a_text_of_the_script() -> None:
+    shown = checked_scene("mujoco:contact:default", "slope-hold")
+    with opened_store(None) as store:
+        text = scene_script(shown, HostileMissing(store, InProcessExecutor()))
+        assert statements(text) == statements(scene_script(shown, WithoutEngines(store, InProcessExecutor())))
+        with pytest.raises(ParameterError, match="has no number of 'load"):
+            scene_script(shown, Hostile(store, InProcessExecutor()))
 
 
 def test_engines_with_scripts_of_scenes() -> None:

@@ -13,7 +13,7 @@ from scenarios.catalogue.block import breakaway, static_hold
 from scenarios.catalogue.block.base import STANDARD_GRAVITY
 from scenarios.catalogue.block.breakaway import Breakaway
 from scenarios.catalogue.block.published import VALUE, Published, targets
-from scenarios.catalogue.block.static_hold import CREEP, StaticHold
+from scenarios.catalogue.block.static_hold import CREEP, Ratchet, StaticHold
 from scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
 from scenarios.runs.transient import run_transients
 from scenarios.runs.transient_task import Block
@@ -32,6 +32,7 @@ def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
     """One scale of each question, and the numbers that take the least time."""
     for scenario, names in (
         (StaticHold, [KILOGRAM]),
+        (Ratchet, [KILOGRAM]),
         (Breakaway, [GRAM]),
         (StoppingDistance, [GRAM]),
         (Published, ["sdnd100-4", "sdnd104-1.5", "brake"]),
@@ -92,7 +93,7 @@ def test_exact_block_on_a_free_carrier_gives_the_published_number(case) -> None:
 
 @needs_mujoco
 @pytest.mark.parametrize(
-    "scenario", [StaticHold(), Breakaway(), StoppingDistance(), Published()], ids=lambda each: each.name
+    "scenario", [StaticHold(), Ratchet(), Breakaway(), StoppingDistance(), Published()], ids=lambda each: each.name
 )
 def test_engines_that_take_the_scheme_answer_as_it_does(scenario, one_scale) -> None:
     assert not deviating(findings(scenario, MUJOCO, REFERENCE))
@@ -109,6 +110,18 @@ def test_the_soft_friction_of_mujoco_creeps_as_its_law_predicts_whatever_the_mas
     first = softness / rate * FRICTION_COEFFICIENT * STANDARD_GRAVITY / 2 * (1 + 1 / 20)
     relaxed = np.exp(-first / (0.5 * static_hold.LENGTH) * 0.75 * static_hold.HOLD_TIME)
     assert half.value == pytest.approx(1e6 * first * relaxed, rel=1e-3)
+
+
+@needs_mujoco
+def test_bristles_hold_a_constant_load_and_creep_with_every_swing_of_one(one_scale) -> None:
+    """As their law says: a ratchet."""
+    bristles = Variant("mujoco", "joint", "lugre")
+    constant = [each for each in findings(StaticHold(), bristles) if each.metric is CREEP and "shaken" not in each.case]
+    assert max(each.value for each in constant) < 1e-4
+    (swinging,) = (each for each in findings(Ratchet(), bristles, laws=True) if each.metric is CREEP)
+    assert swinging.value > 10
+    assert swinging.comparison.verdict is Verdict.DISAGREE
+    assert swinging.modelled
 
 
 @needs_mujoco

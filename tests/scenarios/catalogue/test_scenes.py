@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
+from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld, turned_about
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes.base import COMMON_STEP, CREEP, SceneScenario
 from scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
 from scenarios.catalogue.scenes.joints import TURNING, arm
+from scenarios.catalogue.scenes.spin import CORNERS, TORQUE, UNIFORM, braking
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.scene import SceneTask, followed
@@ -48,9 +49,11 @@ class PointMass:
         self.links = scene.links if isinstance(scene, ArmScene) else 1
         self.box = isinstance(scene, ContactScene)
         self.way, self.velocity = np.full(3, fall), np.zeros(3)
+        self.angle = self.spin = 0.0
+        self.braking = friction * normal * braking(scene, CORNERS) if self.box else 0.0
 
-    def launch(self, velocity) -> None:
-        self.velocity = self.axes @ velocity
+    def launch(self, velocity, spin) -> None:
+        self.velocity, self.spin = self.axes @ velocity, spin
 
     def step(self) -> None:
         carried = np.array([self.belt, 0.0, 0.0])
@@ -58,11 +61,13 @@ class PointMass:
         speed = np.linalg.norm(free)
         self.velocity = carried + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
         self.way = self.way + self.step_size * (self.velocity + self.creep)
+        self.spin = max(0.0, self.spin - self.step_size * self.braking)
+        self.angle += self.step_size * self.spin
 
     def state(self):
         if not self.box:
             return ([self.way[0]] * self.links,)
-        return self.start + self.way @ self.axes, (1.0, 0.0, 0.0, 0.0), self.velocity @ self.axes
+        return self.start + self.way @ self.axes, turned_about(2, self.angle), self.velocity @ self.axes
 
 
 def judged(scenario: SceneScenario, **wrong: float) -> list[Finding]:
@@ -101,6 +106,13 @@ def test_friction_that_is_wrong_by_a_hundredth_is_found_in_everything_that_slide
     slow = {each.case for each in found if each.case.startswith("1 m/s, 1 ms")}
     assert wrong_ones | slow == {each.case for each in found}
     assert wrong_ones
+
+
+@pytest.mark.parametrize(("friction", "sound"), [(1.01, False), (1.0, True), (UNIFORM / CORNERS, True), (0.53, False)])
+def test_torque_that_no_pressure_can_make_is_found(friction, sound) -> None:
+    """More than at the corners, or less than under a uniform pressure: the latter is 0.541 of the former."""
+    found = [each for each in judged(CATALOGUE["spin"], friction=friction) if each.case.endswith("1 ms")]
+    assert {each.metric for each in disagreeing(found)} == (set() if sound else {TORQUE})
 
 
 def test_drift_after_the_stop_is_found() -> None:
