@@ -14,6 +14,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.chain.transient import QUIET, RickerPulse
 from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.validation import FloatArray
 
 CELLS, SEED = 7, 20
 
@@ -96,6 +97,17 @@ def drive_of(lane: Lane) -> PeriodicDrive:
 def run_of(variant: Variant, lane: Lane, state: State, steps: int) -> Trajectory:
     """Run one lane from a state at step zero."""
     return variant.build([lane]).run(state, 0, steps)[0]
+
+
+def unexplained_impulse(lane: Lane, run: Trajectory) -> FloatArray:
+    """Give M Δq − ∫ (f − K u − C q + W_T λ_T) dt of every mass with the reported forces, over the largest momentum."""
+    chain, load = lane.chain, np.zeros_like(run.positions)
+    load[:, 0] = lane.drive.load(chain, run.time)
+    force = load - run.positions @ chain.stiffness_matrix - run.velocities @ chain.damping_matrix
+    impulse = np.sum(force[:-1] + (run.friction @ chain.contact_directions.T)[1:], axis=0) * lane.time_step
+    change = (run.velocities[-1] - run.velocities[0]) * np.diag(chain.mass_matrix)
+    missing: FloatArray = (change - impulse) / np.max(np.abs(chain.mass_matrix @ run.velocities.T))
+    return missing
 
 
 def tolerance_of(variant: Variant, by_precision: Mapping[str, float], *, modulated: bool = False) -> float:

@@ -46,15 +46,15 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Run a test of the contract once for everything that its argument stands for.
 
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
-    ``sharing`` those that share the reference's scheme, ``following`` those whose normal force may change in
-    time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose row may have any direction,
-    ``inclining`` the tuned ones whose contacts may be inclined, ``holding`` the tuned ones with static friction of its
-    own, ``installed`` the name of an engine.
+    ``sharing`` those that share the reference's scheme, ``modelled`` those whose law is a model, ``following`` those
+    whose normal force may change in time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose
+    row may have any direction, ``inclining`` the tuned ones whose contacts may be inclined, ``holding`` the tuned ones
+    with static friction of its own, ``installed`` the name of an engine.
     """
     if metafunc.module.__package__ != "engines.contract":
         return
     from engines.interface.presets import NormalForce
-    from engines.interface.registry import engine, engine_names
+    from engines.interface.registry import engine, engine_names, law_of
     from engines.interface.variant import variants_of
 
     named: list[str] = metafunc.config.getoption(OPTION)
@@ -68,6 +68,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         "default": [variant for variant in variants if variant.preset_name == "default"],
         "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
+        "modelled": [variant for variant in variants if law_of(variant.preset) is not None],
         "turning": [variant for variant in variants if variant.preset.turns],
         "inclining": [variant for variant in tuned if variant.preset.inclines],
         "holding": [variant for variant in tuned if variant.preset.static_friction],

@@ -75,6 +75,21 @@ def test_trajectory_has_one_finite_row_a_step_in_si_units(tested: Variant) -> No
         assert np.all(np.isfinite(rows)), "the trajectory has numbers that are not finite"
 
 
+MANY_RUNS = 500
+"""Of which one in a hundred that fails is missed once in 150 times."""
+
+
+def test_many_runs_from_one_state_end_alike(tested: Variant) -> None:
+    """None of them fails, and long use changes nothing, where the engine is declared deterministic."""
+    simulation, state = tested.build([lane_of(0.3, 0.6)]), random_state(1)
+    first = simulation.advance(state, 0, 2)
+    for number in range(MANY_RUNS):
+        end = simulation.advance(state, 0, 2)
+        assert np.all(np.isfinite(end.positions) & np.isfinite(end.velocities)), f"run {number} is not finite"
+        if tested.capabilities.deterministic:
+            assert np.array_equal(end.positions, first.positions), f"run {number} ends elsewhere"
+
+
 def test_capabilities_name_the_engine_and_every_option_has_a_reason(installed: str) -> None:
     """Reports print them."""
     abilities = engine(installed).capabilities

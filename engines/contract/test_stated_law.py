@@ -6,21 +6,92 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.contract.lanes import modulated_lane, random_lanes, scaled_state
+from engines.contract.lanes import (
+    lane_of,
+    modulated_lane,
+    random_lanes,
+    random_state,
+    scaled_state,
+    unexplained_impulse,
+)
 from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.registry import law_of
-from engines.interface.tolerances import STEPS
+from engines.interface.tolerances import MOMENTUM_TOLERANCE, SCHEME_TOLERANCE_DB, STEPS
 from engines.interface.variant import Variant
 from engines.shared.law_distance import allowed_distance, stepped_by
+from engines.shared.law_limit import law_fault
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.neighbours import orbits_from_euler
+from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reference_lcp.validation import FloatArray
+
+ORBIT_RESIDUAL = 1e-9
+"""Of the law's orbit, which an engine in double precision has to find again to 1e-8."""
 
 
 def test_preset_says_by_which_law_it_steps(tested: Variant) -> None:
     """The reference's scheme, a model, or the reason why there is none; one of them, and no other."""
     preset = tested.preset
     assert preset.shares_scheme != (preset.law is not None), "it states no law, or two"
+
+
+def test_stated_law_is_one_of_the_chain(modelled: Variant) -> None:
+    """With ideal constants and ever finer steps it is the exact motion; it claims something, to a bound that is small.
+
+    Otherwise it could be whatever the engine does.
+    """
+    fault = law_fault(modelled)
+    assert fault is None, fault
+
+
+def test_momentum_changes_as_in_the_law(modelled: Variant) -> None:
+    """What the reported forces leave unexplained of the motion over a period is what dampers of the law explain."""
+    lane = _claimed(modelled, [lane_of(0.3, 0.9, 4 * STEPS)])[0]
+    runs = _runs(modelled, lane)
+    own, of_law = (unexplained_impulse(lane, run) for run in runs)
+    assert np.max(np.abs(own - of_law)) < MOMENTUM_TOLERANCE, "the forces do not explain the motion"
+
+
+def test_steady_states_at_six_points_are_those_of_the_law(modelled: Variant) -> None:
+    """Wherever the law has one, the engine's search from it stays there."""
+    lanes = _claimed(modelled, [lane_of(*place) for place in STICK_SLIP_POINTS])
+    law = law_of(modelled.preset)
+    assert law is not None
+    expected = orbits_from_euler(law.build(lanes), STEPS, tolerance=ORBIT_RESIDUAL, longest_multiple=1)
+    steady = [number for number, orbit in enumerate(expected) if orbit.converged]
+    if not steady:
+        pytest.skip("its law has no steady state there")
+    starts = State.stack([expected[number].trajectory.end for number in steady])
+    simulation = modelled.build([lanes[number] for number in steady])
+    found = periodic_orbits(simulation, STEPS, start=starts, tolerance=modelled.capabilities.residual)
+    simulation.close()
+    off = [
+        float(decibel(transmittance(orbit)) - decibel(transmittance(expected[number])))
+        for number, orbit in zip(steady, found, strict=True)
+    ]
+    assert np.max(np.abs(off)) <= SCHEME_TOLERANCE_DB, f"off by {off} dB"
+
+
+def _claimed(modelled: Variant, lanes: Sequence[Lane]) -> list[Lane]:
+    """Give the lanes that the law of a variant claims, or skip."""
+    law = law_of(modelled.preset)
+    claimed = [lane for lane in lanes if law is not None and law.unclaimed_reason(lane) is None]
+    return claimed or pytest.skip("its law claims none of these points")
+
+
+def _runs(modelled: Variant, lane: Lane) -> list[Trajectory]:
+    """Give a period of the variant and of its law from one state."""
+    law = law_of(modelled.preset)
+    assert law is not None
+    simulations: list[Simulation] = [modelled.build([lane]), law.build([lane])]
+    runs = [simulation.run(random_state(1), 0, 4 * STEPS)[0] for simulation in simulations]
+    for simulation in simulations:
+        simulation.close()
+    return runs
 
 
 def test_random_chain_moves_by_the_stated_law(tested: Variant) -> None:

@@ -60,7 +60,7 @@ def actuator(preset: Preset) -> Law:
 
     return _law(
         formula=f"{STEP}; λ = −clip(d w⁺, ±μ λ_N)",
-        constants={"d": Constant(preset["PdControllerGains.d"], "N s/m", "PdControllerGains.d")},
+        constants={"d": Constant(preset["PdControllerGains.d"], "N s/m", "PdControllerGains.d", ideal=math.inf)},
         model=model,
     )
 
@@ -105,7 +105,7 @@ DRAKE_S_STICTION = 1e-3
 
 
 def _stiction_in_si(speed: float) -> Constant:
-    return Constant(speed, "m/s", "v_stiction", visible_error=0.01 * max(1.0, DRAKE_S_STICTION / speed))
+    return Constant(speed, "m/s", "v_stiction", ideal=0.0, visible_error=0.01 * max(1.0, DRAKE_S_STICTION / speed))
 
 
 def _least_softness(speed: float) -> Constant:

@@ -15,6 +15,7 @@ nothing for a zone; for a disc the slip velocity of the last correction; for a b
 stick, and the place of its foot.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
@@ -114,8 +115,8 @@ def bristle(preset: Preset) -> Law | NotModelled:
     )
     if given:
         constants = {
-            "k_s": Constant(preset["stickingStiffness"], "N/m", "stickingStiffness"),
-            "d_s": Constant(preset["stickingDamping"], "N s/m", "stickingDamping"),
+            "k_s": Constant(preset["stickingStiffness"], "N/m", "stickingStiffness", ideal=math.inf),
+            "d_s": Constant(preset["stickingDamping"], "N s/m", "stickingDamping", ideal=math.inf),
         }
     else:
         constants = {
@@ -265,7 +266,7 @@ def _steps(preset: Preset) -> str:
 def _constants(preset: Preset) -> dict[str, Constant]:
     """Give the constants of a zone and of the integrator."""
     if "frictionProportionalZone" in preset.options:
-        constants = {"z": Constant(preset["frictionProportionalZone"], "m/s", "frictionProportionalZone")}
+        constants = {"z": Constant(preset["frictionProportionalZone"], "m/s", "frictionProportionalZone", ideal=0.0)}
     else:
         constants = {
             "z_s": Constant(preset["zone"], "", "zone, and so frictionProportionalZone"),

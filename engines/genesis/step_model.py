@@ -1,10 +1,11 @@
 """The laws of Genesis's default friction: MuJoCo's, with explicit dashpots and half of its time constant."""
 
+import math
 from collections.abc import Mapping
 
 from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import OfStep, Preset
-from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, WIDTH, PyramidalContactLane
+from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, RUBS_AND_PRESSES, WIDTH, PyramidalContactLane
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
@@ -29,9 +30,11 @@ def joint_friction(preset: Preset) -> Law | NotModelled:
             "R = A (1 − d_0) / d_0"
         ),
         constants={
-            "τ": Constant(preset["time constant"], "s", "constraint_timeconst, Genesis's own"),
-            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, Genesis's own: where nothing is violated"),
-            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, Genesis's own; the time constant is scaled by it"),
+            "τ": Constant(preset["time constant"], "s", "constraint_timeconst, Genesis's own", ideal=0.0),
+            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, Genesis's own: where nothing is violated", ideal=1.0),
+            "d_max": Constant(
+                LARGEST_IMPEDANCE, "", "solimp, Genesis's own; the time constant is scaled by it", ideal=1.0
+            ),
         },
         model=_joint_friction,
         period_bound=NEWTON_PERIOD,
@@ -52,12 +55,13 @@ def pyramidal_contact(preset: Preset) -> Law | NotModelled:
             "λ_N/2 + max(λ_N/2, |λ|/μ)"
         ),
         constants={
-            "τ": Constant(preset["time constant"], "s", "constraint_timeconst, Genesis's own"),
-            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, Genesis's own: of a contact that touches"),
-            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, Genesis's own: of one deeper than the width"),
+            "τ": Constant(preset["time constant"], "s", "constraint_timeconst, Genesis's own", ideal=math.inf),
+            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, Genesis's own: of a contact that touches", ideal=0.0),
+            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, Genesis's own: of one deeper than the width", ideal=0.0),
             "δ": Constant(WIDTH, "m", "solimp, Genesis's own"),
         },
         model=_pyramidal_contact,
+        without_friction=RUBS_AND_PRESSES,
         period_bound=NEWTON_PERIOD,
         bound_reason=NEWTON_REASON,
     )

@@ -1,7 +1,8 @@
 """The law of a preset, as a model that predicts the engine: a formula, its constants, and the steps that they make."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from engines.interface.tolerances import STEPS
 from reference_lcp.chain.simulation import Lane, common_cells
@@ -11,6 +12,10 @@ ROUND_OFF_PERIOD = 1e-11
 """Largest difference of an engine from its law after one period from the same state, over the displacement scale,
 where both compute the same in double precision: 400 steps of some ten roundings of 1e-16, grown by the condition of
 unequal cells."""
+
+
+NEAR = 1e-4
+"""Of the way between a constant and its ideal value, what is left near that."""
 
 
 @dataclass(frozen=True)
@@ -25,9 +30,20 @@ class Constant:
     """The option that it comes from, or where the engine has it."""
     too_small_to_see: bool = False
     """The whole of it moves nothing by more than `Law.period_bound`."""
+    ideal: float | None = None
+    """With it, and ever finer steps, the law is Coulomb's; infinity is approached. ``None`` where the constant loses
+    its effect with the step anyway."""
     visible_error: float = 0.01
     """Part of it that an error has to reach to move something by more: above a hundredth where the whole moves only
     some ten bounds."""
+
+    def near_ideal(self) -> "Constant":
+        """Give it with a value near the ideal one, where it has one."""
+        if self.ideal is None:
+            return self
+        if math.isinf(self.ideal):
+            return replace(self, value=self.value / NEAR)
+        return replace(self, value=self.ideal + NEAR * (self.value - self.ideal))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,12 +70,18 @@ class Law:
     """It holds where contacts open and close, too; its state then has their gaps."""
     inclines: bool = False
     """It holds where the faces of contacts are inclined to the row, too."""
+    without_friction: str = ""
+    """Why no constants make its friction Coulomb's: the law is then one of the chain's alone. Empty where some do."""
     unmodelled_reason: Callable[[Lane], str | None] = lambda _: None
     """Says why it does not predict the engine in a lane with such a normal force; gives ``None`` where it does."""
 
     def bound_at(self, steps: int) -> float:
         """Give `period_bound` for a period of so many steps."""
         return self.period_bound * max(1.0, steps / STEPS) ** self.bound_growth
+
+    def ideal(self) -> "Law":
+        """Give the law with every constant near its ideal value."""
+        return replace(self, constants={symbol: each.near_ideal() for symbol, each in self.constants.items()})
 
     def unclaimed_reason(self, lane: Lane) -> str | None:
         """Say why it does not claim to predict a lane; ``None`` if it does."""

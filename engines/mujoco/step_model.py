@@ -27,6 +27,11 @@ with U0 ω² = 2 m/s², the gentlest that presets are held to; a period has a fe
 
 NEWTON_REASON = "MuJoCo's Newton solver stops at a tolerance of 1e-8, now and then before all is solved"
 
+RUBS_AND_PRESSES = (
+    "the edges of its pyramid press and rub with one force: without softness it has no friction left to bound"
+)
+"""Of a sphere. A soft constraint that takes ever longer has none at all, and that limit is known too."""
+
 HELD_FORMULA = (
     "as the joint's, with s = a_0 + A λ + b w, b = 2 / (τ d_max), R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 2/m_i) / 3: "
     "λ = −2 μ² s / R while both edges press, μ |s| <= R λ_N / 4, and λ = −sgn(s) μ (R λ_N / 4 + μ |s|) / R beyond, "
@@ -62,9 +67,9 @@ def joint_friction(preset: Preset) -> Law | NotModelled:
             "dashpots of joints (c_i) then implicit, (M + h C_i) q̇⁺ = (M + h C_i − h C) q̇ − h K q + h f(t) e_1 + h W λ"
         ),
         constants={
-            **({"τ": Constant(constant, "s", "solref_friction, time constant")} if fixed else {}),
-            "d_0": Constant(least, "", "solimp_friction: where nothing is violated"),
-            "d_max": Constant(largest, "", "solimp_friction; solref is scaled by it"),
+            **({"τ": Constant(constant, "s", "solref_friction, time constant", ideal=0.0)} if fixed else {}),
+            "d_0": Constant(least, "", "solimp_friction: where nothing is violated", ideal=1.0),
+            "d_max": Constant(largest, "", "solimp_friction; solref is scaled by it", ideal=1.0),
         },
         model=_joint_friction,
         period_bound=NEWTON_PERIOD,
@@ -79,12 +84,15 @@ def pyramidal_contact(preset: Preset) -> Law:
     return Law(
         formula=f"{HELD_FORMULA}; {FREE_FORMULA}" if lifting else HELD_FORMULA,
         constants={
-            "τ": Constant(preset["normal time constant"], "s", "normal time constant; of a free sphere, solref"),
-            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, MuJoCo's own: of a contact that touches"),
-            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, MuJoCo's own: of one deeper than the width"),
+            "τ": Constant(
+                preset["normal time constant"], "s", "normal time constant; of a free sphere, solref", ideal=math.inf
+            ),
+            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, MuJoCo's own: of a contact that touches", ideal=0.0),
+            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, MuJoCo's own: of one deeper than the width", ideal=0.0),
             "δ": Constant(WIDTH, "m", "solimp, MuJoCo's own"),
         },
         model=lambda lane, of: _pyramidal_contact(preset.pressed(lane), of),
+        without_friction=RUBS_AND_PRESSES,
         period_bound=NEWTON_PERIOD,
         bound_reason=NEWTON_REASON,
         modulated=lifting,

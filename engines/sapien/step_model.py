@@ -30,7 +30,7 @@ def damped_links(preset: Preset) -> Law:
     damping = preset["linear damping"]
     return Law(
         formula="equation (5) with the force −k m v of the start of the step on every mass",
-        constants={"k": Constant(damping, "1/s", "linear damping of links", too_small_to_see=not damping)},
+        constants={"k": Constant(damping, "1/s", "linear damping of links", ideal=0.0, too_small_to_see=not damping)},
         model=_damped_links,
         period_bound=SINGLE_PRECISION_PERIOD,
         bound_growth=0.5,

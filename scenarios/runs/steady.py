@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from typing import Any
 
 from engines.interface.engine import SteadyStateSolver
-from engines.interface.law import Law
+from engines.interface.law import ROUND_OFF_PERIOD, Law
 from engines.interface.registry import LAW_SUFFIX
 from engines.interface.variant import Variant
-from engines.shared.law_distance import distance_from_law, stepped_by, unclaimed_reason
+from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.neighbours import orbits_from_balance, orbits_from_euler, residual_amplification
 from reference_lcp.steady.orbits import part_of, periodic_orbits
-from scenarios.runs.failures import CheckedSimulation, check_trajectory, results_together
+from scenarios.runs.failures import NOT_FINITE, CheckedSimulation, check_trajectory, results_together
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import Recorded, Start, SteadyStateTask
@@ -78,9 +78,12 @@ def _law_period(task: SteadyStateTask) -> Result:
         return Result.blocked(f"{task.variant} has no law that is a model")
     lane, steps = task.lane()
     distance = distance_from_law(CheckedSimulation(task.variant.build([lane])), law, lane, steps)
+    series = {"distance": (distance.law,), "reference": (distance.reference,)}
+    if ROUND_OFF_PERIOD < distance.law < math.inf:
+        series["gain"] = (gain(law, lane, steps, distance.law),)
     return Result(
         status=ResultStatus.FINISHED,
-        series={"distance": (distance.law,), "reference": (distance.reference,)},
+        series=series,
         reason=unclaimed_reason(law, lane) or "",
         steps_per_period=steps,
         seconds=time.perf_counter() - begin,
@@ -133,7 +136,7 @@ def _result(variant: Variant, state: SteadyState, seconds: float, recorded: Reco
     """Give the numbers of a steady state; one whose search has diverged has none."""
     orbit, stick_margin = state.orbit, variant.preset.stick_margin
     if not math.isfinite(orbit.residual):
-        reason = f"the engine's numbers are not finite, in period {orbit.periods} of the search"
+        reason = f"the engine's numbers are {NOT_FINITE}, in period {orbit.periods} of the search"
         return Result.blocked(reason, by_engine=True)
     if orbit.status is OrbitStatus.DIVERGED:
         return Result(status=ResultStatus(orbit.status), periods=orbit.periods, seconds=seconds)
@@ -146,6 +149,7 @@ def _result(variant: Variant, state: SteadyState, seconds: float, recorded: Reco
         series |= RecordedPeriod.of(orbit, stick_margin).to_series()
     return Result(
         status=ResultStatus(orbit.status),
+        reason=orbit.reason,
         transmittance_db=state.transmittance_db,
         phase=state.phase,
         residual=orbit.residual,

@@ -325,7 +325,7 @@ def description_of(variant: Variant) -> dict[str, Any]:
     return {
         "package": of.capabilities.package,
         "version": of.version() if of.unavailable_reason() is None else None,
-        "description": preset.description,
+        "description": variant.description,
         "options": [
             {"name": name, "value": _plain(option.value), "default": option.default, "reason": option.reason}
             for name, option in preset.engine_options.items()

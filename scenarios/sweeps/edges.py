@@ -149,7 +149,8 @@ def _judged(
     eta, right = (None if own is None else own.frequency_ratio for own in (crossing, expected))
     lacking = [owner for owner in dict.fromkeys((variant, against)) if (owner, case) in refined.incomplete]
     if all(result.status is ResultStatus.BLOCKED for result in results):
-        comparison = Comparison(Verdict.BLOCKED, results[0].reason)
+        first = next((result for result in results if result.failed), results[0])
+        comparison = Comparison(Verdict.BLOCKED, first.reason, failed=first.failed)
     elif lacking:
         curves = " and ".join(f"{owner.title}'s curve" for owner in lacking)
         comparison = Comparison(Verdict.INCONCLUSIVE, f"{curves}: points are not evaluated so far")

@@ -44,7 +44,13 @@ def _predicted_point(point: Point, law: Variant, own: Result, period: LawPeriod)
     of_law = replace(of_law, findings=point_findings(of_law))
     judged = with_predictions(_with_resolution(point), _with_resolution(of_law), {point.label: period})
     pairs = zip(point.findings, judged, strict=True)
-    return replace(point, findings=tuple(replace(finding, prediction=one.prediction) for finding, one in pairs))
+    return replace(point, findings=tuple(_as_judged(finding, one) for finding, one in pairs))
+
+
+def _as_judged(finding: Finding, judged: Finding) -> Finding:
+    """Give a finding with what its law says, its own resolution kept."""
+    comparison = replace(finding.comparison, verdict=judged.comparison.verdict, reason=judged.comparison.reason)
+    return replace(finding, comparison=comparison, prediction=judged.prediction)
 
 
 def _with_resolution(point: Point) -> list[Finding]:
@@ -98,4 +104,4 @@ def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: LawPeriod) ->
     prediction = finding.prediction
     if prediction is not None and crossing is None and edge.frequency_ratio is None:
         prediction = replace(prediction, difference=0.0)  # neither has it on the grid
-    return replace(edge, prediction=prediction)
+    return replace(edge, comparison=finding.comparison, prediction=prediction)

@@ -14,15 +14,16 @@ import numpy as np
 
 from engines.interface.law import ROUND_OFF_PERIOD
 from engines.interface.registry import law_of
+from engines.shared.law_limit import law_fault
 from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.finding import Finding, Prediction, Verdict
 from scenarios.verdicts.judge import metric_difference
 
-PERIODS_OF_ERROR = 400
-"""Periods whose differences between engine and law add up at most: motions never drift apart, the longest of the
-catalogue have 320 periods, and a steady state is searched for in as many."""
+PERIODS_OF_ERROR = 400.0
+"""Periods whose differences between engine and law add up at most, where that is not measured: motions never drift
+apart, the longest of the catalogue have 320 periods. In a steady state what is left of them is measured, see `gain`."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class LawPeriod:
     bound: float
     reason: str = ""
     """Why there is no distance, or one that is larger than the bound, where that is known; empty elsewhere."""
+    gain: float = PERIODS_OF_ERROR
+    """How many times the distance of a period is left in a number."""
 
     @classmethod
     def of(cls, task: SteadyStateTask, result: Result) -> Self:
@@ -41,7 +44,8 @@ class LawPeriod:
         law = law_of(task.variant.preset)
         assert law is not None, "only variants with a law are compared with one"
         distance = result.series["distance"][0] if result.status is ResultStatus.FINISHED else math.nan
-        return cls(distance, law.bound_at(task.lane()[1]))
+        gain = result.series.get("gain", (PERIODS_OF_ERROR,))[0]
+        return cls(distance, law.bound_at(task.lane()[1]), gain=gain)
 
 
 def with_predictions(
@@ -50,9 +54,14 @@ def with_predictions(
     """Give the findings of a variant, its disagreements with what its law says of them in the same cases.
 
     A case without a period of its own takes the worst. What a scenario itself predicted of a finding, from what a
-    preset states, stays.
+    preset states, stays. A law that is none of the chain says nothing, see `law_fault`.
     """
-    laws = {(finding.case, finding.metric): finding for finding in predicted}
+    fault = law_fault(predicted[0].variant) if predicted else None
+    nothing = replace(predicted[0].comparison, verdict=Verdict.BLOCKED, reason=fault) if fault is not None else None
+    laws = {
+        (finding.case, finding.metric): finding if nothing is None else replace(finding, comparison=nothing)
+        for finding in predicted
+    }
     worst = max(periods.values(), key=_badness, default=LawPeriod(0.0, ROUND_OFF_PERIOD))
     largest = max((min(each.distance, each.bound) for each in periods.values() if each.distance >= 0), default=0.0)
     return [
@@ -66,9 +75,22 @@ def with_predictions(
 def _with_prediction(finding: Finding, own: Finding, period: LawPeriod, largest: float) -> Finding:
     """Give a finding with its prediction, or with the reason why the law does not represent the case."""
     if own.comparison.verdict is not Verdict.BLOCKED:
-        return replace(finding, prediction=_prediction(finding, own, period, largest))
+        prediction = _prediction(finding, own, period, largest)
+        decides = finding.comparison.verdict is not Verdict.DISAGREE or not _leaves_open(finding, prediction)
+        return replace(finding, prediction=prediction) if decides else _undecided(finding, prediction)
     reason = f"{finding.comparison.reason}; its law says nothing: {own.comparison.reason}"
     return replace(finding, comparison=replace(finding.comparison, reason=reason))
+
+
+def _leaves_open(finding: Finding, prediction: Prediction) -> bool:
+    """Whether a prediction holds, and would for no deviation at all."""
+    return prediction.holds and prediction.allowed >= abs(finding.comparison.difference)
+
+
+def _undecided(finding: Finding, prediction: Prediction) -> Finding:
+    """Give a finding that deviates by less than what engine and law leave open."""
+    reason = f"{finding.comparison.reason}; that is no more than what its law leaves open: {prediction}"
+    return replace(finding, comparison=replace(finding.comparison, verdict=Verdict.INCONCLUSIVE, reason=reason))
 
 
 def needs_prediction(finding: Finding) -> bool:
@@ -90,7 +112,7 @@ def _prediction(finding: Finding, own: Finding, period: LawPeriod, largest: floa
     """
     certified = own.comparison.certified
     nothing = math.isnan(finding.value) and _same_gap(finding, own)
-    left_open = finding.comparison.resolution + own.comparison.resolution + _added_up(largest, finding)
+    left_open = finding.comparison.resolution + own.comparison.resolution + _added_up(period.gain * largest, finding)
     return Prediction(
         value=own.value,
         difference=0.0 if nothing else metric_difference(finding.metric, finding.value, own.value),
@@ -108,9 +130,9 @@ def _same_gap(finding: Finding, own: Finding) -> bool:
     return math.isnan(own.value) and gaps[0] == gaps[1]
 
 
-def _added_up(distance: float, finding: Finding) -> float:
-    """Give what distances of a period make of a number while they add up; no less than round-off makes."""
-    error = PERIODS_OF_ERROR * float(np.maximum(distance, ROUND_OFF_PERIOD))
+def _added_up(error: float, finding: Finding) -> float:
+    """Give what is left of distances in a number, as amplitude; no less than round-off makes."""
+    error = float(np.maximum(error, PERIODS_OF_ERROR * ROUND_OFF_PERIOD))
     if finding.metric.unit == "dB":
         return amplitude_in_db(error, finding.value)
     return error * finding.comparison.per_amplitude

@@ -9,7 +9,7 @@ from engines.interface.variant import Variant
 from scenarios.runs.result import Result
 from scenarios.sweeps.point import UNBOUNDED, Point, point_findings
 from scenarios.sweeps.sweep import Case, GivenTolerance, baseline, refinements
-from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Verdict
+from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Comparison, Finding, Verdict
 from scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN, CONVERGED, REFERENCE
 
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
@@ -173,3 +173,16 @@ def test_a_motion_that_is_not_certified_but_repeats_well_enough_is_compared_and_
     }
     far = dataclasses.replace(known, result=answer(-10.0, status="period limit"))
     assert dataclasses.replace(far, findings=point_findings(far)).comparison.verdict is Verdict.INCONCLUSIVE
+
+
+def test_what_is_allowed_of_a_metric_is_not_that_of_another() -> None:
+    answers = {PHASE: (1.0, 2.0), TRANSMITTANCE: (0.1, 0.2)}
+    findings = tuple(
+        Finding(OWN, "", metric, 0.0, 0.0, Comparison(Verdict.AGREE, "", difference=off, tolerance=allowed))
+        for metric, (off, allowed) in answers.items()
+    )
+    case = Case.of(friction_ratio=0.3)
+    known = Point(variant=OWN, case=case, frequency_ratio=0.9, result=answer(-10.0), reference=answer(-10.0),
+                  converged=answer(-10.0), findings=findings)  # fmt: skip
+    for metric in (PHASE, TRANSMITTANCE):
+        assert (known.difference(metric), known.allowed(metric)) == answers[metric]

@@ -1,0 +1,43 @@
+"""A law that is the engine's own error, allows everything or claims nothing excuses nothing; a sound one does."""
+
+import pytest
+
+from engines.contract.test_stated_law import test_stated_law_is_one_of_the_chain as clause
+from engines.interface.registry import engine_names
+from engines.interface.variant import Variant, variants_of
+from engines.shared.law_limit import law_fault
+from scenarios.catalogue.registry import CATALOGUE
+from scenarios.verdicts.finding import failures
+from tests.scenarios.in_process import findings
+
+FAULTS = {
+    "faulty-own-law": "with ideal constants and 3200 steps it is",
+    "faulty-unbounded": "its bound after a period is 1 U0; allowed: 0.0015",
+    "faulty-claims-nothing": "it claims no point of figure 3",
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def wrong_engines(install):
+    with install("mutations").visible():
+        yield
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_law_of_another_chain_breaks_the_contract_and_predicts_nothing(name) -> None:
+    with pytest.raises(AssertionError, match=FAULTS[name]):
+        clause(Variant(name))
+    judged = findings(CATALOGUE["unit-cell"], Variant(name), laws=True)
+    assert not any(finding.modelled for finding in judged)
+    assert failures(judged)
+
+
+def test_sound_law_keeps_the_contract_and_predicts() -> None:
+    sound = Variant("faulty-lawful")
+    clause(sound)
+    assert failures(findings(CATALOGUE["unit-cell"], sound, laws=True)) == []
+
+
+@pytest.mark.parametrize("name", [name for name in engine_names() if not name.startswith(("faulty", "mutant"))])
+def test_stated_laws_of_the_suite_are_laws_of_the_chain(name) -> None:
+    assert {variant: fault for variant in variants_of(name, optional=True) if (fault := law_fault(variant))} == {}
