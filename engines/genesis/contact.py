@@ -16,6 +16,7 @@ from engines.genesis.simulation import GenesisSimulation
 from engines.interface.presets import OfStep, Preset
 from engines.mujoco.contact import DEPTH, PLATE, RADIUS
 from engines.shared.units import Units, power_of_two
+from engines.shared.worlds_simulation import rub_alike
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
@@ -39,9 +40,8 @@ def share_a_scene(lanes: Sequence[Lane], preset: Preset) -> bool:
 
     It has one time step, one time constant of contacts, and a contact in the same cells of all environments.
     """
-    rubbing = {tuple(lane.chain.friction_bound > 0) for lane in lanes}
     in_steps = preset["units"] == "lane" and isinstance(preset["time constant"], OfStep)
-    return len(lanes) == 1 or (in_steps and len(rubbing) == 1)
+    return len(lanes) == 1 or (in_steps and rub_alike(lanes))
 
 
 class ContactSimulation(GenesisSimulation):

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from engines.interface.law import Law, NotModelled
-from engines.interface.presets import OfStep, Option, Preset
+from engines.interface.presets import ACROSS, OfStep, Option, Preset
 from reference_lcp.errors import ParameterError, shown
 
 MOST_COUNT = 2**31 - 1
@@ -25,20 +25,21 @@ def changed_preset(preset: Preset, settings: Sequence[str], all_presets: Iterabl
     """
     known = list(all_presets)
     values: dict[str, Any] = {}
+    reached = preset
     for setting in settings:
-        option, value = _read(preset, setting, known, name)
+        option, value = _read(reached, setting, known, name)
         if option in values:
             raise ParameterError(f"option {option} of {name} is set twice; allowed: once")
         values[option] = value
+        reached = replace(preset, options=_options(preset, values))
     changes = {option: value for option, value in sorted(values.items()) if value != preset[option]}
     return _changed(preset, changes, name) if changes else preset
 
 
 def _changed(preset: Preset, changes: Mapping[str, Any], name: str) -> Preset:
-    options = {option: replace(preset.options[option], value=value) for option, value in changes.items()}
     changed = replace(
         preset,
-        options={**preset.options, **options},
+        options=_options(preset, changes),
         modulated_options={other: own for other, own in preset.modulated_options.items() if other not in changes},
         shares_scheme=False,
         law=partial(_law_of_changed, preset, tuple(changes)),
@@ -51,6 +52,12 @@ def _changed(preset: Preset, changes: Mapping[str, Any], name: str) -> Preset:
         reason = " ".join(f"{type(problem).__name__}: {problem}".split())
         raise ParameterError(f"{', '.join(changed.settings)} of {name} is not what its law takes: {reason}") from None
     return changed
+
+
+def _options(preset: Preset, changes: Mapping[str, Any]) -> dict[str, Option]:
+    """Give all options, some with other values."""
+    changed = {option: replace(preset.options[option], value=value) for option, value in changes.items()}
+    return {**preset.options, **changed}
 
 
 def _law_of_changed(unchanged: Preset, changes: Sequence[str], preset: Preset) -> Law | NotModelled:
@@ -88,6 +95,7 @@ def _read(preset: Preset, setting: str, known: Sequence[Preset], name: str) -> t
     """Read ``NAME=VALUE``."""
     option, _, text = setting.partition("=")
     settable = [each for each, own in preset.engine_options.items() if not own.fixed]
+    settable += [each for each in preset.options if each == ACROSS]
     if option not in settable:
         allowed = ", ".join(f"{each} ({_type_text(preset, each, known)})" for each in settable) or "none"
         raise ParameterError(f"option {shown(option)} cannot be set in {name}; allowed: {allowed}")

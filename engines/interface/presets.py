@@ -74,11 +74,13 @@ class Option:
     """Why it is set, in one sentence."""
     fixed: bool = False
     """The engine has it, and lets nobody set it."""
+    held: bool = False
+    """It acts only where the masses of a cell are held across the row, see `ACROSS`."""
 
     @classmethod
-    def own(cls, value: Any, meaning: str, *, fixed: bool = False) -> Self:
+    def own(cls, value: Any, meaning: str, *, fixed: bool = False, held: bool = False) -> Self:
         """Give a setting as the engine comes: its own value, and in one sentence what that does."""
-        return cls(value, value, meaning, fixed)
+        return cls(value, value, meaning, fixed, held)
 
 
 ADAPTERS_UNITS = "units"
@@ -158,8 +160,15 @@ class Preset:
 
     @property
     def engine_options(self) -> Mapping[str, Option]:
-        """Give the options of the engine: all but the adapter's own units, on which results depend too."""
-        return {name: option for name, option in self.options.items() if name != ADAPTERS_UNITS}
+        """Give the options of the engine that act: without the adapter's own, on which results depend too."""
+        adapters = {ADAPTERS_UNITS, ACROSS}
+        own = {name: option for name, option in self.options.items() if name not in adapters}
+        return {name: option for name, option in own.items() if not (option.held and self.is_free)}
+
+    @property
+    def is_free(self) -> bool:
+        """Whether a constant force presses masses together that are free across the row."""
+        return ACROSS in self.options and self[ACROSS] == FREE
 
     def value(self, name: str, time_step: float) -> Any:
         """Give the value of an option at a time step, in the units of that step if it depends on it."""
@@ -174,8 +183,7 @@ class Preset:
 
     def pressed(self, lane: Lane) -> Lane:
         """Give a lane as it is built: where masses are free across the row, a constant force presses them together."""
-        free = ACROSS in self.options and self[ACROSS] == FREE
-        return replace(lane, preload=CONSTANT) if free and lane.preload is None else lane
+        return replace(lane, preload=CONSTANT) if self.is_free and lane.preload is None else lane
 
     def takes(self, version: str) -> bool:
         """Tell whether a version of the engine has what it sets."""

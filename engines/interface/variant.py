@@ -1,17 +1,23 @@
 """One way to simulate the chain: an engine, a formulation, a preset and changed options; what names stand for."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from engines.interface.changed_options import value_text
-from engines.interface.presets import Capabilities, Preset
+from engines.interface.presets import Capabilities, Formulation, Preset
 from engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError, checked_choice
 
 FORM = "ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]..."
 """How a variant is named."""
+
+
+GENERAL = ("default", "recommended")
+"""Presets that hold in any model; others are for the chain."""
+
+FOR_THE_CHAIN = "Chosen to be exact for this chain, and not to be copied into other models."
 
 
 @dataclass(frozen=True, order=True)
@@ -73,6 +79,22 @@ class Variant:
     def preset(self) -> Preset:
         """Give the preset itself."""
         return engine(self.engine).preset(self.formulation, self.preset_name)
+
+    @property
+    def description(self) -> str:
+        """Say what the preset is for; of a tuned one, that it is for this chain alone."""
+        chosen = self.preset_name == "tuned" and "default" in self._presets
+        return f"{self.preset.description} {FOR_THE_CHAIN}" if chosen else self.preset.description
+
+    def reach(self, option: str) -> str:
+        """Say where an option of its may be copied to: *general* where the recommended preset changes it too."""
+        recommended = self._presets.get("recommended")
+        changed = recommended is not None and option in recommended.changed_from(self._presets["default"])
+        return "general" if changed or self.preset_name.split(":")[0] in GENERAL else "this chain only"
+
+    @property
+    def _presets(self) -> Mapping[str, Preset]:
+        return self.capabilities.presets[Formulation(self.formulation)]
 
     @property
     def capabilities(self) -> Capabilities:
@@ -213,5 +235,14 @@ def default_variants() -> list[Variant]:
 
     Those of the engines that come with the suite.
     """
+    return _with_presets("tuned", "default")
+
+
+def recommended_variants() -> list[Variant]:
+    """Give the presets of the same engines whose options can be copied into any model."""
+    return _with_presets("recommended")
+
+
+def _with_presets(*presets: str) -> list[Variant]:
     every = (variant for name in default_engine_names() for variant in variants_of(name, optional=True))
-    return [variant for variant in every if variant.preset_name in ("tuned", "default")]
+    return [variant for variant in every if variant.preset_name in presets]

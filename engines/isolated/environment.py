@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib import metadata
 from importlib.metadata import Distribution
+from math import isfinite
 from pathlib import Path
 
 from packaging.utils import canonicalize_name
@@ -40,6 +41,11 @@ class Record:
     megabytes: float
     """Size of its files [MB]."""
 
+    def __post_init__(self) -> None:
+        texts = [self.python, *self.packages, *self.packages.values()]
+        if not all(isinstance(text, str) for text in texts) or not isfinite(self.seconds + self.megabytes):
+            raise TypeError("an environment's record has texts and numbers")
+
 
 @dataclass(frozen=True)
 class Environment:
@@ -67,7 +73,7 @@ class Environment:
         """Give what was installed; ``None`` where it is missing, or was not made to the end."""
         try:
             return Record(**json.loads((self.folder / RECORD).read_text()))
-        except (OSError, ValueError, TypeError):
+        except (OSError, ValueError, TypeError, AttributeError, ArithmeticError, RecursionError):
             return None
 
     def write_record(self, record: Record) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name
-from packaging.version import InvalidVersion, Version
+from packaging.version import Version
 
 from engines.interface.engine import Engine, EngineNotInstalled
 from engines.interface.presets import Formulation, Preset
@@ -51,9 +51,11 @@ class Requirement:
         if version is None:
             return cls(registered)
         try:
-            Version(version)
-        except InvalidVersion:
+            normal = str(Version(version))
+        except ValueError:  # of too many digits too
             raise ParameterError(f"{name} has no version after the @; allowed: one as in {EXAMPLE}") from None
+        if normal != version:  # one version has one name, and one environment
+            raise ParameterError(f"{name} is not how that version is written; allowed: {registered.name}@{normal}")
         if not registered.takes(version):
             package = registered.capabilities.package
             raise ParameterError(f"{name}: its adapter does not take that; allowed: {package} {registered.versions}")
@@ -81,11 +83,12 @@ class Requirement:
 
     @property
     def _beginning(self) -> str:
-        """The version as a specifier: whatever begins so; a preliminary or a local one must be that very one."""
+        """The version as a specifier: whatever begins so; any but a plain release must be that very one."""
         if not self.version:
             return ""
         exact = Version(self.version)
-        return f"=={self.version}" if exact.is_prerelease or exact.local else f"=={exact.public}.*"
+        of_its_own = exact.is_prerelease or exact.is_postrelease or exact.local
+        return f"=={self.version}" if of_its_own else f"=={exact.public}.*"
 
 
 SERVER = Path(__file__).with_name("server.py")

@@ -39,6 +39,9 @@ DEPTH = 1.0
 TOUCH = 2.0**-30
 """Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
 
+TOUCH_IN_SINGLE = 2.0**-18
+"""The same where coordinates are kept in single precision: four roundings of where a sphere is, 2 `RADIUS` high."""
+
 LEAST_COEFFICIENT = 1e-4
 """Smallest μ: MuJoCo cuts smaller ones off."""
 
@@ -67,17 +70,18 @@ def compiled_contacts(
     *,
     lifting: bool = False,
     units_of: Callable[[Lane, Preset], Units] = contact_units,
+    touch: float = TOUCH,
 ) -> CompiledLane:
     """Compile a lane with spheres that are held in their plates or, if `lifting`, rest on them and may leave them."""
     pressed = pressed_harder(lane, preset)
     units = units_of(pressed, preset)
-    model = _model(pressed, units, preset, lifting=lifting)
+    model = _model(pressed, units, preset, lifting=lifting, depth=touch if lifting else DEPTH)
     rubs = lane.chain.friction_bound > 0
     share = np.divide(lane.chain.normal_force, pressed.chain.normal_force, where=rubs, out=np.ones(rubs.size))
     return CompiledLane(lane, units, model, share)
 
 
-def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool) -> Any:
+def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool, depth: float) -> Any:
     """Compile sliding plates in the world, on each a sphere, and tendons between the plates."""
     import mujoco
 
@@ -88,7 +92,7 @@ def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool) -> Any:
         outer, inner = _add_masses(spec, lane, chain, cell, scale)
         if lifting:
             inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
-        _add_geometry(outer, inner, lane, cell, scale, TOUCH if lifting else DEPTH)
+        _add_geometry(outer, inner, lane, cell, scale, depth)
         pair = _add_contact(spec, chain, cell, preset)
         pair.solreffriction = solref_of(preset, "solreffriction", lane.time_step, units)
         if lifting:

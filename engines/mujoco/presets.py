@@ -36,7 +36,9 @@ CONTACT_OPTIONS = {
     ACROSS: Option.own(FREE, "As bodies rest on each other: a constant force presses the sphere on its plate."),
     "solreffriction": Option.own((0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
     "normal time constant": Option.own(
-        SOLREF[0], "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
+        SOLREF[0],
+        "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N.",
+        held=True,
     ),
 }
 

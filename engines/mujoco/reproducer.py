@@ -23,7 +23,9 @@ def joint_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) 
     return {**script_units(units), **_model(preset), "joint": f'solreffriction="{solref}"' if changed else ""}
 
 
-def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
+def contact_numbers(
+    lane: Lane, preset: Preset, _start: State, units: Units = SI, touch: float = TOUCH
+) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
     lane = preset.pressed(lane)
     lifting = lane.preload is not None
@@ -38,7 +40,7 @@ def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI
         "joints": 4 if lifting else 3,
         "radius": RADIUS * scale,
         "plate": PLATE * scale,
-        "height": 2 * RADIUS * scale - (TOUCH if lifting else DEPTH) * scale,
+        "height": 2 * RADIUS * scale - (touch if lifting else DEPTH) * scale,
         "pair": [" ".join(pair[start : start + 2]) for start in range(0, len(pair), 2)],  # lines of two
     }
 

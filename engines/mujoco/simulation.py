@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from engines.mujoco.joint import CompiledLane
 from engines.shared.coordinates import absolute_coordinates, joint_coordinates
-from engines.shared.worlds_simulation import LanesInUnits
-from reference_lcp.chain.simulation import Lane, common_cells
+from engines.shared.worlds_simulation import LanesOfJoints
+from reference_lcp.chain.simulation import common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_count
@@ -21,7 +21,7 @@ LARGEST_NUMBER = 1e10
 """MuJoCo's mjMAXVAL, in units of the lane: beyond, coordinates stop a simulation, and forces count as zero."""
 
 
-class MuJoCoSimulation(LanesInUnits):
+class MuJoCoSimulation(LanesOfJoints):
     """Lanes as the simulations of one batch, each with a model of its own."""
 
     def __init__(self, compiled: Sequence[CompiledLane]):
@@ -83,11 +83,7 @@ class MuJoCoSimulation(LanesInUnits):
 
     def _set_internal_state(self, state: State, start: int) -> None:
         """Set what a state holds besides: gaps and their rates."""
-        if self._opens:
-            gap, speed = state.normal_state(self.lanes[0].chain.cells)
-            for name, across in (("qpos", gap / self._length), ("qvel", speed / self._velocity)):
-                for row, given, lane in zip(self._batch.bind(name), across, self.lanes, strict=True):
-                    row[3 :: self._joints] = self._heights(row, given, lane)
+        self._set_heights(state, self._batch.bind("qpos"), self._batch.bind("qvel"))
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
@@ -107,31 +103,7 @@ class MuJoCoSimulation(LanesInUnits):
 
     def _state(self, part: Callable[[str], FloatArray]) -> State:
         """Give the state of all lanes, whose parts, shape (lanes, size), are given by their names in MuJoCo."""
-        qpos, qvel = part("qpos"), part("qvel")
-        position = absolute_coordinates(qpos, self._joints) * self._length
-        velocity = absolute_coordinates(qvel, self._joints) * self._velocity
-        if not self._opens:
-            return State(position, velocity)
-        gap, speed = (
-            np.stack([self._gaps(row, lane) for row, lane in zip(rows, self.lanes, strict=True)])
-            for rows in (qpos, qvel)
-        )
-        return State(position, velocity, np.hstack([gap * self._length, speed * self._velocity]))
-
-    def _gaps(self, coordinates: FloatArray, lane: Lane) -> FloatArray:
-        """Give the gaps of joint coordinates, shape (..., nq), along the normals of the plates; rates likewise."""
-        above = coordinates[..., 3 :: self._joints]
-        if not lane.inclination:
-            return above
-        slip = coordinates[..., 1 :: self._joints]
-        return math.cos(lane.inclination) * above - math.sin(lane.inclination) * slip
-
-    def _heights(self, coordinates: FloatArray, gap: FloatArray, lane: Lane) -> FloatArray:
-        """Give the coordinates across the row of a lane, at which its gaps are these; rates likewise."""
-        if not lane.inclination:
-            return gap
-        slip = coordinates[1 :: self._joints]
-        return (gap + math.sin(lane.inclination) * slip) / math.cos(lane.inclination)
+        return self._state_at(part("qpos"), part("qvel"))
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""

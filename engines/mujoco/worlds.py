@@ -1,17 +1,20 @@
 """Lanes as the worlds of one model, whatever their formulation, in copies of MuJoCo that advance all at once."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engines.interface.presets import Formulation, Preset
-from engines.mujoco.contact import compiled_contacts, light_units
+from engines.mujoco.contact import TOUCH_IN_SINGLE, compiled_contacts, light_units
 from engines.mujoco.joint import CompiledLane, compiled_joints
 from engines.shared.worlds import Worlds
 from engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp.chain.simulation import Lane, common_cells
+from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 
 
@@ -27,6 +30,7 @@ class ModelsSimulation(WorldsSimulation):
         lanes = [each.lane for each in compiled]
         worlds = new_worlds(self._models, any(lane.preload is not None for lane in lanes))
         joints = self._models[0].nq // common_cells(lanes)
+        self._opens = self._models[0].nu > 1
         super().__init__(lanes, [each.units for each in compiled], joints, worlds)
 
     @classmethod
@@ -40,11 +44,23 @@ class ModelsSimulation(WorldsSimulation):
         """Compile MuJoCo's models of the lanes, and make worlds of them."""
         if formulation is Formulation.JOINT:
             return cls([compiled_joints(lane, preset) for lane in lanes], new_worlds)
-        return cls([compiled_contacts(lane, preset, units_of=light_units) for lane in lanes], new_worlds)
+        lifting = any(lane.preload is not None for lane in lanes)
+        own = preset.modulated() if lifting else preset
+        compiled = partial(compiled_contacts, lifting=lifting, units_of=light_units, touch=TOUCH_IN_SINGLE)
+        return cls([compiled(lane, own) for lane in lanes], new_worlds)
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
         return type(self)([self._compiled[lane] for lane in lanes], self._new_worlds)
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane; see `Simulation.run`. An open contact has no friction, but its neighbours' round-off."""
+        motions = super().run(state, start, steps)
+        return [replace(each, friction=np.where(each.normal_force > 0, each.friction, 0.0)) for each in motions]
+
+    def _pressing(self, start: int, steps: int) -> FloatArray:
+        """Give what presses spheres that may leave their plates, and what bounds friction elsewhere."""
+        return self._preloads(start, steps) if self._opens else super()._pressing(start, steps)
 
     def _friction(self, index: int, rows: FloatArray) -> FloatArray:
         """λ_T on the inner masses; where a cell has none, Newton leaves round-off of its neighbours."""

@@ -5,7 +5,7 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from engines.interface.reproducer import Reproducer
 from engines.interface.tolerances import SINGLE_RESIDUAL
-from engines.mujoco.contact import light_units, pressed_harder
+from engines.mujoco.contact import TOUCH_IN_SINGLE, light_units, pressed_harder
 from engines.mujoco.reproducer import contact_numbers, joint_numbers
 from engines.mujoco.scene import STEP
 from engines.mujoco.worlds import ModelsSimulation
@@ -22,7 +22,9 @@ from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
 from engines.shared.claims import check_mass_ratio
 from engines.shared.pip_engine import PipEngine
 from engines.shared.units import Units
+from engines.shared.worlds_simulation import LaneAlone, rub_alike
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 
 LARGEST_MASS_RATIO = {Formulation.JOINT: 100.0, Formulation.CONTACT: 20.0}
 """Largest inner mass over the outer one of a cell.
@@ -72,7 +74,7 @@ class MuJoCoWarp(PipEngine):
         Formulation.CONTACT: Reproducer(
             "reproducer_contact.py.jinja",
             lambda lane, preset, start: contact_numbers(
-                lane, preset, start, light_units(pressed_harder(lane, preset), preset)
+                lane, preset, start, light_units(pressed_harder(lane, preset), preset), TOUCH_IN_SINGLE
             ),
             own_units=True,
         ),
@@ -83,4 +85,8 @@ class MuJoCoWarp(PipEngine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO[formulation], self.capabilities.title)
+        if formulation is Formulation.CONTACT and any(lane.preload for lane in lanes) and not rub_alike(lanes):
+            # What does not rub has a contact of another kind, and worlds share these.
+            alone = [ModelsSimulation.of([lane], formulation, preset, MuJoCoWarpWorlds) for lane in lanes]
+            return SequentialSimulation([LaneAlone(each) for each in alone])
         return ModelsSimulation.of(lanes, formulation, preset, MuJoCoWarpWorlds)

@@ -16,7 +16,10 @@ ROWS_OF_A_CONTACT = 4
 
 
 class MuJoCoWarpWorlds(WarpWorlds):
-    """Models of MuJoCo as worlds, with one control each; `modulated` ones have bounds that change in every step."""
+    """Models of MuJoCo as worlds; in `modulated` ones the bounds of joints, or what presses, change in every step.
+
+    A control loads cell 1; where spheres may leave their plates, others lift them.
+    """
 
     def __init__(self, models: Sequence[Any], modulated: bool):
         self._models, self._modulated = models, modulated
@@ -39,7 +42,9 @@ class MuJoCoWarpWorlds(WarpWorlds):
 
         warp = import_warp()
         warp.launch(kernels.load, len(self._models), [self._step, self._loads, self._data.ctrl])
-        if self._modulated:
+        if self._models[0].nu > 1:
+            warp.launch(kernels.press, self._pressing.shape[1:], [self._step, self._pressing, self._data.ctrl])
+        elif self._modulated:
             bounds = self._pressing
             warp.launch(kernels.bound, bounds.shape[1:], [self._step, bounds, self._model.dof_frictionloss])
 

@@ -16,8 +16,10 @@ def damped_joints(preset: Preset) -> Law:
     return Law(
         formula="equation (5) with the force −m (k v + k_2 v |v|) of the start of the step on every mass",
         constants={
-            "k": Constant(damping, "1/s", "linearDamping"),
-            "k_2": Constant(damping, "1/m", "linearDamping: the force of a link is m v (k + k |v|), |v| in m/s"),
+            "k": Constant(damping, "1/s", "linearDamping", ideal=0.0),
+            "k_2": Constant(
+                damping, "1/m", "linearDamping: the force of a link is m v (k + k |v|), |v| in m/s", ideal=0.0
+            ),
         },
         model=lambda lane, of: _damped(lane, 1 - lane.time_step * of["k"], of["k_2"]),
         modulated=True,
@@ -28,7 +30,7 @@ def damped_bodies(preset: Preset) -> Law:
     """Give the law of free bodies, which lose a part of their velocity before anything else."""
     return Law(
         formula="equation (5) from q̇ (1 − k)^h, h in s, with springs and dashpots from q̇ itself",
-        constants={"k": Constant(preset["linearDamping"], "", "linearDamping: the part lost in a second")},
+        constants={"k": Constant(preset["linearDamping"], "", "linearDamping: the part lost in a second", ideal=0.0)},
         model=lambda lane, of: _damped(lane, (1 - of["k"]) ** lane.time_step),
         modulated=True,
     )

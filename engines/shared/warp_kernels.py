@@ -11,6 +11,13 @@ def load(step: wp.array[int], loads: wp.array2d[float], ctrl: wp.array2d[float])
 
 
 @wp.kernel
+def press(step: wp.array[int], pressing: wp.array3d[float], ctrl: wp.array2d[float]) -> None:
+    """Press the inner mass of every cell of every world on its outer one: a control a cell, after that of the load."""
+    world, cell = wp.tid()
+    ctrl[world, cell + 1] = -pressing[step[0], world, cell]
+
+
+@wp.kernel
 def bound(step: wp.array[int], bounds: wp.array3d[float], frictionloss: wp.array2d[float]) -> None:
     """Set the bound of friction in this step, of every inner mass of every world; each follows its outer mass."""
     world, cell = wp.tid()

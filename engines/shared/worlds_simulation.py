@@ -1,5 +1,6 @@
 """Lanes as worlds of engines that advance all lanes of a batch at once."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from typing import Self
@@ -45,6 +46,56 @@ class LanesInUnits:
         return np.stack([of(lane) / units.force for lane, units in zip(self.lanes, self._units, strict=True)], axis=1)
 
 
+class LanesOfJoints(LanesInUnits):
+    """Lanes of which a cell has so many joints: that of the outer mass, of the inner one relative to it, and others.
+
+    Where masses may leave each other, the fourth joint of a cell lifts the inner one.
+    """
+
+    _joints: int
+    _opens: bool = False
+
+    def _set_heights(self, state: State, positions: FloatArray, velocities: FloatArray) -> None:
+        """Set the heights of spheres in joint coordinates, shape (lanes, nq), and their rates, from a state."""
+        if self._opens:
+            gap, speed = state.normal_state(self.lanes[0].chain.cells)
+            for rows, across in ((positions, gap / self._length), (velocities, speed / self._velocity)):
+                for row, given, lane in zip(rows, across, self.lanes, strict=True):
+                    row[3 :: self._joints] = self._heights(row, given, lane)
+
+    def _state_at(self, positions: FloatArray, velocities: FloatArray) -> State:
+        """Give the state of all lanes at joint coordinates, shape (lanes, nq), and their rates."""
+        position = absolute_coordinates(positions, self._joints) * self._length
+        velocity = absolute_coordinates(velocities, self._joints) * self._velocity
+        if not self._opens:
+            return State(position, velocity)
+        gap, speed = (
+            np.stack([self._gaps(row, lane) for row, lane in zip(rows, self.lanes, strict=True)])
+            for rows in (positions, velocities)
+        )
+        return State(position, velocity, np.hstack([gap * self._length, speed * self._velocity]))
+
+    def _gaps(self, coordinates: FloatArray, lane: Lane) -> FloatArray:
+        """Give the gaps of joint coordinates, shape (..., nq), along the normals of the plates; rates likewise."""
+        above = coordinates[..., 3 :: self._joints]
+        if not lane.inclination:
+            return above
+        slip = coordinates[..., 1 :: self._joints]
+        return math.cos(lane.inclination) * above - math.sin(lane.inclination) * slip
+
+    def _heights(self, coordinates: FloatArray, gap: FloatArray, lane: Lane) -> FloatArray:
+        """Give the coordinates across the row of a lane, at which its gaps are these; rates likewise."""
+        if not lane.inclination:
+            return gap
+        slip = coordinates[1 :: self._joints]
+        return (gap + math.sin(lane.inclination) * slip) / math.cos(lane.inclination)
+
+
+def rub_alike(lanes: Sequence[Lane]) -> bool:
+    """Whether the same cells of all lanes have friction."""
+    return len({tuple(lane.chain.friction_bound > 0) for lane in lanes}) == 1
+
+
 class LaneAlone(LaneModel):
     """The only lane of a simulation that takes many."""
 
@@ -69,7 +120,7 @@ class LaneAlone(LaneModel):
         self._simulation.close()
 
 
-class WorldsSimulation(LanesInUnits, ABC):
+class WorldsSimulation(LanesOfJoints, ABC):
     """Lanes as worlds, each with its own numbers and units.
 
     A cell has so many `joints`: the coordinates of the outer mass and of the inner one relative to it come first.
@@ -86,6 +137,7 @@ class WorldsSimulation(LanesInUnits, ABC):
         """
         chunks = list(self._chunks(state, start, steps))
         rows = Rows(*(np.concatenate(parts) for parts in zip(*chunks, strict=True)))
+        end = self._state_at(rows.positions[-1], rows.velocities[-1]).internal_state
         return [
             Trajectory(
                 lane.times(start, steps),
@@ -93,6 +145,8 @@ class WorldsSimulation(LanesInUnits, ABC):
                 absolute_coordinates(rows.velocities[:, index], self._joints) * units.velocity,
                 self._friction(index, rows.friction[:, index]),
                 self._normal_force(index, rows.normal_force[:, index], lane.preloads(start, steps)),
+                None if end is None else end[index],
+                None if end is None else self._gaps(rows.positions[:, index], lane) * units.length,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -101,9 +155,7 @@ class WorldsSimulation(LanesInUnits, ABC):
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         for chunk in self._chunks(state, start, steps):
             last = chunk
-        ends = (absolute_coordinates(rows[-1], self._joints) for rows in (last.positions, last.velocities))
-        position, velocity = ends
-        return State(position * self._length, velocity * self._velocity)
+        return self._state_at(last.positions[-1], last.velocities[-1])
 
     @abstractmethod
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
@@ -117,10 +169,10 @@ class WorldsSimulation(LanesInUnits, ABC):
         """Set the state, and give the rows of `steps` steps, some at a time."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
-        self._worlds.set(
-            joint_coordinates(state.positions / self._length, self._joints),
-            joint_coordinates(state.velocities / self._velocity, self._joints),
-        )
+        positions = joint_coordinates(state.positions / self._length, self._joints)
+        velocities = joint_coordinates(state.velocities / self._velocity, self._joints)
+        self._set_heights(state, positions, velocities)
+        self._worlds.set(positions, velocities)
         for first in range(start, start + steps, CHUNK):
             length = min(CHUNK, start + steps - first)
             yield self._worlds.steps(self._loads(first, length), self._pressing(first, length))

@@ -51,6 +51,7 @@ def mean_normal_force(name: str) -> FloatArray:
 
 AS_IT_COMES = (
     "mujoco",
+    "mujoco-warp",
     "pybullet",
     "exudyn-regularised",
     "dart",
@@ -73,7 +74,7 @@ def test_friction_of_a_default_contact_takes_nothing_from_what_presses_it(name: 
     assert mean_normal_force(f"{name}:contact:default") == pytest.approx(np.ones(7), abs=LANDING)
 
 
-@pytest.mark.needs("mujoco")
-def test_sphere_that_is_held_in_its_plate_is_pressed_by_its_own_friction() -> None:
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.needs(name)) for name in AS_IT_COMES[:2]])
+def test_sphere_that_is_held_in_its_plate_is_pressed_by_its_own_friction(name: str) -> None:
     """The construct of which the balance of momentum says nothing: here the mean is several times λ_N."""
-    assert np.all(mean_normal_force("mujoco:contact:default:across=held") > 2)
+    assert np.all(mean_normal_force(f"{name}:contact:default:across=held") > 2)

@@ -8,7 +8,7 @@ import pytest
 from engines.interface.changed_options import _ReadOptions, changed_preset
 from engines.interface.engine import sample_lane
 from engines.interface.law import Law, NotModelled
-from engines.interface.presets import ADAPTERS_UNITS, Formulation, Option, Preset
+from engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
@@ -78,11 +78,24 @@ def test_a_wrong_option_is_refused_in_a_line(written: str, message: str) -> None
 
 
 @pytest.mark.parametrize("variant", each_variant(variants_of_all()))
-def test_units_are_the_adapters_and_no_option_of_an_engine(variant: Variant) -> None:
-    """Results depend on them all the same: a task has them beside the options."""
+def test_what_is_the_adapters_is_no_option_of_an_engine(variant: Variant) -> None:
+    """Results depend on units, and on what is held, all the same: a task has them beside the options."""
     preset = variant.preset
-    assert ADAPTERS_UNITS not in {own["name"] for own in description_of(variant)["options"]}
-    assert set(options_of(preset)) - set(preset.engine_options) == set(preset.options) & {ADAPTERS_UNITS}
+    own = {ADAPTERS_UNITS, ACROSS}
+    assert not own & {option["name"] for option in description_of(variant)["options"]}
+    left_out = set(options_of(preset)) - set(preset.engine_options)
+    assert {option for option in left_out if not preset.options[option].held} == set(preset.options) & own
+
+
+@pytest.mark.parametrize("name", ["mujoco", "mujoco-warp"])
+def test_the_damping_of_a_held_contact_is_no_option_of_a_free_one(name: str) -> None:
+    """A free sphere has that of solref; what nothing reads would be listed, set and compared for nothing."""
+    option, default = "normal time constant", f"{name}:contact:default"
+    assert option not in Variant.recorded(default).preset.engine_options
+    assert option in Variant.recorded(f"{default}:across=held").preset.engine_options
+    assert Variant.recorded(f"{default}:across=held:{option}=0.01").preset[option] == 0.01
+    with pytest.raises(ParameterError, match=f"option '{option}' cannot be set in {default}; allowed: .*across"):
+        Variant.recorded(f"{default}:{option}=0.01")
 
 
 def test_a_changed_option_is_another_task() -> None:

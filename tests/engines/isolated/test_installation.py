@@ -15,7 +15,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from engines.isolated import installation
-from engines.isolated.environment import Environment, edited_fault
+from engines.isolated.environment import RECORD, Environment, edited_fault
 from engines.isolated.installation import Plan, install
 from engines.isolated.versioned_engine import Requirement
 from engines.mujoco import MuJoCo
@@ -108,6 +108,12 @@ def test_a_version_is_the_newest_one_that_begins_so(folder: Path) -> None:
         ("mujoco@", "has no version after the @"),
         ("mujoco@new", "has no version after the @"),
         ("mujoco@3@4", "has no version after the @"),
+        (f"mujoco@{'9' * 5000}", "has no version after the @"),
+        ("mujoco@v3.98.0", "is not how that version is written; allowed: mujoco@3.98.0"),
+        ("mujoco@03.98.0", "is not how that version is written; allowed: mujoco@3.98.0"),
+        ("mujoco@ 3.98.0", "is not how that version is written; allowed: mujoco@3.98.0"),
+        ("mujoco@3.98.0-1", "is not how that version is written; allowed: mujoco@3.98.0.post1"),
+        ("mujoco@3.98.0.post1", "there is no such version for this Python and this machine"),
         ("mujoco@3.3.6", "its adapter does not take that; allowed: mujoco >=3.3.7,<5"),
         ("mujoco@3.94.0", "there is no such version for this Python and this machine"),
         ("mujoco@3.95.0", "was installed and cannot be used: .*libmissing.so: no such file"),
@@ -274,6 +280,16 @@ def test_an_environment_that_there_is_not_is_refused(
 ) -> None:
     assert run_command(app, ["environments", *arguments]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "record", ["[]", "{}", '{"python": 3, "packages": [], "seconds": "s", "megabytes": 1}', "[" * 100_000]
+)
+def test_a_record_of_wrong_types_is_that_of_no_environment(folder: Path, record: str) -> None:
+    environment = Environment(NAME)
+    environment.folder.mkdir(parents=True)
+    (environment.folder / RECORD).write_text(record)
+    assert environment.fault() == "was not installed to the end"
 
 
 def test_an_environment_that_lost_its_python_is_refused(folder: Path) -> None:
