@@ -77,8 +77,8 @@ def report(
 
     Results are stored: a second run takes seconds, and an interrupted run continues.
     Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
-    disagreement is unmodelled or too few points of a variant are certified; 2: wrong input; 3: results or the page
-    could not be written; 130: interrupted.
+    disagreement is unmodelled, too few points of a variant are certified, or its engine fails; 2: wrong input;
+    3: results or the page could not be written; 130: interrupted.
 
     Example: multibody-xval report --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
@@ -86,12 +86,13 @@ def report(
     names = Engines(shown.chosen, shown.settings).names
     from scenarios import tables
     from scenarios.catalogue.verdict_table import verdict_table
+    from scenarios.verdicts.finding import engine_failures
 
     written = _written(shown, names, out, store, work, run=run)
     print(written.page)
     if written.findings:
         tables.print_table(verdict_table(written.findings))
-    for line in written.failures:
+    for line in (*engine_failures(written.findings), *written.failures):
         print(visible(line))
     if written.failures:
         raise typer.Exit(ExitCode.FAILED)
@@ -121,4 +122,5 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
         return write_sweep_report(
             planned.sweep, out, planned.command,
             store=kept, run=run, scope=planned.scope, executor=executor, retry_blocked=work.retry_blocked,
+            keep_old=work.keep_old,
         )  # fmt: skip

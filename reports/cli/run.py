@@ -121,7 +121,8 @@ def _add_scenarios() -> None:
     for name, summary in summaries.items():
         text = (
             f"{summary}\n\nExit code 0: every disagreement is as its law predicts, and three in four numbers of each "
-            "preset are certified; 1: otherwise; 2: wrong input; 3: results or --out could not be written; "
+            "preset are certified, with an engine that does not fail; 1: otherwise; "
+            "2: wrong input; 3: results or --out could not be written; "
             "130: interrupted.\n\n"
             f"Example: multibody-xval run {name}{' --record quake.csv' if name == RECORD else ''} --engine mujoco "
             "--out verdicts.md"
@@ -167,7 +168,7 @@ def print_results(results: Results) -> None:
     from scenarios.catalogue.scenes.base import SceneScenario
     from scenarios.catalogue.scenes.table import scene_table
     from scenarios.catalogue.verdict_table import details, finding_table, law_in_words, matrix, verdict_table
-    from scenarios.verdicts.finding import failures
+    from scenarios.verdicts.finding import engine_failures, failures
 
     console = Console()
     for scenario, findings in results.items():
@@ -184,7 +185,7 @@ def print_results(results: Results) -> None:
     for variant in dict.fromkeys(finding.variant for finding in every if finding.modelled):
         console.print(tables.plain(f"as its law predicts, {variant}: {law_in_words(variant)}"), soft_wrap=True)
     for scenario, own in results.items():
-        for line in failures(own):
+        for line in (*engine_failures(own), *failures(own)):
             console.print(tables.plain(f"{scenario.name}: {line}"), soft_wrap=True)
 
 

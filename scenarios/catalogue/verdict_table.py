@@ -14,7 +14,7 @@ from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.junit import JUnitCase, junit_text
 from scenarios.runs.task import versions_of
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
+from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
 from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
 
 Results = Mapping[Scenario, Sequence[Finding]]
@@ -31,8 +31,9 @@ VERDICT_LEGEND = """\
   what friction changes at all.
 - *Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
   left out by --no-run).
-- *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does not say the same.
-- *Blocked*: the engine is not installed, or has failed.
+- *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does not say the same; or
+  an engine that fails.
+- *Blocked*: the engine is not installed, cannot represent the case, or fails: a crash, the time limit, NaN.
 - *Worst*: the largest difference over what is allowed for it.
 """
 
@@ -169,7 +170,7 @@ def _summary(results: Results) -> list[str]:
     predicted = sum(finding.modelled for finding in findings)
     fails = sum(len(failing(own)) for own in results.values())
     counted = f"{len(findings)} numbers: {verdicts}; {predicted} as their law predicts, {fails} fail."
-    lines = [f"- {scenario.name}: {line}" for scenario, own in results.items() for line in failures(own)]
+    lines = markdown_list(f"{scenario.name}: {line}" for scenario, own in results.items() for line in failures(own))
     return [f"## Verdicts: {'fails' if lines else 'passes'}", "", counted, "", *lines]
 
 
@@ -217,7 +218,7 @@ def _verdicts(findings: Sequence[Finding]) -> list[str]:
     if wrong:
         lines += ["", "What does not agree:", ""]
     for variant, remarks in wrong:
-        lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
+        lines += [f"- {variant}", *(f"  {line}" for line in markdown_list(remarks))]
     predicted = dict.fromkeys(finding.variant for finding in findings if finding.modelled)
     if predicted:
         lines += ["", "What the laws of the presets are:", ""]

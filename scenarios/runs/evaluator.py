@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 
 from scenarios.runs.executor import Executor, InProcessExecutor, batches_of
-from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result, ResultStatus
 from scenarios.runs.scratch import Closing
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Task
@@ -99,9 +99,9 @@ class Evaluator(Closing):
         """Give the reason to skip a task: its engine is not installed, or cannot represent it; ``None`` without one."""
         unavailable = self._unavailable(task.variant)
         if unavailable is not None:
-            return f"not installed: {unavailable}"
+            return f"{NOT_INSTALLED}: {unavailable}"
         unsupported = task.unsupported_reason()
-        return None if unsupported is None else f"cannot be represented: {unsupported}"
+        return None if unsupported is None else f"{UNREPRESENTABLE}: {unsupported}"
 
 
 class StoredResults(Evaluator):

@@ -13,7 +13,7 @@ from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError, RunError
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import Result
+from scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result
 from scenarios.runs.task import Task
 
 TIME_MARGIN = 1e-3
@@ -23,6 +23,14 @@ most 1e12 roundings of half a step's last digit, 1e-4 of a step; a row of anothe
 
 class TrajectoryFault(RuntimeError):
     """What an engine gives is no trajectory of its lane; the message names the array, the time and the cell."""
+
+
+class NotFinite(TrajectoryFault):
+    """A number of the engine is not finite."""
+
+
+NOT_FINITE, UNSTEADY = "not finite", "unsteady engine"
+"""In reasons: a number is NaN or infinite; and it was, but not when the same was run again."""
 
 
 class CheckedSimulation:
@@ -75,7 +83,7 @@ def _check_array(name: str, values: FloatArray, times: FloatArray, columns: int,
     if not finite.all():
         row, column = np.argwhere(~finite)[0]
         place = f"at {times[row]:g} s in cell {int(column) % cells + 1}"
-        raise TrajectoryFault(f"the engine's {name} is not finite {place}: {values[row, column]}")
+        raise NotFinite(f"the engine's {name} is {NOT_FINITE} {place}: {values[row, column]}")
 
 
 def _check_times(times: FloatArray, expected: FloatArray, step: float) -> None:
@@ -114,6 +122,7 @@ def results_together(
             results[number] = Result.blocked(reason_of(problem))
     for numbers in groups.values():
         results |= zip(numbers, _attempted([tasks[number] for number in numbers], attempt), strict=True)
+        results |= {number: _repeated(tasks[number], results[number], attempt) for number in numbers}
     return [results[number] for number in range(len(tasks))]
 
 
@@ -126,20 +135,37 @@ def _attempted(tasks: Sequence[AnyTask], attempt: Callable[[Sequence[AnyTask]], 
     try:
         return attempt(tasks)
     except EngineNotInstalled as problem:
-        return [Result.blocked(text_of(problem))] * len(tasks)
+        return [Result.blocked(f"{NOT_INSTALLED}: {text_of(problem)}")] * len(tasks)
     except BaseException as problem:
         if isinstance(problem, KeyboardInterrupt) and WORKER_MARK not in os.environ:
             raise
         if len(tasks) > 1:
-            return [_attempted([task], attempt)[0] for task in tasks]
+            alone = [_attempted([task], attempt)[0] for task in tasks]
+            steady = not isinstance(problem, NotFinite) or any(_is_not_finite(result) for result in alone)
+            return alone if steady else [_unsteady(reason_of(problem))] * len(tasks)
         return [Result.blocked(reason_of(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
+
+
+def _repeated(task: AnyTask, result: Result, attempt: Callable[[Sequence[AnyTask]], list[Result]]) -> Result:
+    """Run a task once more whose numbers are not finite: an engine that then gives something else is unsteady."""
+    if not _is_not_finite(result) or _attempted([task], attempt)[0].reason == result.reason:
+        return result
+    return _unsteady(result.reason)
+
+
+def _is_not_finite(result: Result) -> bool:
+    return result.by_engine and NOT_FINITE in result.reason
+
+
+def _unsteady(reason: str) -> Result:
+    return Result.blocked(f"{UNSTEADY}: {reason}; not so when run again", by_engine=True)
 
 
 def reason_of(problem: BaseException) -> str:
     """Give the reason that an exception is."""
     if isinstance(problem, TrajectoryFault):
         return str(problem)
-    kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
+    kind = UNREPRESENTABLE if isinstance(problem, ParameterError) else type(problem).__name__
     return f"{kind}: {text_of(problem)}"
 
 

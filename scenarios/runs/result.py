@@ -12,10 +12,14 @@ from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError, shortened
 from reference_lcp.observables.stick_slip import Mode, TimedTransition, TransitionMatch, match_transitions
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE
+from reference_lcp.terminal import visible
 from scenarios.runs.parameters import first_error
 
 LONGEST_REASON = 500
 """Characters of a reason: an engine may put a whole state into the text of an error."""
+
+NOT_INSTALLED, UNREPRESENTABLE = "not installed", "cannot be represented"
+"""How reasons begin where an engine has nothing to answer for: it is not there, or says that it lacks the ability."""
 
 NamedNumbers = Mapping[str, tuple[float, ...]]
 """Numbers by name."""
@@ -58,7 +62,7 @@ class Result:
 
     status: _Status
     reason: str = ""
-    """Why it is blocked or missing; empty otherwise."""
+    """Why it is blocked or missing, or what is known of a steady state that need not attract; empty otherwise."""
     by_engine: bool = False
     """Whether a blocked task is blocked by its engine, which failed at it, and not by its circumstances, such as a
     worker that was killed: what is blocked by its engine is not tried again by itself.
@@ -100,11 +104,18 @@ class Result:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "status", ResultStatus(self.status))
+        object.__setattr__(self, "reason", visible(self.reason))  # a text of an engine, or of somebody's store
 
     @property
     def converged(self) -> bool:
         """Whether the numbers belong to a steady state."""
         return self.status is ResultStatus.CONVERGED
+
+    @property
+    def failed(self) -> bool:
+        """Whether it is blocked although its engine is there and does not refuse it: a crash, the time limit, NaN."""
+        blocked = self.status is ResultStatus.BLOCKED
+        return blocked and not self.reason.startswith((NOT_INSTALLED, UNREPRESENTABLE))
 
     def stuck_difference(self, other: "Result") -> float:
         """Give the largest difference of a contact's stuck fraction; NaN where the contacts are not equally many."""

@@ -1,18 +1,21 @@
 """Findings: one number of one variant with its verdict, and which of them fail a run.
 
 What fails are disagreements that no law predicts, and presets about which too little is known. A finding *says nothing*
-where there is no certified steady state, or where the own step is too coarse. Without a limit on them, an engine that
-is never certified would pass every comparison. Not counted are findings of which the law of the preset says the same,
-and steps that are too coarse for the reference's scheme as well, which the preset shares.
+where the engine fails, where there is no certified steady state, or where the own step is too coarse. Without a limit
+on them, an engine that is never certified, or always crashes, would pass every comparison. Not counted are findings of
+which the law of the preset says the same, and steps that are too coarse for the reference's scheme as well, which the
+preset shares.
 """
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 from engines.interface.variant import Variant
+from reference_lcp.errors import shortened
 from scenarios.runs.result import Result
 
 BY_FAR = 2.0
@@ -92,6 +95,8 @@ class Comparison:
     not in proportion."""
     certified: bool = True
     """Whether every steady state behind it is certified; true where none was searched for."""
+    failed: bool = False
+    """Whether the engine was run and gave nothing: a crash, the time limit, numbers that are not finite."""
 
     @property
     def excess(self) -> float:
@@ -224,7 +229,7 @@ def phase_reader(expected: float, transmittance_db: float) -> Callable[[Result],
 
     Below the floor of `TRANSMITTANCE` differences are those of amplitudes, as there: a phase counts less and less.
     """
-    weight = min(1.0, 10 ** ((transmittance_db - FLOOR_DB) / 20))
+    weight = 10 ** (min(0.0, transmittance_db - FLOOR_DB) / 20)
 
     def read(result: Result) -> float:
         return math.degrees(expected + weight * math.remainder(result.phase - expected, 2 * math.pi))
@@ -236,6 +241,9 @@ def amplitude_in_degrees(amplitude: float, transmittance_db: float) -> float:
     """What a change of the amplitude, over U0, makes of the phase at this transmittance [°]; at most half a turn."""
     return min(180.0, math.degrees(amplitude * 10 ** (-max(transmittance_db, FLOOR_DB) / 20)))
 
+
+LONGEST_LIST = 200
+"""Characters in which the cases are named in which an engine fails."""
 
 MOST_SILENT = 0.25
 """Largest share of a preset's findings that may say nothing: a case of the four that most scenarios have."""
@@ -272,16 +280,36 @@ def failures(findings: Sequence[Finding]) -> list[str]:
         nothing = len(_too_silent(own))
         if nothing:
             lines.append(
-                f"{variant}: {nothing} of {len(own)} numbers without a certified steady state, or with too coarse a "
-                f"step; allowed: {MOST_SILENT:.0%}"
+                f"{variant}: {nothing} of {len(_asked(own))} numbers without a certified steady state, with too coarse "
+                f"a step, or of an engine that fails; allowed: {MOST_SILENT:.0%}"
             )
+    return lines
+
+
+def engine_failures(findings: Sequence[Finding]) -> list[str]:
+    """Say in a line each, by variant and reason without its numbers, where an engine fails, be it once."""
+    groups: dict[tuple[Variant, str], list[Finding]] = {}
+    for finding in findings:
+        if finding.comparison.failed:
+            kind = re.sub(r"\S*\d\S*", "", finding.comparison.reason)
+            groups.setdefault((finding.variant, kind), []).append(finding)
+    lines = []
+    for (variant, _), own in groups.items():
+        numbers = "1 number" if len(own) == 1 else f"{len(own)} numbers"
+        cases = "; ".join(dict.fromkeys(finding.case for finding in own))
+        lines.append(f"{variant} fails at {numbers} of {shortened(cases, LONGEST_LIST)}: {own[0].comparison.reason}")
     return lines
 
 
 def _too_silent(own: Sequence[Finding]) -> list[Finding]:
     """Give the findings of a preset that say nothing, where they are more than `MOST_SILENT` of all; none otherwise."""
     nothing = silent(own)
-    return nothing if len(nothing) > MOST_SILENT * len(own) else []
+    return nothing if len(nothing) > MOST_SILENT * len(_asked(own)) else []
+
+
+def _asked(own: Sequence[Finding]) -> list[Finding]:
+    """Give the findings but for those of which the engine says that it cannot, or is not there."""
+    return [each for each in own if each.comparison.verdict is not Verdict.BLOCKED or each.comparison.failed]
 
 
 def _deviates(finding: Finding) -> bool:
@@ -291,6 +319,8 @@ def _deviates(finding: Finding) -> bool:
 
 def _says_nothing(finding: Finding) -> bool:
     prediction = finding.prediction
+    if finding.comparison.failed:
+        return True
     if not finding.comparison.certified:
         return prediction is None or prediction.certified or not prediction.holds
     if finding.comparison.verdict is not Verdict.TOO_COARSE or finding.variant.preset.shares_scheme:

@@ -186,7 +186,7 @@ def missing(source: str, results: Iterable[Result]) -> Comparison | None:
         if result.status in (ResultStatus.CONVERGED, ResultStatus.FINISHED):
             continue
         if result.status is ResultStatus.BLOCKED:
-            return Comparison(Verdict.BLOCKED, result.reason)
+            return Comparison(Verdict.BLOCKED, result.reason, failed=result.failed)
         if result.status is ResultStatus.MISSING:
             source, reason = source.partition(" at ")[0], result.reason
         else:

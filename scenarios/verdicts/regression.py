@@ -36,11 +36,9 @@ PARTS = ("creep", "open_fraction", "open", "stuck", "energy")
 the largest number of either."""
 
 NOT_COMPARED = {
-    "residual": "how the steady state was found",
     "amplification": "how the steady state was found",
     "periods": "how the steady state was found",
     "steps_per_period": "how the steady state was found",
-    "period": "part of the task",
     "seconds": "not a number of the motion",
     "friction": "jumps at transitions, whose times are compared",
     "modes": "change at transitions, whose times are compared",
@@ -96,14 +94,18 @@ def measures(thresholds: Thresholds, old: Result, new: Result) -> list[Measure]:
     motion = Measure("motion", _motion_difference, thresholds.motion, "motion {:.3g} of its scale")
     if new.status is ResultStatus.FINISHED:
         return [motion, *further]
-    angle = math.degrees(10 ** (thresholds.transmittance_db / 20) - 1)
+    part = 10 ** (thresholds.transmittance_db / 20) - 1
     return [
         Measure("transmittance", transmittance_difference, thresholds.transmittance_db, "transmittance {:+.4g} dB"),
-        Measure("phase", _phase_difference, angle, "phase {:+.3g}°"),
+        Measure("phase", _phase_difference, math.degrees(part), "phase {:+.3g}°"),
+        Measure("residual", lambda result, other: result.residual - other.residual, part, "residual {:+.2g}"),
         Measure("multiple", lambda result, other: result.multiple - other.multiple, 0.0, "{:+.0f} periods to repeat"),
         Measure("stuck fraction", Result.stuck_difference, thresholds.stuck_fraction, "stuck fraction {:.3g}"),
         Measure("transition", _lateness, thresholds.transition, "a transition {:.2g} periods away"),
         Measure("unmatched", _unmatched, 0.0, "{:.0f} transitions without a partner"),
+        Measure(
+            "period", lambda result, other: result.period / other.period - 1, thresholds.transition, "period {:+.2g}"
+        ),
         motion,
         *further,
     ]

@@ -26,6 +26,7 @@ class _Content:
     task: dict[str, Any]
     version: str
     options: dict[str, str]
+    sources: str = ""
 
 
 _CONTENT = TypeAdapter(_Content)
@@ -42,6 +43,8 @@ class StoredResult:
     options: Mapping[str, str]
     """Of the engine that ran it; options by name, as text."""
     result: Result
+    sources: str = ""
+    """Digest of the files of the suite that computed it; empty of stores of earlier versions."""
 
     @property
     def engine(self) -> str:
@@ -76,7 +79,7 @@ def _rows(file: Path) -> Iterator[StoredResult]:
         store.check_pages()
         for content, result in store.all_results():
             about = _read(file, content)
-            yield StoredResult(about.task, about.format, about.version, about.options, result)
+            yield StoredResult(about.task, about.format, about.version, about.options, result, about.sources)
 
 
 def _read(file: Path, content: str) -> _Content:

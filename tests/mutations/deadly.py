@@ -35,6 +35,16 @@ class Crashes(Faulty):
             return super().run(state, start, steps)
 
 
+class Dies(Faulty):
+    """Reads where there is no memory, in every run."""
+
+    name = "faulty-dies"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            return ctypes.string_at(0)
+
+
 class Hangs(Faulty):
     """Waits in compiled code, and lets no other thread of Python run."""
 

@@ -161,6 +161,31 @@ class NotANumber(Faulty):
             return x, np.where(load > 0, np.nan, v), friction
 
 
+class Unsteady(Faulty):
+    """Velocities are NaN in one run of a hundred, drawn by chance."""
+
+    name = "faulty-unsteady"
+
+    class lane_model(Lane):  # noqa: N801
+        chance = np.random.default_rng(7)
+
+        def run(self, state, start, steps):
+            found = super().run(state, start, steps)
+            if self.chance.random() < 0.01:
+                found.velocities[-1] = np.nan
+            return found
+
+
+class Raises(Faulty):
+    """Raises an error in every run."""
+
+    name = "faulty-raises"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            raise RuntimeError("no solution")
+
+
 class PressesHarder(Faulty):
     """The normal force grows with the slip."""
 
@@ -181,6 +206,17 @@ class RubsEverywhere(Faulty):
         def __init__(self, lane, preset):
             super().__init__(lane, preset)
             self.bound = np.maximum(self.bound, 1e-3 * np.max(self.bound))
+
+
+class RubsFaintly(Faulty):
+    """Friction is never less than a tenth of a newton, where there is any."""
+
+    name = "faulty-floor"
+
+    class lane_model(Lane):  # noqa: N801
+        def __init__(self, lane, preset):
+            super().__init__(lane, preset)
+            self.bound = np.where(self.bound > 0, np.maximum(self.bound, 0.1), 0.0)
 
 
 class PassesTheBound(Faulty):

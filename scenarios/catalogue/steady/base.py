@@ -190,9 +190,10 @@ def skip_reason(
         known = [result for result in own if result is not None]
         if len(known) < len(own):
             return Comparison(Verdict.INCONCLUSIVE, f"skipped, as {case.label} was")
-        if any(result.status is ResultStatus.BLOCKED for result in known):
-            reason = next(result.reason for result in known if result.status is ResultStatus.BLOCKED)
-            return Comparison(Verdict.BLOCKED, f"skipped: blocked at {case.label}, {reason}")
+        blocked = next((result for result in known if result.status is ResultStatus.BLOCKED), None)
+        if blocked is not None:
+            reason = f"skipped: blocked at {case.label}, {blocked.reason}"
+            return Comparison(Verdict.BLOCKED, reason, failed=blocked.failed)
         costs.append((sum(result.seconds for result in known if math.isfinite(result.seconds)), case.label))
     seconds, label = max(costs, default=(0.0, ""))
     if growth * seconds <= LONGEST_SECONDS:

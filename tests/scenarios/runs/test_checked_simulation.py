@@ -88,3 +88,10 @@ def test_array_of_another_shape_is_refused(lane, name) -> None:
     short = dataclasses.replace(run, **{name: getattr(run, name)[:-1]})
     with pytest.raises(TrajectoryFault, match=r"the shape \(99,.*; allowed: \(100,"):
         check_trajectory(short, lane, 0, 100)
+
+
+def test_number_that_is_finite_when_run_again_is_that_of_an_unsteady_engine(faulty) -> None:
+    tasks = [steady(variant=Variant("faulty-unsteady"), frequency_ratio=0.5 + 0.01 * k) for k in range(8)]
+    reasons = [result.reason for task in tasks for result in run_batch([task]) if result.failed]
+    assert 0 < len(reasons) < len(tasks)
+    assert all(reason.startswith("unsteady engine: the engine's ") for reason in reasons)

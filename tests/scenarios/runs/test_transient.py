@@ -85,7 +85,7 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
     """Their keys are hashes of it: answers that are kept must be found again."""
     asked = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     content = asked.content()
-    assert list(content) == ["format", "task", "version", "options"]
+    assert list(content) == ["format", "task", "version", "options", "sources"]
     plain = dataclasses.asdict(asked)
     del plain["excitation"], plain["modulation"], plain["start"], plain["recorded"], plain["inclination"]
     for name in ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile"):

@@ -13,10 +13,12 @@ from scenarios.verdicts.finding import (
     Finding,
     Prediction,
     Verdict,
+    engine_failures,
     failures,
     silent,
     unmodelled,
 )
+from scenarios.verdicts.judge import missing
 from scenarios.verdicts.prediction import LawPeriod, with_predictions
 from scenarios.verdicts.steady_case import RESOLVED_DB, is_resolved
 from tests.scenarios.conftest import WRONG, InProcess
@@ -33,6 +35,12 @@ def prediction(left: float = 0.0, certified: bool = True) -> Prediction:
     return Prediction(
         value=-10.0, difference=left, allowed=1e-3, distance=0.0, period_bound=1e-9, certified=certified
     )  # fmt: skip
+
+
+def blocked(reason: str) -> Finding:
+    comparison = missing("", [Result.blocked(reason)])
+    assert comparison is not None
+    return dataclasses.replace(finding(Verdict.AGREE), comparison=comparison)
 
 
 AGREES = [finding(Verdict.AGREE)] * 3
@@ -56,6 +64,11 @@ AGREES = [finding(Verdict.AGREE)] * 3
         ([finding(Verdict.INCONCLUSIVE, certified=False, prediction=prediction(certified=False))] * 2, False),
         ([finding(Verdict.INCONCLUSIVE, certified=False, prediction=prediction(certified=True))] * 2, True),
         ([finding(Verdict.INCONCLUSIVE)] * 9, False),  # skipped, or not run
+        ([blocked("the worker process crashed: Segmentation fault")], False),
+        ([blocked("the worker process crashed: Segmentation fault")] * 2, True),
+        ([blocked("not installed: no wheel")] * 9, False),
+        ([blocked("cannot be represented: too heavy")] * 9, False),
+        ([blocked("cannot be represented: too heavy")] * 9 + [blocked("not finite")] * 2, True),
     ],
 )
 def test_what_fails_beside_three_numbers_that_agree(last, fails) -> None:
@@ -69,6 +82,11 @@ def test_a_failure_names_the_preset_and_the_share() -> None:
     assert line.endswith("allowed: 25%")
     (line,) = failures([*AGREES, finding(Verdict.DISAGREE)])
     assert line == "unmodelled: 1 disagreement, of drake"
+
+
+def test_every_number_that_an_engine_fails_to_give_is_named() -> None:
+    (line,) = engine_failures([*AGREES, blocked("no solution"), blocked("not installed: no wheel")])
+    assert line == "drake fails at 1 number of case: no solution"
 
 
 def test_a_law_without_a_steady_state_predicts_one_that_is_not_certified() -> None:

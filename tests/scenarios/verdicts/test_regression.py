@@ -27,6 +27,8 @@ STEADY = Result(
         ({"status": "period limit"}, "converged before, period limit now"),
         ({"stuck_fraction": (0.5, 0.9)}, "stuck fraction 0.1, unknown"),
         ({"transitions": ((1, 0.21, "stick"),)}, "a transition 0.01 periods away, unknown"),
+        ({"residual": 1e3}, "residual +1e+03, unknown"),
+        ({"period": 1.1}, "period +0.1, unknown"),
         ({"transitions": ()}, "1 transitions without a partner, unknown"),
         ({"transitions": ((1, 0.999, "stick"),)}, "2 transitions without a partner, unknown"),
     ],
@@ -35,6 +37,16 @@ def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyon
     stored = [StoredResult({}, 3, "1", {}, result) for result in (STEADY, dataclasses.replace(STEADY, **now))]
     assert beyond in change(*stored, Thresholds()).beyond
     assert change(stored[0], stored[0], Thresholds()).beyond == ()
+
+
+def test_a_residual_that_leaves_less_open_than_the_threshold_is_no_change() -> None:
+    stored = [StoredResult({}, 3, "1", {}, result) for result in (STEADY, dataclasses.replace(STEADY, residual=1e-6))]
+    assert change(*stored, Thresholds()).beyond == ()
+
+
+def test_a_series_of_nothing_but_zeros_is_the_same_as_itself() -> None:
+    still = StoredResult({}, 3, "1", {}, dataclasses.replace(STEADY, series={"speed across": (0.0, 0.0)}))
+    assert change(still, still, Thresholds()).beyond == ()
 
 
 NAN = float("nan")
