@@ -3,9 +3,12 @@
 import math
 import re
 from collections.abc import Sequence
+from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
+
+from reference_lcp.terminal import visible
 
 MISSING = "–"
 """Stands where there is no number."""
@@ -65,9 +68,14 @@ def span(values: list[int]) -> str:
     return str(low) if low == high else f"{low}–{high}"
 
 
+def printed_option(value: object) -> str:
+    """Write what an option is set to as the engine takes it; of several, one after the other."""
+    return ", ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
+
+
 def typeset(text: str) -> Markup:
     """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0, P0."""
-    lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(text)))
+    lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(_safe(text))))
     return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
 
 
@@ -75,11 +83,17 @@ def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 
+def _safe(value: Any) -> Any:
+    """Show the characters of a text that would be obeyed, but for ends of lines."""
+    return "\n".join(map(visible, value.split("\n"))) if type(value) is str else value
+
+
 def environment(*packages: str, markup: bool = True) -> Environment:
     """Give the templates of packages, which refuse names that are not there; those of markup escape what they print."""
     templates = Environment(
         loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys(packages)]),
         autoescape=markup,
+        finalize=_safe,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

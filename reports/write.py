@@ -73,6 +73,7 @@ def write_sweep_report(
     scope: Scope | None = None,
     executor: Executor | None = None,
     retry_blocked: bool = False,
+    keep_old: bool = False,
 ) -> Written:
     """Write the report of a sweep, in which the reference takes part."""
     chosen = scope or Scope()
@@ -80,7 +81,7 @@ def write_sweep_report(
     file = store or folder / STORE
     check_folder("folder", folder, [file])
     with ExitStack() as stack:
-        stored = stack.enter_context(ResultStore(file))
+        stored = stack.enter_context(ResultStore(file, keep_old=keep_old))
         if not run:
             shown = collect(sweep, stored, StoredResults(stored), command, scope=chosen)
             check_loses_nothing(folder, shown)

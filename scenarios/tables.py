@@ -78,8 +78,18 @@ def json_text(content: object, indent: int | None = None) -> str:
 def markdown_lines(table: pd.DataFrame) -> list[str]:
     """Give the lines of a table of texts for a document."""
     rows = [list(table.columns), *table.itertuples(index=False, name=None)]
-    lines = ["| " + " | ".join(visible(text).replace("|", "\\|") for text in row) + " |" for row in rows]
+    lines = ["| " + " | ".join(map(markdown_text, row)) + " |" for row in rows]
     return [lines[0], "|" + "---|" * len(table.columns), *lines[1:]]
+
+
+def markdown_list(lines: Iterable[str]) -> list[str]:
+    """Give lines as the items of a list of a document."""
+    return [f"- {markdown_text(line)}" for line in lines]
+
+
+def markdown_text(text: str) -> str:
+    """Give a text as a document shows it: in one line, with no cells, tags and links of its own."""
+    return visible(text).replace("|", "\\|").replace("<", "&lt;").replace("](", "]\\(")
 
 
 def plain(*lines: str) -> str:

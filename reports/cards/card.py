@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from engines.interface.law import NotModelled
 from engines.interface.registry import engine
 from engines.interface.variant import Variant, check_installed
+from reports.formatting import printed_option
 from reports.reproducers.questions import QUESTIONS, Number
 from reports.reproducers.script import Reproduction, checked, has_reproducer, script
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.steady.figure3 import lower_edges
 from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import ResultStatus
 from scenarios.studies.accuracy import SIX_POINTS, accuracies
 from scenarios.studies.work_precision import StepPoint, step_study
 from scenarios.sweeps.edges import BandEdge
@@ -78,11 +80,11 @@ class VariantCard:
     """Band edge, creep, breakaway, stopping distance, direction."""
     steps: tuple[StepPoint, ...]
     options: tuple[dict[str, str], ...]
-    """Those that the preset sets otherwise than the engine does: name, value, default and reason."""
+    """Those that the preset sets otherwise than the engine does: name, value, default, reach and reason."""
     law: str
     """Formula of its law, or why it has none."""
     script: str
-    """The reproducer of its creep; empty where its engine has no template."""
+    """The reproducer of its creep; empty where its engine has no template, or no such number."""
 
     @property
     def steps_to_goal(self) -> int | None:
@@ -149,7 +151,7 @@ def card(name: str, evaluator: Evaluator) -> Card:
         variants=tuple(
             VariantCard(
                 variant=variant,
-                description=variant.preset.description,
+                description=variant.description,
                 largest_db=own.map_db,
                 median_db=own.map_median_db,
                 certified=own.certified,
@@ -162,7 +164,7 @@ def card(name: str, evaluator: Evaluator) -> Card:
                 steps=tuple(point for point in steps if point.variant == variant),
                 options=_options(variant),
                 law=_law(variant),
-                script=script(checked(str(variant), "static-hold"), evaluator) if has_reproducer(variant) else "",
+                script=_script(variant, evaluator),
             )
             for variant, own in zip(variants, exactness, strict=True)
         ),
@@ -199,17 +201,26 @@ def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
     return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=where)]
 
 
+def _script(variant: Variant, evaluator: Evaluator) -> str:
+    if not has_reproducer(variant):
+        return ""
+    shown = checked(str(variant), "static-hold")
+    (result,) = evaluator.evaluate([shown.question.task(variant, shown.case)])
+    return "" if result.status is ResultStatus.BLOCKED else script(shown, evaluator)
+
+
 def _options(variant: Variant) -> tuple[dict[str, str], ...]:
     changed = {name: own for name, own in variant.preset.engine_options.items() if own.value != own.default}
     return tuple(
-        {"name": name, "value": _plain(own.value), "default": _plain(own.default), "reason": own.reason}
+        {
+            "name": name,
+            "value": printed_option(own.value),
+            "default": printed_option(own.default),
+            "reach": variant.reach(name),
+            "reason": own.reason,
+        }
         for name, own in changed.items()
     )
-
-
-def _plain(value: object) -> str:
-    """Write a setting; of several, one after the other."""
-    return ", ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
 
 
 def _law(variant: Variant) -> str:

@@ -13,7 +13,7 @@ from reports.export.files import CARD, PAGE
 from reports.formatting import MISSING, card_number, environment
 from reports.page.section import SUITE_TEMPLATES
 from scenarios.studies.accuracy import ACCURACY_MAP, ACCURACY_MAP_STEPS
-from scenarios.tables import json_text
+from scenarios.tables import json_text, markdown_text
 
 TEMPLATES = "reports.cards"
 ENDINGS = ("html", "md", "json")
@@ -60,7 +60,7 @@ def html(shown: Card, *, linked: bool) -> str:
 def markdown(shown: Card) -> str:
     """Give a card as Markdown."""
     templates = environment(TEMPLATES, markup=False)
-    templates.filters["cell"] = lambda text: str(text).replace("|", "\\|")
+    templates.filters["cell"] = lambda text: markdown_text(str(text))
     return templates.get_template("card.md").render(_context(shown))
 
 

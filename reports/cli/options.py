@@ -109,6 +109,11 @@ class Work:
         ),
     ] = False
 
+    keep_old: Annotated[
+        bool,
+        typer.Option("--keep-old", help="Take stored results of another version of the suite too; they are counted."),
+    ] = False
+
     def check(self, *, run: bool) -> None:
         """Refuse to run points again where nothing is run."""
         if self.retry_blocked and not run:
@@ -130,12 +135,12 @@ class Work:
         from scenarios.runs.store import existing_store
 
         if not run:
-            with opened(existing_store(store)) as stored, StoredResults(stored) as known:
+            with opened(existing_store(store), keep_old=self.keep_old) as stored, StoredResults(stored) as known:
                 yield known
             return
         executor = self.executor()
         with (
-            opened(store) as stored,
+            opened(store, keep_old=self.keep_old) as stored,
             ProgressBars(shown, expected) as bars,
             Evaluator(stored, executor, bars, retry_blocked=self.retry_blocked) as evaluator,
         ):
@@ -143,12 +148,12 @@ class Work:
 
 
 @contextmanager
-def opened(store: Path | None) -> Iterator[ResultStore]:
+def opened(store: Path | None, *, keep_old: bool = False) -> Iterator[ResultStore]:
     """Open the store of a run, a temporary one if none is named; see `keeping`."""
     from scenarios.runs.store import opened_store
 
     announce_compilation()
-    with opened_store(store) as stored, keeping(store):
+    with opened_store(store, keep_old=keep_old) as stored, keeping(store):
         yield stored
 
 

@@ -79,8 +79,8 @@ def reproduce(
 
     The script needs only the engine and NumPy, and can be sent to the engine's tracker. Its header has the suite's
     number, which is computed unless the store has it.
-    Exit code 0: the script is printed; 2: wrong input, or the engine has no script yet; 3: the result could not be
-    written; 130: interrupted.
+    Exit code 0: the script is printed; 2: wrong input, or the engine has no script or no such number; 3: the result
+    could not be written; 130: interrupted.
 
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """

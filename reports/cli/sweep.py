@@ -81,7 +81,7 @@ def sweep(
         check_size(planned, yes=yes and not whole, how="--yes, without --out and [tolerances]")
     check_outs([out], (".nc", ".csv"), store, file)
     executor = work.executor()
-    with opened(store if run else existing_store(store)) as stored:
+    with opened(store if run else existing_store(store), keep_old=work.keep_old) as stored:
         if run:
             print(size_text(planned), file=sys.stderr)
             save_sweep(stored, planned)

@@ -10,7 +10,7 @@ import pandas as pd
 
 from scenarios.junit import JUnitCase, junit_text
 from scenarios.runs.result import ResultStatus
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
+from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
 from scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
 from scenarios.verdicts.stored import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
@@ -175,6 +175,7 @@ def _identities(changes: Sequence[Change]) -> list[str]:
     sides = [(change.first, change.second) for change in changes]
     named = {("engine", old.engine, new.engine) for old, new in sides}
     named |= {("version", str(old.version), str(new.version)) for old, new in sides}
+    named |= {("sources of the suite", old.sources or "unknown", new.sources or "unknown") for old, new in sides}
     lines = [f"{what} {old} → {new}" for what, old, new in sorted(named) if old != new]
     options = {
         (name, old.options.get(name, "not set"), new.options.get(name, "not set"))
@@ -206,7 +207,7 @@ def changes_markdown(regression: Regression) -> str:
     lines += markdown_lines(overview(comparison))
     named = identities(comparison)
     if named:
-        lines += ["", *(f"- {line}" for line in named)]
+        lines += ["", *markdown_list(named)]
     beyond = comparison.beyond
     if beyond:
         lines += ["", *_points(beyond[:MOST_SHOWN])]

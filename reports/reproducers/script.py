@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 
 from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader
 
@@ -17,12 +18,14 @@ from engines.interface.variant import Variant
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shortened
+from reference_lcp.terminal import visible
 from reference_lcp.validation import FloatArray
 from reports.formatting import environment
 from reports.reproducers.questions import QUESTIONS, Number, Question
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import Result, ResultStatus
 
 MOST_LINES = 60
 """A script stays readable in a tracker."""
@@ -32,6 +35,9 @@ LONGEST_LINE = 128
 
 WIDTH = 116
 """Characters a line of the header has at most."""
+
+LONGEST_PARAGRAPH = 800
+"""Characters of a paragraph of the header: versions are texts of others."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +99,7 @@ def script(shown: Reproduction, evaluator: Evaluator) -> str:
     """Write the script of one number; the suite's own is in its header, computed where the store lacks it."""
     variant, question = shown.variant, shown.question
     task = question.task(variant, shown.case)
+    check_not_blocked(variant, shown.case, *evaluator.evaluate([task]))
     lane, reproducer = task.lane(), reproducer_of(variant)
     templates = _environment(variant, reproducer)
     number = question.number(variant, shown.case, evaluator)
@@ -110,13 +117,18 @@ def script(shown: Reproduction, evaluator: Evaluator) -> str:
     return text.rstrip() + "\n"
 
 
+def check_not_blocked(variant: Variant, case: str, result: Result) -> None:
+    """Refuse to show a number that there is none of."""
+    if result.status is ResultStatus.BLOCKED:
+        raise ParameterError(f"{variant} has no number of {case!r}: {result.reason}; allowed: a case that it can run")
+
+
 def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
     """Templates of the engine, of what all scripts share, and of other engines by their folders.
 
     Names that are not there are refused.
     """
-    package = type(_adapter(variant.engine)).__module__
-    own = files(import_module(package)).joinpath(reproducer.template).read_text(encoding="utf-8")
+    own = beside(_adapter(variant.engine), reproducer.template).read_text(encoding="utf-8")
     shared = PackageLoader("reports.reproducers")
     frame = files("reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
     templates = environment(markup=False)
@@ -125,6 +137,11 @@ def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
     )
     templates.filters["listed"] = _list
     return templates
+
+
+def beside(adapter: Engine, name: str) -> Traversable:
+    """Give a file beside an adapter, which need not be there."""
+    return files(import_module(type(adapter).__module__)).joinpath(name)
 
 
 def _header(shown: Reproduction, number: Number) -> str:
@@ -145,7 +162,17 @@ def _header(shown: Reproduction, number: Number) -> str:
     if units is not None and units.value != "SI" and not reproducer_of(variant).own_units:
         told.append("Here in SI units, there in its own.")
     title = f"{adapter.capabilities.title}{version}: {scenario.question}"
-    return "\n".join([*textwrap.wrap(title, WIDTH), "", *textwrap.wrap(" ".join(told), WIDTH)])
+    return docstring(title, " ".join(told))
+
+
+def docstring(*paragraphs: str) -> str:
+    """Give paragraphs as the inside of a docstring, which nothing that stands in them ends."""
+    wrapped = (textwrap.wrap(shortened(_line(text), LONGEST_PARAGRAPH), WIDTH) for text in paragraphs)
+    return "\n\n".join(map("\n".join, wrapped)).replace("\\", "\\\\").replace('"""', r"\"\"\"")
+
+
+def _line(text: str) -> str:
+    return visible(" ".join(text.split()))
 
 
 def _short(value: float) -> str:

@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from functools import cached_property
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
@@ -19,7 +20,7 @@ from typing import Any, TypeVar
 from reference_lcp.errors import ParameterError, RunError, checked_path
 from scenarios.runs.result import Result
 from scenarios.runs.scratch import Closing, ScratchFolder
-from scenarios.runs.task import Task, key_of
+from scenarios.runs.task import Task, key_of, unsourced_key
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""
@@ -133,11 +134,12 @@ class ResultStore(Closing):
     """Results by the hash of their tasks; every result is on disk when `keep` returns.
 
     A file that is no store of this suite, is damaged or cannot be written is refused, and left as it is; a damaged row
-    is when it is read. One that stays locked, or cannot be read or written any more, is a `RunError`.
+    is when it is read. Results of other sources of the suite are taken where they are to be (`keep_old`), and counted.
+    One that stays locked, or cannot be read or written any more, is a `RunError`.
     """
 
-    def __init__(self, file: Path):
-        self._file = checked_path("store", file)
+    def __init__(self, file: Path, *, keep_old: bool = False):
+        self._file, self._keep_old, self._taken = checked_path("store", file), keep_old, 0
         with errors_of(file), ExitStack() as opened:
             self._connection = opened.enter_context(closing(connected(file)))
             with_retries(file, self._open)
@@ -167,19 +169,37 @@ class ResultStore(Closing):
     def results(self, tasks: Iterable[Task]) -> Iterator[Result | None]:
         """Give the result of each task, in order, or ``None``."""
         remaining = iter(tasks)
-        while keys := [task.key() for task in itertools.islice(remaining, LOOKUP)]:
-            query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
-            answers = {key.decode(): answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
+        while asked := list(itertools.islice(remaining, LOOKUP)):
+            keys = [task.key() for task in asked]
+            answers = self._answers(keys)
+            if self._keep_old:
+                former = {task.key(): self._former.get(unsourced_key(task.text())) for task in asked}
+                old = self._answers([name for key, name in former.items() if name and key not in answers])
+                answers |= {key: old[name] for key, name in former.items() if name in old and key not in answers}
+                self._taken += len(old)
             yield from (self._result(answers[key]) if key in answers else None for key in keys)
+
+    def _answers(self, keys: Sequence[str]) -> dict[str, bytes]:
+        query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
+        return {key.decode(): answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
+
+    @cached_property
+    def _former(self) -> dict[str, str]:
+        """The key of every result, whatever version of the suite has computed it, the latest last."""
+        return {unsourced_key(content): key.decode() for key, content, _ in self._rows()}
 
     def all_results(self) -> Iterator[tuple[str, Result]]:
         """Give every task, as `Task.text` has it, and its result, in the order of writing."""
+        yield from ((content.decode(), self._result(answer)) for _, content, answer in self._rows())
+
+    def _rows(self) -> Iterator[tuple[bytes, bytes, bytes]]:
+        """Give key, content and answer of every row, in the order of writing."""
         query = "SELECT rowid, key, content, answer, digest FROM answers WHERE rowid > ? ORDER BY rowid LIMIT ?"
         number, room = -1, self._size()
         while rows := self._read(query, (number, LOOKUP), room):
-            for number, _, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
+            for number, key, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
                 room -= len(content) + len(answer) + len(digest)
-                yield content.decode(), self._result(answer)
+                yield key, content, answer
 
     def _result(self, text: bytes) -> Result:
         try:
@@ -251,17 +271,20 @@ class ResultStore(Closing):
             return with_retries(self._file, action)
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, and say how many results of another version of the suite have been taken from it."""
+        if self._taken:
+            print(f"store {self._file}: {self._taken} results are of another version of the suite", file=sys.stderr)
+            self._taken = 0
         self._connection.close()
 
 
 @contextmanager
-def opened_store(file: Path | None) -> Iterator[ResultStore]:
+def opened_store(file: Path | None, *, keep_old: bool = False) -> Iterator[ResultStore]:
     """Open a store, a temporary one if none is named."""
     with ExitStack() as opened:
         if file is None:
             file = opened.enter_context(ScratchFolder()).path / "results.sqlite"
-        yield opened.enter_context(ResultStore(file))
+        yield opened.enter_context(ResultStore(file, keep_old=keep_old))
 
 
 class _Moved(RunError):

@@ -1,6 +1,7 @@
 """Tasks that engines run, as plain data."""
 
 import hashlib
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -18,15 +19,27 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import STICK_MARGIN
+from reference_lcp.terminal import visible
 from scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio, left_out
+from scenarios.runs.sources import sources_of
 
 RESULT_FORMAT = 4
 """Increased when the meaning of a result changes: results of other formats are not taken from a store."""
 
 
+SOURCES = "sources"
+"""Of a task's content: the digest of the files that compute its result."""
+
+
 def key_of(text: str) -> str:
     """Hash of a task's text, under which its result is stored."""
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def unsourced_key(content: bytes | str) -> str:
+    """Give the key of a content whatever files have computed its result."""
+    known = {name: value for name, value in json.loads(content).items() if name != SOURCES}
+    return key_of(to_json(known).decode())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +63,7 @@ class Task:
         return None
 
     def content(self) -> dict[str, Any]:
-        """Everything that the result depends on: the task, the engine's version and its options."""
+        """Everything that the result depends on: the task, the engine's version, its options and its sources."""
         law = law_identity(self.variant) if self.variant.engine.endswith(LAW_SUFFIX) else {}
         content = {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant), **law}
         return content | {"options": options_of(self.variant.preset.modulated())} if self.preloaded else content
@@ -171,11 +184,11 @@ class SteadyStateTask(ChainTask):
 
 @cache
 def _identity(variant: Variant) -> dict[str, Any]:
-    """Version and options that a variant's results depend on; no version where the engine is not installed."""
+    """Version, options and sources that a variant's results depend on; no version where the engine is not installed."""
     adapter = engine(variant.engine)
     preset = adapter.preset(variant.formulation, variant.preset_name)
-    version = None if adapter.unavailable_reason() else adapter.version()
-    identity = {"version": version, "options": options_of(preset)}
+    version = None if adapter.unavailable_reason() else visible(adapter.version())
+    identity = {"version": version, "options": options_of(preset), SOURCES: sources_of(adapter)}
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
 
 

@@ -18,6 +18,7 @@ from reference_lcp.errors import ParameterError
 from scenarios.runs.executor import run_batch
 from scenarios.runs.failures import WORKER_MARK, reason_of, text_of
 from scenarios.runs.result import Result
+from scenarios.runs.sources import sources_of
 
 
 def identity_of(variant: Variant) -> str:
@@ -31,7 +32,8 @@ def identity_of(variant: Variant) -> str:
         return f"{variant}, not installed: {missing}"
     options = ", ".join(f"{name} = {option.value!r}" for name, option in sorted(preset.options.items()))
     suite = engine("reference").version()
-    return f"{variant} {adapter.version()} ({options}), Python {adapter.python()}, suite {suite}".replace(" ()", "")
+    sources = f"suite {suite}, sources {sources_of(adapter)}"
+    return f"{variant} {adapter.version()} ({options}), Python {adapter.python()}, {sources}".replace(" ()", "")
 
 
 LAW_LIMIT = 300.0

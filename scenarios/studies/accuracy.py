@@ -15,7 +15,7 @@ from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
-from scenarios.tables import Column, markdown_lines, text_table
+from scenarios.tables import Column, markdown_lines, markdown_list, text_table
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import EXACT
@@ -238,7 +238,7 @@ def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
     lines = ["# Accuracy of the engines", "", ACCURACY_LEGEND, f"Made by `{command}`.", ""]
     lines += markdown_lines(text_table(ACCURACY_COLUMNS, rows))
     lines += ["", "Where the largest error on the map is, and what has no certified steady state:", ""]
-    lines += [f"- {text}" for row in rows if (text := remark(row[0]))]
+    lines += markdown_list(text for row in rows if (text := remark(row[0])))
     lines += [
         "",
         f"Versions: {versions_of(row[0].variant.engine for row in rows)}; Python {platform.python_version()}.",

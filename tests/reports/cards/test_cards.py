@@ -43,7 +43,9 @@ def made_up() -> Card:
             Row("lower band edge", "η_r", math.nan, 0.637, "friction 0.3", "no edge | nearby"),
         ),
         steps=(step_point(400, 0.5), step_point(800, 0.09), step_point(1600, 0.01)),
-        options=({"name": "noslip_iterations", "value": "1", "default": "0", "reason": "R | softness"},),
+        options=(
+            {"name": "noslip_iterations", "value": "1", "default": "0", "reach": "general", "reason": "R | softness"},
+        ),
         law="λ = −clip(a, ±μ λ_N)",
         script='print("a < b")\n',
     )
@@ -62,7 +64,7 @@ def test_page_of_a_card_has_its_numbers_with_their_errors_and_the_script_as_it_i
 def test_markdown_of_a_card_is_a_table_whose_cells_are_not_broken_by_bars() -> None:
     lines = markdown(made_up()).splitlines()
     table = [line for line in lines if line.startswith("|")]
-    assert {line.replace("\\|", "").count("|") for line in table} == {3, 5}
+    assert {line.replace("\\|", "").count("|") for line in table} == {3, 6}
     assert "| creep, 1 kg, load 0.99 [µm/s] | 5166 |" in lines
     assert "| steps a period to 0.1 dB | 800 |" in lines
     assert 'print("a < b")' in lines

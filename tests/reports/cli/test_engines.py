@@ -92,7 +92,7 @@ def test_law_that_holds_at_no_point_is_not_measured(capsys: pytest.CaptureFixtur
 def test_law_of_an_engine_that_fails_is_not_measured(
     capsys: pytest.CaptureFixture[str], setting: str, said: str
 ) -> None:
-    assert said in printed_by(capsys, "law", f"mujoco-warp:contact:default:{setting}")
+    assert said in printed_by(capsys, "law", f"mujoco-warp:contact:default:across=held:{setting}")
 
 
 def test_law_of_an_engine_that_is_missing_is_not_measured(

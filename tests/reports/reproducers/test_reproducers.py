@@ -1,9 +1,11 @@
 """Scripts for engines' trackers: they need the engine alone, and print the number that the suite has."""
 
+import ast
 import math
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -26,6 +28,7 @@ from reports.reproducers.questions import QUESTIONS
 from reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import opened_store
 from scenarios.runs.task import Task
 from scenarios.runs.transient_task import TransientTask
@@ -38,6 +41,9 @@ suite = [name for name in sys.modules if name.partition(".")[0] in ("reference_l
 assert suite == [], suite
 """
 """Runs a script, and looks at what it imported."""
+
+CODE = 'x"""\nimport os; os.system("touch run")\n"""\\'
+"""A reason that leaves the docstring of a script."""
 
 DIGITS = 1e-11
 """The script prints twelve digits."""
@@ -188,8 +194,23 @@ def test_script_with_the_other_solver_of_contacts_prints_another_creep(tmp_path,
 class WithoutEngines(Evaluator):
     """Runs the reference alone: headers then say that there is no number."""
 
-    def _skip_reason(self, task: Task) -> str | None:
-        return None if task.variant.engine == "reference" else "not asked"
+    def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
+        asked = [task for task in tasks if task.variant.engine == "reference"]
+        results = dict(zip(asked, super().evaluate(asked), strict=True))
+        return [results.get(task, Result.missing()) for task in tasks]
+
+
+class Hostile(Evaluator):
+    """Has what a stranger's store may have for every motion: blocked, for a reason that is code."""
+
+    status = ResultStatus.BLOCKED
+
+    def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
+        return [Result(status=self.status, reason=CODE) for _ in tasks]
+
+
+class HostileMissing(Hostile):
+    status = ResultStatus.MISSING
 
 
 @pytest.fixture(scope="module")
@@ -205,6 +226,31 @@ def test_script_is_short_enough_for_a_tracker(variant, scenario, reference_alone
     assert len(lines) <= MOST_LINES
     assert max(map(len, lines)) <= LONGEST_LINE
     compile("\n".join(lines), "reproducer.py", "exec")
+
+
+def statements(text: str) -> list[str]:
+    """Give what a script does after its docstring."""
+    header, *body = ast.parse(text).body
+    assert isinstance(header.value.value, str)
+    return list(map(ast.unparse, body))
+
+
+def test_a_reason_of_a_strangers_store_stays_a_text_of_the_script(monkeypatch, reference_alone) -> None:
+    shown = checked("mujoco", "static-hold")
+    expected = statements(script(shown, reference_alone))
+    with opened_store(None) as store:
+        text = script(shown, HostileMissing(store, InProcessExecutor()))
+    assert statements(text) == expected
+    assert "touch run" in ast.get_docstring(ast.parse(text))
+    monkeypatch.setattr(MuJoCo, "version", lambda _: CODE + 5000 * "v")
+    text = script(shown, reference_alone)
+    assert statements(text) == expected
+    assert len(text.splitlines()) <= MOST_LINES
+
+
+def test_a_blocked_number_has_no_script() -> None:
+    with opened_store(None) as store, pytest.raises(ParameterError, match="mujoco has no number of '1 kg, load"):
+        script(checked("mujoco", "static-hold"), Hostile(store, InProcessExecutor()))
 
 
 def test_exact_transmittance_is_that_of_the_same_periods_from_rest() -> None:

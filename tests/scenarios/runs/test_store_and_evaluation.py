@@ -188,18 +188,21 @@ class _Failing(Engine):
     [
         (RuntimeError("solver gave up\nat step 3"), None, "RuntimeError: solver gave up at step 3", True),
         (ParameterError("friction_bound = 9"), None, "cannot be represented: friction_bound = 9", True),
+        (RuntimeError("/tmp/\udcff\x1b[2J"), None, "RuntimeError: /tmp/\\udcff\\x1b[2J", True),
         (SystemExit(0), None, "SystemExit: 0", True),
         (MemoryError(), None, "MemoryError:", False),
         (OSError(24, "too many files"), None, "OSError: [Errno 24] too many files", False),
-        (None, "no wheel for this Python", "failing: no wheel for this Python", False),
+        (None, "no wheel for this Python", "not installed: failing: no wheel for this Python", False),
     ],
 )
 def test_engine_that_fails_gives_blocked_answers_with_the_reason(
-    monkeypatch, failure, missing, reason, by_engine
+    monkeypatch, store, failure, missing, reason, by_engine
 ) -> None:
-    """An error of the machine is not the engine's."""
+    """An error of the machine is not the engine's; whatever its text is, it can be kept."""
     failing = _Failing()
     failing.failure, failing.missing = failure, missing
     monkeypatch.setattr(variant, "engine", lambda _name: failing)
     blocked = ("blocked", reason, by_engine)
-    assert [(a.status, a.reason, a.by_engine) for a in run_batch([steady(), steady(0.5)])] == [blocked, blocked]
+    tasks = [steady(), steady(0.5)]
+    store.keep(zip(tasks, run_batch(tasks), strict=True))
+    assert [(a.status, a.reason, a.by_engine) for a in store.results(tasks)] == [blocked, blocked]

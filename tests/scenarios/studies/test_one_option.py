@@ -5,9 +5,13 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
+from reports.data.collect import held_creeps
 from reports.data.options import sentences, single_options
+from reports.plan import planned_report
+from scenarios.runs.store import opened_store
 from scenarios.studies.few_points import one_option_variants, with_single_options
 from tests.reports.conftest import made_errors
+from tests.scenarios.in_process import evaluator
 
 DEFAULT, TUNED = Variant("mujoco", "joint", "default"), Variant("mujoco")
 ALONE = (("solref_friction", TUNED.preset["solref_friction"]), ("noslip_iterations", 1))
@@ -61,6 +65,46 @@ def test_the_option_that_takes_off_most_of_an_error_is_named() -> None:
     singles = single_options(few)
     assert [own.option for own in singles] == ["solref_friction", "noslip_iterations"]
     (said,) = sentences(few, singles, 299)
-    assert said["decisive"] == [{"setting": "solref_friction=-0.95/h,-0.95/h", "left": "0.24 dB (at 5 points)"}]
+    assert said["decisive"] == [{"setting": "solref_friction = -0.95/h -0.95/h", "left": "0.24 dB (at 5 points)"}]
     (said,) = sentences(few, singles[1:], 299)
     assert said["decisive"] == []
+
+
+def test_an_option_that_holds_a_block_may_leave_the_error_of_what_moves() -> None:
+    """MuJoCo's sweeps without slip cure creep, and not the time constant of friction."""
+    with opened_store(None) as store:
+        creeps = held_creeps([NOSLIP, SOLREF, TUNED.changed("noslip_iterations", 2)], evaluator(store))
+    assert set(creeps) == {DEFAULT, NOSLIP, SOLREF}
+    assert creeps[NOSLIP] < 1e-6
+    assert 1e3 < creeps[SOLREF] < creeps[DEFAULT]
+    few = made_errors({DEFAULT: 14.6, TUNED: 0.2, NOSLIP: 14.6}, points=5)
+    (single,) = single_options(few, creeps)
+    assert (single.creep, single.creep_without) == (creeps[NOSLIP], creeps[DEFAULT])
+    assert not single.halves
+
+
+def test_options_are_general_where_the_recommended_preset_changes_them_too() -> None:
+    """A model of one's own may have MuJoCo's time constant of friction; dual sweeps are exact for the chain alone."""
+    assert TUNED.reach("solref_friction") == "general"
+    assert TUNED.reach("noslip_iterations") == TUNED.reach("solver") == "this chain only"
+    assert Variant("mujoco", "joint", "recommended").reach("solimp_friction") == "general"
+    assert Variant("mjx").reach("solref_friction") == "this chain only", "nothing is recommended of MJX"
+    assert TUNED.description.endswith("not to be copied into other models.")
+    assert "copied" not in DEFAULT.description
+
+
+def test_each_engine_has_three_numbers_as_installed_as_recommended_and_tuned() -> None:
+    recommended = Variant("mujoco", "joint", "recommended")
+    (said,) = sentences(made_errors({DEFAULT: 14.6, recommended: 0.23, TUNED: 0.2}, points=299), [], 299)
+    assert (said["default"], said["recommended"], said["tuned"]) == ("14.6 dB", "0.23 dB", "0.2 dB")
+    assert said["general"] == ["solref_friction"]
+    (said,) = sentences(made_errors({DEFAULT: 14.6, TUNED: 0.2}, points=299), [], 299)
+    assert said["recommended"] == ""
+
+
+def test_the_default_report_has_recommended_presets_whose_steps_a_model_has() -> None:
+    for quick in (False, True):
+        scope = planned_report([], None, quick=quick, stored_in=None).scope
+        assert Variant("mujoco", "joint", "recommended") in scope.recommended
+        assert Variant("mujoco", "contact", "recommended") not in scope.recommended, "it hops, and never settles"
+    assert planned_report(["mujoco"], None, quick=False, stored_in=None).scope.recommended == ()

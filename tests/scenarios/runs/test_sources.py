@@ -1,0 +1,91 @@
+"""A corrected adapter does not take the answers that it gave before for its own."""
+
+import json
+import sqlite3
+from contextlib import closing
+
+import numba
+import pytest
+
+from engines.interface.registry import engine
+from reference_lcp.process import ROOT
+from scenarios.runs import sources, task
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore, digest_of, key_of
+from tests.scenarios.runs.builders import steady
+
+OLD, NEW = Result(status="converged", transmittance_db=1.0), Result(status="converged", transmittance_db=2.0)
+
+
+@pytest.fixture
+def corrected(monkeypatch):
+    """Gives what changes the sources of every engine."""
+
+    def correct(digest: str) -> None:
+        monkeypatch.setattr(task, "sources_of", lambda _adapter: digest)
+        task._identity.cache_clear()
+
+    yield correct
+    monkeypatch.undo()
+    task._identity.cache_clear()
+
+
+def test_a_corrected_adapter_computes_anew_and_keeps_what_it_said_before(tmp_path, corrected, capsys) -> None:
+    file = tmp_path / "results.sqlite"
+    corrected("one")
+    with ResultStore(file) as store:
+        store.keep([(steady(), OLD)])
+        assert store.find(steady()) == OLD
+    corrected("another")
+    with ResultStore(file) as store:
+        assert store.find(steady()) is None
+    assert capsys.readouterr().err == ""
+    with ResultStore(file, keep_old=True) as store:
+        assert list(store.results([steady(0.5), steady()])) == [None, OLD]
+    assert "1 results are of another version of the suite" in capsys.readouterr().err
+    with ResultStore(file, keep_old=True) as store:
+        store.keep([(steady(), NEW)])
+        assert store.find(steady()) == NEW
+        assert [result for _, result in store.all_results()] == [OLD, NEW]
+    assert capsys.readouterr().err == ""
+
+
+def test_a_store_of_before_there_were_digests_is_read_where_it_is_to_be(tmp_path) -> None:
+    file = tmp_path / "results.sqlite"
+    content = {name: value for name, value in steady().content().items() if name != "sources"}
+    text = json.dumps(content, separators=(",", ":"))
+    with ResultStore(file) as store, closing(sqlite3.connect(file)) as connection, connection:
+        assert store.find(steady()) is None
+        row = key_of(text), text, OLD.to_json()
+        digest = digest_of(*(each.encode() for each in row))
+        connection.execute("INSERT INTO answers VALUES (?, ?, ?, ?)", (*row, digest))
+    with ResultStore(file) as store, ResultStore(file, keep_old=True) as keeping:
+        assert store.find(steady()) is None
+        assert keeping.find(steady()) == OLD
+
+
+@pytest.mark.parametrize(
+    ("file", "of_mujoco", "of_drake"),
+    [
+        ("engines/mujoco/step_model.py", True, False),
+        ("engines/drake/contact.py", False, True),
+        ("reference_lcp/schemes/euler_kernel.py", True, True),
+        ("scenarios/runs/steady.py", True, True),
+        ("reports/page/render.py", False, False),
+    ],
+)
+def test_digest_is_of_what_computes_an_answer(monkeypatch, file, of_mujoco, of_drake) -> None:
+    def digests() -> list[str]:
+        sources._sources.cache_clear()
+        return [sources.sources_of(engine(name)) for name in ("mujoco", "mujoco@law", "drake")]
+
+    before, known = digests(), sources._digest
+    monkeypatch.setattr(sources, "_digest", lambda own: b"changed" if own == ROOT / file else known(own))
+    assert [one != two for one, two in zip(before, digests(), strict=True)] == [of_mujoco, of_mujoco, of_drake]
+    sources._sources.cache_clear()
+
+
+def test_kernels_that_are_not_compiled_have_other_sources(monkeypatch) -> None:
+    compiled = sources.sources_of(engine("reference"))
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
+    assert sources.sources_of(engine("reference")) == f"{compiled}, not compiled"

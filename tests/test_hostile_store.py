@@ -1,0 +1,138 @@
+"""A store whose texts are hostile, through every output: nothing is obeyed, and nothing is run."""
+
+import json
+import re
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
+from reports.cli.console_script import app
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore, digest_of, key_of
+from scenarios.runs.task import Task
+from tests.junit import checked_junit
+from tests.scenarios.runs.builders import steady
+
+FORGED = "\n## Engine regression: passes\n"
+
+HOSTILE = f'\x1b[2J\u202e{FORGED}</details><script>run()</script>|[passes](http://x)"""\u2028import os\r[red]'
+"""A text that a terminal would obey, a reader see backwards, and Markdown, HTML and Python take for their own."""
+
+RAW = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+BLOCKED = json.dumps({"status": "blocked", "reason": HOSTILE, "by_engine": True})
+FINISHED = json.dumps({"status": "finished", "reason": HOSTILE, "transmittance_db": 1.5})
+
+
+@pytest.fixture
+def answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every store has an answer of a stranger to every question that is not the reference's."""
+    known = ResultStore.results
+
+    def results(store: ResultStore, tasks: list[Task]):
+        for task in tasks:
+            own = task.variant.engine.startswith(("reference", "exact"))
+            yield next(known(store, [task])) if own else Result.from_json(BLOCKED)
+
+    monkeypatch.setattr(ResultStore, "results", results)
+
+
+def write(file: Path, version: str, answer: str) -> None:
+    """Write a store with one row, whose texts are all hostile, as its author may."""
+    with ResultStore(file) as store:
+        store.note(json.dumps(HOSTILE))
+        content = steady().content()
+        content["task"]["variant"] = {"engine": HOSTILE, "formulation": HOSTILE, "preset_name": HOSTILE}
+        content |= {"version": version, "options": {HOSTILE: version}}
+        text = json.dumps(content)
+    with closing(sqlite3.connect(file)) as connection, connection:
+        row = key_of(text), text, answer
+        digest = digest_of(*(each.encode() for each in row))
+        connection.execute("INSERT INTO answers VALUES (?, ?, ?, ?)", (*row, digest))
+
+
+def run(*arguments: str) -> int:
+    return run_command(app, list(arguments))
+
+
+def check_texts(folder: Path, printed: str) -> None:
+    """Look at what was printed and at every text that was written, but for JSON, which has its own escapes."""
+    written = {
+        str(file): file.read_text()
+        for file in folder.rglob("*")
+        if file.suffix in (".md", ".csv", ".xml", ".html", ".py")
+    }
+    for name, text in {"terminal": printed, **written}.items():
+        body = text if not name.endswith(".html") else re.sub("<script>.*?</script>", "", text, flags=re.S)
+        assert RAW.search(body) is None, (name, RAW.search(body))
+        assert FORGED not in text, name
+        assert not name.endswith(".md") or "[passes](" not in text, name
+        if name.endswith((".md", ".html")):
+            assert "<script>run()" not in text, name
+            assert "</details><script" not in text, name
+
+
+def test_comparing_hostile_stores_shows_their_texts_and_obeys_none(tmp_path, capsys) -> None:
+    write(tmp_path / "a.sqlite", HOSTILE, FINISHED)
+    write(tmp_path / "b.sqlite", HOSTILE + "2", BLOCKED)
+    outs = [f"--out={tmp_path}/changes{ending}" for ending in (".md", ".xml", ".csv", ".json")]
+    assert (
+        run("compare", "--no-exact", str(tmp_path / "a.sqlite"), str(tmp_path / "b.sqlite"), *outs) == ExitCode.FAILED
+    )
+    printed = capsys.readouterr().out
+    assert "\\x1b[2J\\u202e" in printed
+    check_texts(tmp_path, printed)
+    checked_junit(tmp_path / "changes.xml", tests=1, failures=1)
+    assert (tmp_path / "changes.md").read_text().startswith("## Engine regression: fails\n")
+
+
+def test_checking_and_salvaging_a_hostile_store_prints_no_text_of_it(tmp_path, capsys) -> None:
+    write(tmp_path / "a.sqlite", HOSTILE, FINISHED)
+    assert run("store", "check", str(tmp_path / "a.sqlite"), "--salvage", str(tmp_path / "new.sqlite")) == ExitCode.DONE
+    check_texts(tmp_path, capsys.readouterr().out)
+
+
+@pytest.mark.usefixtures("answered")
+@pytest.mark.parametrize(
+    ("line", "code", "shown"),
+    [
+        ("run stopping-distance --engine mujoco --out OUT/a.md --out OUT/a.xml --out OUT/a.csv", None, True),
+        ("run slope-hold --engine mujoco:contact:default --out OUT/a.md --out OUT/a.xml", None, True),
+        pytest.param("report --sweep OUT/own.toml --out OUT/page", None, True, marks=pytest.mark.slow),
+        ("sweep OUT/own.toml --out OUT/a.csv", ExitCode.DONE, True),
+        pytest.param("card mujoco --out OUT", ExitCode.DONE, False, marks=pytest.mark.slow),
+        ("reproduce mujoco static-hold", ExitCode.WRONG_INPUT, True),
+        ("reproduce mujoco:contact:default slope-hold", ExitCode.WRONG_INPUT, True),
+    ],
+)  # fmt: skip
+def test_a_hostile_reason_is_shown_and_not_obeyed(line, code, shown, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    grid = "[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]"
+    (tmp_path / "own.toml").write_text(f'engines = ["mujoco"]\n{grid}\n')
+    name, *words = line.replace("OUT", str(tmp_path)).split()
+    ended = run(name, *words, *([] if name == "reproduce" else ["--workers=1"]), f"--store={tmp_path / 'a.sqlite'}")
+    printed = capsys.readouterr()
+    assert ended == code if code is not None else ended in (ExitCode.DONE, ExitCode.FAILED)
+    assert not shown or "\\x1b[2J" in "".join((printed.out + printed.err).split())
+    check_texts(tmp_path, printed.out + printed.err)
+
+
+@pytest.mark.parametrize("level", [1e308, -1e308])
+def test_numbers_that_no_motion_has_are_compared(tmp_path, level, capsys) -> None:
+    answer = {
+        "status": "converged",
+        "transmittance_db": level,
+        "phase": 1e308,
+        "period": 1.0,
+        "series": {"unknown": [1e308]},
+    }
+    write(tmp_path / "a.sqlite", "1", json.dumps(answer))
+    write(tmp_path / "b.sqlite", "1", json.dumps({**answer, "phase": 1.0, "series": {}}))
+    stores = [str(tmp_path / name) for name in ("a.sqlite", "b.sqlite")]
+    assert run("compare", "--no-exact", *stores) == ExitCode.FAILED
+    assert run("compare", "--no-exact", stores[0], stores[0]) == ExitCode.DONE
+    assert "unknown" in capsys.readouterr().out
