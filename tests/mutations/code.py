@@ -1,0 +1,160 @@
+"""``python -m tests.mutations.code --count 40 --seed 1``: would the tests notice one wrong operator in the product?
+
+A copy of the project gets one operator that is another one, at random, and the tests that have most to do with its
+file. A mutant is killed by the first test that fails, survives if all pass, and is not decided if time is up before.
+"""
+
+import argparse
+import ast
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+PROJECT = Path(__file__).parents[2]
+
+ROOMS = ("reference_lcp", "engines", "scenarios", "reports")
+
+DECIDED_IN = 60.0
+"""Seconds that the tests of one mutant may take."""
+
+KILLED, SURVIVED, UNDECIDED = "killed", "survived", "undecided"
+
+WRONG: dict[type[ast.AST], tuple[str, str]] = {
+    ast.Lt: ("<", "<="),
+    ast.LtE: ("<=", "<"),
+    ast.Gt: (">", ">="),
+    ast.GtE: (">=", ">"),
+    ast.Eq: ("==", "!="),
+    ast.NotEq: ("!=", "=="),
+    ast.Is: ("is", "is not"),
+    ast.IsNot: ("is not", "is"),
+    ast.In: ("in", "not in"),
+    ast.NotIn: ("not in", "in"),
+    ast.Add: ("+", "-"),
+    ast.Sub: ("-", "+"),
+    ast.Mult: ("*", "/"),
+    ast.Div: ("/", "*"),
+    ast.And: ("and", "or"),
+    ast.Or: ("or", "and"),
+    ast.Not: ("not ", ""),
+}
+"""Operators, and what stands in their place."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One operator of a file that is another one."""
+
+    file: Path
+    """From the root of the project."""
+    line: int
+    begin: int
+    """Place in the bytes of the file between the operands, where the operator is looked for."""
+    operator: type[ast.AST]
+
+    def source(self) -> bytes:
+        """Give the file with the change."""
+        right, wrong = (text.encode() for text in WRONG[self.operator])
+        text = (PROJECT / self.file).read_bytes()
+        place = text.index(right, self.begin)
+        return text[:place] + wrong + text[place + len(right) :]
+
+    def __str__(self) -> str:
+        right, wrong = WRONG[self.operator]
+        return f"{self.file}:{self.line}: {right.strip()} → {wrong or 'nothing'}"
+
+
+def changes_of(file: Path) -> Iterator[Change]:
+    """Give every change of a file."""
+    text = (PROJECT / file).read_bytes()
+    starts = [0, *(place + 1 for place, byte in enumerate(text) if byte == ord("\n"))]
+    for node in ast.walk(ast.parse(text)):
+        for (line, column), operator in _operators(node):
+            yield Change(file, line, starts[line - 1] + column, type(operator))
+
+
+def _operators(node: ast.AST) -> Iterator[tuple[tuple[int, int], ast.AST]]:
+    """Give the operators of a node, and line and column from where on each is looked for."""
+    found: list[tuple[ast.expr, ast.AST]] = []
+    if isinstance(node, ast.BinOp):
+        found = [(node.left, node.op)]
+    elif isinstance(node, ast.Compare):
+        found = list(zip([node.left, *node.comparators], node.ops, strict=False))
+    elif isinstance(node, ast.BoolOp):
+        found = [(node.values[0], node.op)]
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        yield (node.lineno, node.col_offset), node.op
+    for operand, operator in found:
+        if type(operator) in WRONG and operand.end_lineno is not None and operand.end_col_offset is not None:
+            yield (operand.end_lineno, operand.end_col_offset), operator
+
+
+def product_files() -> list[Path]:
+    """Give the files of the product, but for the contract, which is tests."""
+    tracked = subprocess.run(["git", "ls-files", *ROOMS], cwd=PROJECT, capture_output=True, text=True, check=True)
+    files = map(Path, tracked.stdout.splitlines())
+    return [file for file in files if file.suffix == ".py" and file.parts[:2] != ("engines", "contract")]
+
+
+def tests_of(file: Path) -> list[str]:
+    """Give the tests of a file: its own or its engine's, golden answers, those that name its module, its folder's."""
+    module = ".".join(file.with_suffix("").parts).removesuffix(".__init__")
+    every = sorted((PROJECT / "tests").rglob("test_*.py"))
+    own = [test for test in every if test.stem in (f"test_{file.stem}", f"test_{file.parent.name}")]
+    naming = [test for test in every if re.search(rf"\b{re.escape(module)}\b", test.read_text())]
+    folder = PROJECT / "tests" / file.parent
+    while not folder.is_dir():
+        folder = folder.parent
+    beside = sorted(naming, key=lambda test: folder not in test.parents)
+    return [str(test.relative_to(PROJECT)) for test in dict.fromkeys([*own, PROJECT / "tests/golden", *beside, folder])]
+
+
+def outcome(change: Change, copy: Path) -> str:
+    """Run the tests of a change in a copy of the project."""
+    spoilt = copy / change.file
+    sound = spoilt.read_bytes()
+    spoilt.write_bytes(change.source())
+    environment = os.environ | {"PYTHONPATH": str(copy)}
+    if b"numba" in sound:  # what calls it is compiled with it
+        environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=copy)
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *tests_of(change.file)]
+    try:
+        run = subprocess.run(command, cwd=copy, env=environment, capture_output=True, timeout=DECIDED_IN, check=False)
+    except subprocess.TimeoutExpired:
+        return UNDECIDED
+    finally:
+        spoilt.write_bytes(sound)
+    return SURVIVED if run.returncode == 0 else KILLED
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Draw changes, and print what becomes of each and the score; 1 if any survives."""
+    parser = argparse.ArgumentParser(prog="python -m tests.mutations.code", description=__doc__)
+    parser.add_argument("--count", type=int, default=40, help="changes that are drawn")
+    parser.add_argument("--seed", type=int, default=0, help="of the draw")
+    chosen = parser.parse_args(arguments)
+    every = [change for file in product_files() for change in changes_of(file)]
+    drawn = random.Random(chosen.seed).sample(every, min(chosen.count, len(every)))
+    outcomes: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "project"
+        shutil.copytree(PROJECT, copy, ignore=shutil.ignore_patterns(".git", ".*_cache", "_build"))
+        for change in drawn:
+            ended = outcome(change, copy)
+            outcomes[ended] += 1
+            print(f"{ended:9} {change}", flush=True)
+    decided = outcomes[KILLED] + outcomes[SURVIVED]
+    print(f"{outcomes[KILLED]} of {decided} decided changes are killed; {outcomes[UNDECIDED]} are not decided in time")
+    return 1 if outcomes[SURVIVED] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+"""Changes of single operators in the product's code."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.mutations import code
+from tests.mutations.code import KILLED, SURVIVED, Change, changes_of, outcome, product_files
+
+SMALL = "def least(a, b):\n    return a if a < b and not b + a == 1 else b\n"
+
+
+@pytest.fixture
+def project(monkeypatch, tmp_path: Path) -> Path:
+    """Make a project of one function, with a test that sees half of it."""
+    monkeypatch.setattr(code, "PROJECT", tmp_path)
+    for file, text in {
+        "reports/__init__.py": "",
+        "reports/small.py": SMALL,
+        "tests/reports/test_small.py": "from reports.small import least\ndef test_it():\n    assert least(2, 3) == 2\n",
+        "tests/golden/test_golden.py": "def test_golden():\n    pass\n",
+        "pytest.ini": "[pytest]\npythonpath = .\naddopts = --import-mode=importlib\n",
+    }.items():
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text(text)
+    return tmp_path
+
+
+def test_every_change_is_one_operator_at_its_place(project: Path) -> None:
+    changed = {str(change): change.source().decode() for change in changes_of(Path("reports/small.py"))}
+    assert changed == {
+        "reports/small.py:2: < → <=": SMALL.replace("a < b", "a <= b"),
+        "reports/small.py:2: and → or": SMALL.replace("and", "or"),
+        "reports/small.py:2: not → nothing": SMALL.replace("not ", ""),
+        "reports/small.py:2: == → !=": SMALL.replace("==", "!="),
+        "reports/small.py:2: + → -": SMALL.replace("b + a", "b - a"),
+    }
+
+
+def test_a_change_is_killed_by_a_test_that_sees_it_and_survives_others(project: Path) -> None:
+    of = {change.operator: change for change in changes_of(Path("reports/small.py"))}
+    assert outcome(of[ast.Not], project) == KILLED
+    assert outcome(of[ast.Lt], project) == SURVIVED
+    assert (project / "reports/small.py").read_text() == SMALL
+
+
+def test_every_change_of_the_product_can_be_compiled() -> None:
+    for file in product_files()[::20]:
+        for change in changes_of(file):
+            assert isinstance(change, Change)
+            compile(change.source(), str(file), "exec")
+
+
+def test_tests_of_an_adapter_are_those_of_its_engine() -> None:
+    assert code.tests_of(Path("engines/rapier/joint.py"))[0] == "tests/engines/adapters/test_rapier.py"
