@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from engines.interface.presets import Formulation
-from engines.interface.variant import Variant, default_variants, variants_named
+from engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
 from engines.shared.law_distance import stepped_by, unclaimed_reason
 from reference_lcp.errors import ParameterError
 from reports.data.collect import QUICK, Scope
@@ -57,16 +57,19 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
         return PlannedReport(stored, scope, command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
     beside = _beside(planned)
-    scope = replace(QUICK, beside=beside) if quick else replace(_scope(planned.variants, beside), scenarios=SCENARIOS)
+    whole = replace(_scope(planned.variants, beside), scenarios=SCENARIOS)
+    scope = replace(QUICK, beside=beside, recommended=whole.recommended) if quick else whole
     return PlannedReport(planned, scope, command_of((), quick, None))
 
 
 def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
     """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
 
-    A preview has none of these: at its two points errors may cancel.
+    A preview has none of these: at its two points errors may cancel. Recommended presets are beside it where a model
+    has their steps: the others never settle, and take seconds a point.
     """
-    return Scope(beside=beside, one_option=one_option_variants(settling, beside))
+    recommended = tuple(own for own in recommended_variants() if beside and stepped_by(own) is not None)
+    return Scope(beside=beside, recommended=recommended, one_option=one_option_variants(settling, beside))
 
 
 def stored_sweep(store: Path) -> Sweep:

@@ -1,13 +1,18 @@
-"""What a store knows of the catalogue's scenarios: the outcome of every variant in each."""
+"""What a store knows of the catalogue's scenarios: outcomes of every variant, and the numbers of scenes."""
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from enum import StrEnum
 from typing import Any
 
+import pandas as pd
+
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario, run_with_predictions
 from scenarios.catalogue.registry import CATALOGUE
+from scenarios.catalogue.scenes.base import SceneScenario
+from scenarios.catalogue.scenes.table import worst_numbers
+from scenarios.catalogue.verdict_table import finding_table
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore
@@ -40,14 +45,32 @@ def catalogue_outcomes(
 ) -> Outcomes:
     """Judge every scenario of which the store holds all results of a variant, and those of the others in it.
 
+    Scenes have numbers instead: see `scene_numbers`.
     Scenarios that are to be `run` are evaluated by `evaluator` first; of all others nothing is computed.
     """
     stored = StoredResults(store)
     every = {
         name: _outcomes(scenario, variants, _Watched(store, evaluator if evaluator and name in run else stored))
         for name, scenario in CATALOGUE.items()
+        if not isinstance(scenario, SceneScenario)
     }
     return {name: own for name, own in every.items() if own}
+
+
+def scene_numbers(store: ResultStore) -> pd.DataFrame:
+    """Give the worst number of each scene of which the store holds all results of a variant, of any engine.
+
+    Columns ``engine``, ``number``, and ``default`` and ``recommended`` as `worst_numbers` gives them; nothing is run.
+    """
+    found: dict[Scenario, list[Finding]] = {}
+    for scenario in CATALOGUE.values():
+        if isinstance(scenario, SceneScenario):
+            watched = _Watched(store, StoredResults(store))
+            findings = scenario.run(scenario.variants([]), watched)
+            found[scenario] = [own for own in findings if own.variant in watched.known - watched.missing]
+    if not any(found.values()):
+        return pd.DataFrame()
+    return worst_numbers(finding_table(found)).dropna(how="all").rename_axis(["engine", "number"]).reset_index()
 
 
 def _outcomes(

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import xarray as xr
 
 from engines.interface.variant import Variant
-from reports.data.catalogue import catalogue_outcomes
+from reports.data.catalogue import catalogue_outcomes, scene_numbers
 from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
+from scenarios.catalogue.block.static_hold import CREEP, StaticHold
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.parameters import ChainRatios, OperatingPoint
 from scenarios.runs.recorded import RecordedPeriod
@@ -66,6 +67,8 @@ class Scope:
     """Variants that are compared with the truth at `beside_points` only, and have no verdict."""
     beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
     """Those of them that the grid does not hold are left out."""
+    recommended: tuple[Variant, ...] = ()
+    """Likewise; they take part in no scenario."""
     one_option: tuple[Variant, ...] = ()
     """Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too."""
     scenarios: tuple[str, ...] = ()
@@ -109,9 +112,11 @@ def collect(
         steps=steps,
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
-        beside=few_points(result, scope.beside, scope.beside_points, evaluator),
+        beside=few_points(result, (*scope.beside, *scope.recommended), scope.beside_points, evaluator),
         one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
+        creeps=held_creeps(scope.one_option, evaluator),
         catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),
+        scenes=scene_numbers(store),
     )
 
 
@@ -123,6 +128,20 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     result = judged_points(results.sweep.ascending(), points, results, results.predictions)
     known = with_recorded_truths(result, data, results.sweep)
     return Report(known, command, steps=None, recorded=recorded)
+
+
+def held_creeps(variants: Sequence[Variant], evaluator: Evaluator) -> dict[Variant, float]:
+    """Give how fast a block creeps under 0.99 of its bound, with defaults and with one option of them [µm/s].
+
+    NaN where that is not known.
+    """
+    scenario = StaticHold()
+    (case,) = (case for case in scenario.cases if str(case) == "1 kg, load 0.99")
+    singles = [variant for variant in variants if variant.preset_name.startswith("default:")]
+    shown = list(dict.fromkeys([*singles, *(replace(own, preset_name="default") for own in singles)]))
+    evaluator.evaluate([case.task(variant) for variant in shown])
+    found = (finding for variant in shown for finding in scenario.case_findings(variant, case, evaluator))
+    return {finding.variant: finding.value for finding in found if finding.metric is CREEP}
 
 
 def _map(sweep: Sweep, scope: Scope) -> Sweep | None:

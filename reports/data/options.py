@@ -9,6 +9,7 @@ import pandas as pd
 from engines.interface.variant import Variant
 from reports.data.points import NAMES, names_of
 from reports.data.variants import Errors
+from reports.formatting import printed_option
 from scenarios.studies.few_points import tuned_options, with_single_options
 
 FEWEST_VALUES = 3
@@ -22,8 +23,16 @@ class SingleOption(NamedTuple):
     tuned: Any
     option: str
     value: str
-    """That the tuned preset gives the option, as commands take it."""
+    """That the tuned preset gives the option, as the engine takes it."""
     errors: Any
+    creep: float
+    creep_without: float
+    """Of a block that friction holds, with the option and without any [µm/s]; NaN where it is not known."""
+
+    @property
+    def reach(self) -> str:
+        """Where the option may be copied to."""
+        return str(self.tuned.variant.reach(self.option))
 
     @property
     def halves(self) -> bool:
@@ -31,10 +40,18 @@ class SingleOption(NamedTuple):
         return self.errors.points_known == self.default.points_known and self.errors.size < self.default.size / 2
 
 
-def single_options(errors: Errors) -> list[SingleOption]:
+def single_options(errors: Errors, creeps: Mapping[Variant, float] | None = None) -> list[SingleOption]:
     """Give the single options of every default whose errors are known, by engine and formulation, smallest first."""
+    held = creeps or {}
     every = [
-        SingleOption(default, errors[own.tuned], *_setting(changed), errors[changed])
+        SingleOption(
+            default,
+            errors[own.tuned],
+            *_setting(changed),
+            errors[changed],
+            held.get(changed, math.nan),
+            held.get(own, math.nan),
+        )
         for own, default in errors.items()
         if own.preset_name == "default" and own.tuned in errors
         for changed in with_single_options(own)
@@ -45,12 +62,12 @@ def single_options(errors: Errors) -> list[SingleOption]:
 
 def _setting(changed: Variant) -> tuple[str, str]:
     """Give the option of a variant with a single one, and its value."""
-    name, _, value = changed.preset.settings[0].partition("=")
-    return name, value
+    name = changed.preset.settings[0].partition("=")[0]
+    return name, printed_option(changed.preset[name])
 
 
 def sentences(errors: Errors, singles: Sequence[SingleOption], points: int) -> list[dict[str, Any]]:
-    """Say of each engine how far it is off as installed, and how far with which options; the farthest first.
+    """Say of each engine how far it is off as installed, as recommended, and with tuned options, the farthest first.
 
     `points` is at how many the truth is known: fewer points of a variant are named.
     """
@@ -64,11 +81,19 @@ def sentences(errors: Errors, singles: Sequence[SingleOption], points: int) -> l
     for pair in sorted(pairs, key=lambda pair: pair[1].variant.formulation != "joint"):
         engines.setdefault(pair[1].variant.capabilities.title, []).append(pair)
     decisive = {single.default.variant: single for single in reversed(singles) if single.halves}
-    return [_sentence(title, own, decisive, points) for title, own in engines.items()]
+    known = {own.tuned: row for own, row in errors.items() if own.preset_name == "recommended" and row.points_known}
+    return [
+        _sentence(title, own, [known[row.variant] for _, row in own if row.variant in known], decisive, points)
+        for title, own in engines.items()
+    ]
 
 
 def _sentence(
-    title: str, pairs: Sequence[tuple[Any, Any]], decisive: Mapping[Variant, SingleOption], points: int
+    title: str,
+    pairs: Sequence[tuple[Any, Any]],
+    recommended: Sequence[Any],
+    decisive: Mapping[Variant, SingleOption],
+    points: int,
 ) -> dict[str, Any]:
     several = len(pairs) > 1
     tuned = [own for _, own in pairs]
@@ -79,15 +104,23 @@ def _sentence(
         "engine": title,
         "default": " and ".join(_off(own, points, several=several) for own, _ in pairs),
         "tuned": f"{tuned[0].size:.4g} dB" if alike else " and ".join(_off(own, points, several=True) for own in tuned),
+        "recommended": " and ".join(_off(own, points, several=several) for own in recommended),
         "options": list(dict.fromkeys(options)),
+        "general": [option for option in dict.fromkeys(options) if _is_general(option, tuned)],
         "decisive": [
             {
-                "setting": f"{single.option}={single.value}",
+                "setting": f"{single.option} = {single.value}",
                 "left": _off(single.errors, single.errors.points + 1, several=several),
             }
             for single in singles
         ],
     }
+
+
+def _is_general(option: str, tuned: Sequence[Any]) -> bool:
+    """Tell whether an option may be copied into any model, in every formulation whose tuned preset has it."""
+    reaches = {own.variant.reach(option) for own in tuned if option in own.variant.preset.options}
+    return reaches == {"general"}
 
 
 def _off(own: Any, points: int, *, several: bool) -> str:
@@ -146,6 +179,6 @@ def _row(option: str, value: Any, own: Any, creep: float) -> dict[str, Any]:
 def option_table(curves: Iterable[pd.DataFrame], singles: Iterable[SingleOption] = ()) -> pd.DataFrame:
     """Give every variant of every curve over one option, and every default with one option of the tuned preset."""
     rows: list[Any] = [row for curve in curves for row in curve.to_dict("records")]
-    rows += [_row(own.option, own.value, own.errors, math.nan) for own in singles]
-    columns = ("option", "value", "largest_error_db", "median_error_db", "largest_creep")
+    rows += [{**_row(own.option, own.value, own.errors, math.nan), "creep_um_s": own.creep} for own in singles]
+    columns = ("option", "value", "largest_error_db", "median_error_db", "largest_creep", "creep_um_s")
     return pd.DataFrame(rows, columns=[*NAMES, *columns])

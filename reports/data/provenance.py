@@ -82,6 +82,7 @@ def provenance(report: "Report") -> dict[str, Any]:
 def _variant(report: "Report", variant: Variant, points: pd.DataFrame) -> dict[str, Any]:
     """Describe one variant: what it is, how it is set up, how well it converged."""
     of, converged = engine(variant.engine), points[points["status"] == ResultStatus.CONVERGED]
+    described = report.recorded.get(str(variant)) or description_of(variant)
     return {
         "engine": variant.engine,
         "formulation": variant.formulation,
@@ -93,7 +94,8 @@ def _variant(report: "Report", variant: Variant, points: pd.DataFrame) -> dict[s
         "precision": of.capabilities.precision,
         "notes": of.capabilities.notes,
         "compared_with": compared_with(variant, report.result.sweep.tolerance),
-        **(report.recorded.get(str(variant)) or description_of(variant)),
+        **described,
+        "options": [{**option, "reach": variant.reach(option["name"])} for option in described["options"]],
         "steps_per_period": sorted(map(int, set(converged["steps_per_period"]))),
         "worst_residual": float(converged["residual"].max()),
     }

@@ -50,8 +50,12 @@ class Report:
     """Points of variants that are compared with the truth at a few points only, and have no verdict."""
     one_option: tuple[Point, ...] = ()
     """Points of variants that differ in one option from a preset, at a few points of the grid."""
+    creeps: Mapping[Variant, float] = field(default_factory=dict)
+    """How fast a block creeps that friction holds, with single options and without any, see `held_creeps` [µm/s]."""
     catalogue: Outcomes = field(default_factory=dict)
     """What is known of the scenarios of the catalogue."""
+    scenes: pd.DataFrame = field(default_factory=pd.DataFrame)
+    """What is known of scenes, of any engine, see `scene_numbers`; empty where that is nothing."""
 
     @property
     def missing(self) -> Mapping[Variant, int]:
@@ -152,7 +156,7 @@ class Report:
     @cached_property
     def single_options(self) -> list[SingleOption]:
         """Defaults with one option of the tuned preset each, the smallest error of an engine and formulation first."""
-        return single_options(self.few_errors)
+        return single_options(self.few_errors, self.creeps)
 
     @cached_property
     def option_curves(self) -> list[pd.DataFrame]:

@@ -24,9 +24,12 @@ from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 JOINING = Style("#9aa4ae", width=2.0)
 PRESETS = {
     "as installed": Style("#D55E00", "circle", 7.0),
-    "tuned": Style("#0072B2", "dot", 6.5),
+    "recommended for any model": Style("#009E73", "square", 5.0),
+    "tuned to this chain": Style("#0072B2", "dot", 6.5),
     "other presets": Style("#8c8c8c", "diamond", 5.0),
 }
+NAMED = dict(zip(("default", "recommended", "tuned"), PRESETS, strict=False))
+"""Titles of presets that have one, by name."""
 LIMIT = Style("#666666", dash=DASHED, width=0.7)
 
 
@@ -48,7 +51,8 @@ def installed_figure(errors: Errors) -> Figure | None:
     )
     return Figure(
         "installed",
-        "Largest error of transmittance to the exact motion: engines as installed and with tuned options; dashed: "
+        "Largest error of transmittance to the exact motion: engines as installed, with what is recommended for any "
+        "model, and with options tuned to this chain; dashed: "
         f"{WRONG_DB:g} dB, from which on a variant is wrong",
         [panel],
         height=0.9 + 0.27 * count,
@@ -66,7 +70,7 @@ def _marks(rows: list[list[Any]]) -> list[Mark]:
     ]
     presets: dict[str, list[tuple[float, Any]]] = {title: [] for title in PRESETS}
     for k, own in ((k, own) for k, row in enumerate(rows) for own in row):
-        title = {"default": "as installed", "tuned": "tuned"}.get(own.variant.preset_name, "other presets")
+        title = NAMED.get(own.variant.preset_name, "other presets")
         presets[title].append((float(k), own))
     return [*joining, *(_preset(title, own) for title, own in presets.items() if own)]
 

@@ -2,12 +2,13 @@
 
 from reports.page.sections.errors import ErrorMaps, OptionCurves, WorkPrecision
 from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
+from reports.page.sections.scenes import Scenes
 from reports.page.sections.summary import Provenance, Summary
 from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts, Versions
 
 FIRST_SECTIONS = (
-    Summary, Verdicts, Versions, DeviationsSection, BandEdges, Transmittance, Catalogue, ErrorMaps, FrictionMapSection,
-    StickSlip, WorkPrecision, OptionCurves, OpenPoints,
+    Summary, Verdicts, Versions, DeviationsSection, BandEdges, Transmittance, Catalogue, Scenes, ErrorMaps,
+    FrictionMapSection, StickSlip, WorkPrecision, OptionCurves, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)
 """Sections of every report, in order; those of other packages stand between."""
