@@ -8,6 +8,8 @@ from types import ModuleType
 import pytest
 
 from engines import engine
+from engines.interface.registry import engine_names
+from engines.interface.variant import variants_of
 from reports.cli.console_script import COMMANDS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -84,3 +86,9 @@ def test_table_of_engines_has_all_that_were_measured_with_version_precision_and_
     assert len(shown) == len(measured)
     assert set(shown) == expected
     assert all((DOCS / "engines" / f"{page}.md").is_file() for page, _, _ in shown)
+
+
+@pytest.mark.parametrize("name", [name for name in engine_names() if name != "reference"])
+def test_every_preset_of_an_engine_has_a_row_in_the_table_of_laws(name: str) -> None:
+    rows = [line.split(" | ")[0] for line in (DOCS / "laws.md").read_text(encoding="utf-8").splitlines()]
+    assert [str(own) for own in variants_of(name, optional=True) if f"| {own}" not in rows] == []
