@@ -77,11 +77,14 @@ class InProcessExecutor(Executor):
 
 
 class WorkerDied(RuntimeError):
-    """A worker has ended with its batch undone: by its engine if that crashed or hung, maybe while it was prepared."""
+    """A worker has ended with its batch undone: by its engine if that crashed or hung, maybe while it was prepared.
 
-    def __init__(self, reason: str, *, by_engine: bool = False, preparing: bool = False):
+    One that had been killed or stopped before may not have begun with it.
+    """
+
+    def __init__(self, reason: str, *, by_engine: bool = False, preparing: bool = False, begun: bool = True):
         super().__init__(reason)
-        self.by_engine, self.preparing = by_engine, preparing
+        self.by_engine, self.preparing, self.begun = by_engine, preparing, begun
 
 
 Run = Future[list[Result]]
@@ -163,13 +166,18 @@ class BatchQueue:
     def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
         """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
 
-        A task whose process was killed, from outside or for want of memory, has a second chance. All are blocked where
-        their variant could not be prepared: on another day, or after a look at the machine, it may be.
+        A task whose process was killed, from outside or for want of memory, has a second chance, and so has a batch that
+        no process has begun with, as it is. All are blocked where their variant could not be prepared: on another day,
+        or after a look at the machine, it may be.
         """
         alone, reason, variant = len(batch) == 1, str(death), batch[0].variant
         if death.preparing:
             self.blocked[variant] = reason
             return [Result.blocked(reason)] * len(batch)
+        if not (death.begun or self._second_chance.issuperset(batch)):
+            self._again.appendleft(batch)
+            self._second_chance.update(batch)
+            return []
         if alone and (reason != KILLED or batch[0] in self._second_chance):
             self._failures[variant] += 1
             if self._failures[variant] >= MOST_FAILURES:

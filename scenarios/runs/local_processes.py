@@ -20,7 +20,7 @@ from scenarios.runs.executor import KILLED, Batch, Run, WorkerDied, WorkerExecut
 from scenarios.runs.failures import ExecutorError
 from scenarios.runs.result import Result
 from scenarios.runs.worker import Begun, identity_of
-from scenarios.runs.worker_template import END_SECONDS, START_SECONDS, WorkerTemplate
+from scenarios.runs.worker_template import BEGIN_SECONDS, END_SECONDS, WorkerTemplate
 
 GRACE_SECONDS = 1.0
 """By how much a process may pass the time limit, in which it writes its crash log."""
@@ -86,7 +86,7 @@ class LocalWorker:
         """Send a batch and wait for the reply, while the limit of what has begun counts."""
         begun: Begun | None = None
         try:
-            with self._stopped_after(START_SECONDS):
+            with self._stopped_after(BEGIN_SECONDS):
                 self._connection.send_bytes(pickle.dumps((batch, identity, limit)))
                 reply = self._connection.recv()
             while isinstance(reply, Begun):
@@ -133,7 +133,8 @@ class LocalWorker:
         crash_log = self._crash_log.read().decode(errors="replace")
         where, fault = place_of_crash(crash_log), re.search(rf"{FATAL}(.+)", crash_log)
         if begun is None:
-            return WorkerDied(f"no worker process started within {START_SECONDS:g} s" if self._late else KILLED)
+            reason = f"no worker process began with it within {BEGIN_SECONDS:g} s" if self._late else KILLED
+            return WorkerDied(reason, begun=False)
         if fault is not None:
             reason = f"the worker process crashed: {fault[1]}{where}"
         elif self._late or crash_log.startswith("Timeout"):

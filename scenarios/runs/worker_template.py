@@ -150,6 +150,10 @@ START_SECONDS = 180.0
 SUITE = Path(__file__).resolve().parents[2]
 """Where the packages of the suite lie: looked for there first, whatever has their names in the working folder."""
 
+BEGIN_SECONDS = 10.0
+"""What a process that has started has to take a message; one that takes longer, as it has been stopped, is replaced.
+It takes milliseconds on a machine that is not busy."""
+
 END_SECONDS = 1.0
 """What a supervisor has to end its processes, and a template to end; one that takes longer, as it has been stopped, is
 killed itself."""
@@ -189,7 +193,9 @@ class WorkerTemplate(Closing):
                     return self._forked()
             self._end()
             self._start()
-            return self._forked()
+            forked = self._forked()
+            self._requests.settimeout(BEGIN_SECONDS)
+            return forked
         except BaseException as problem:  # after an interrupt, the reply would be taken for that of the next request
             self._end()
             if isinstance(problem, OSError):

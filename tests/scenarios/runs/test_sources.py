@@ -7,6 +7,7 @@ from contextlib import closing
 import numba
 import pytest
 
+from engines.interface import registry
 from engines.interface.registry import engine
 from reference_lcp.process import ROOT
 from scenarios.runs import sources, task
@@ -89,3 +90,13 @@ def test_kernels_that_are_not_compiled_have_other_sources(monkeypatch) -> None:
     compiled = sources.sources_of(engine("reference"))
     monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
     assert sources.sources_of(engine("reference")) == f"{compiled}, not compiled"
+
+
+def test_no_other_engine_is_asked_for_what_computes_an_answer(monkeypatch) -> None:
+    """Each that runs in a Python of its own would start it, in every worker."""
+    adapters = [engine(name) for name in ("reference", "mujoco", "mujoco@law")]
+    asked, known = [], registry.broken_reason
+    monkeypatch.setattr(registry, "broken_reason", lambda name: asked.append(name) or known(name))
+    for adapter in adapters:
+        sources.sources_of(adapter)
+    assert asked == ["reference", "mujoco", "mujoco"]

@@ -7,17 +7,19 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from scenarios.runs import worker_template
+from scenarios.runs.executor import KILLED
 from scenarios.runs.failures import ExecutorError
-from scenarios.runs.local_processes import LocalExecutor
+from scenarios.runs.local_processes import LocalExecutor, LocalWorker
 from scenarios.runs.result import Result
 from scenarios.runs.worker import identity_of
-from scenarios.runs.worker_template import WorkerTemplate
+from scenarios.runs.worker_template import BEGIN_SECONDS, WorkerTemplate
 from tests.installed import ENGINE_PACKAGES
 from tests.scenarios.runs.builders import ended, running, steady
 
@@ -89,6 +91,38 @@ def test_template_that_is_lost_is_replaced_and_its_workers_go_on(executor, signa
     assert template_of(executor) is not template
     assert [worker.engine for worker in executor._workers if worker.alive()] == ["reference", "mujoco"]
     assert run(executor, "reference").status == "converged"
+
+
+def supervisor_of(worker: LocalWorker) -> int:
+    """Number of the process above a worker."""
+    lines = Path(f"/proc/self/fdinfo/{worker._supervisor}").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("Pid:"))
+
+
+@pytest.mark.parametrize("signalled", [signal.SIGSTOP, signal.SIGKILL], ids=["stopped", "killed"])
+def test_batch_goes_to_another_worker_where_its_own_was_lost_between_batches(executor, signalled) -> None:
+    """One that is stopped seems to live; the limit of a batch that it has not begun with does not hold for it."""
+    (worker,) = executor._workers
+    supervisor = supervisor_of(worker)
+    process = int(Path(f"/proc/{supervisor}/task/{supervisor}/children").read_text())
+    os.kill(process, signalled)
+    batch, begin = [steady(eta, cells=1) for eta in (0.8, 0.9)], time.monotonic()
+    ((same, results),) = executor.run([batch])
+    assert time.monotonic() - begin < BEGIN_SECONDS + END_SECONDS
+    assert same == batch
+    assert [result.status for result in results] == ["converged"] * 2
+    assert not running(process)
+    assert worker not in executor._workers
+
+
+def test_batch_that_no_worker_begins_with_is_blocked_by_circumstances(executor, monkeypatch) -> None:
+    def stopped(worker: LocalWorker, batch, _identity, _limit):
+        raise worker._death(None)
+
+    monkeypatch.setattr(LocalWorker, "_exchange", stopped)
+    batch = [steady(eta, cells=1) for eta in (0.8, 0.9)]
+    results = [result for _, part in executor.run([batch]) for result in part]
+    assert [(result.status, result.reason, result.by_engine) for result in results] == [("blocked", KILLED, False)] * 2
 
 
 class Said:
@@ -192,7 +226,7 @@ def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch)
 CLIENT = """
 import json, time
 from pathlib import Path
-from scenarios.runs.worker_template import WorkerTemplate
+from scenarios.runs.worker_template import BEGIN_SECONDS, WorkerTemplate
 template = WorkerTemplate()
 connection, supervisor, crash_log = template.fork()
 supervisor = next(line for line in Path(f"/proc/self/fdinfo/{supervisor}").open() if line.startswith("Pid:"))
