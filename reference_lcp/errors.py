@@ -17,6 +17,14 @@ class RunError(RuntimeError):
     """A run cannot go on, and what it has computed so far is kept; the message is one line."""
 
 
+def text_of(problem: BaseException) -> str:
+    """Give the message of an exception, also of one whose own ``__str__`` fails."""
+    try:
+        return str(problem)
+    except BaseException as failure:  # an engine's own class
+        return f"its message cannot be read ({type(failure).__name__})"
+
+
 def shortened(text: str, length: int) -> str:
     """Give a text, its end left out if it has more than so many characters, and how many."""
     return text if len(text) <= length else f"{text[:length]}… ({len(text) - length} characters more)"

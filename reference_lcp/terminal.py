@@ -255,4 +255,4 @@ def announce_compilation() -> None:
 def say_in_terminal(line: str) -> None:
     """Print a line to standard error if that is a terminal, once a process."""
     if sys.stderr.isatty():
-        print(line, file=sys.stderr, flush=True)
+        print(visible(line), file=sys.stderr, flush=True)

@@ -1,7 +1,7 @@
 """Every engine by name: those that are registered, their versions, and the models of their laws."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import is_dataclass, replace
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -12,7 +12,8 @@ from engines.interface.law import Law
 from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, text_of
+from reference_lcp.terminal import visible
 
 LAW_SUFFIX = "@law"
 """What follows the name of an engine to name the model of its laws."""
@@ -155,7 +156,7 @@ def _raised(check: Callable[[], None]) -> str | None:
     try:
         check()
     except (Exception, SystemExit) as problem:  # of a stranger's code
-        return " ".join(f"{type(problem).__name__}: {problem}".split())
+        return visible(" ".join(f"{type(problem).__name__}: {text_of(problem)}".split()))
     return None
 
 
@@ -165,14 +166,30 @@ def _check_engine(registered: Any) -> None:
         raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of engines.Engine")
     if not isinstance(registered.capabilities, Capabilities):
         raise TypeError(f"its capabilities are a {type(registered.capabilities).__name__}; allowed: Capabilities")
+    for text in _texts(registered.capabilities):
+        text.encode()  # results are stored under some, and reports print all
+
+
+def _texts(value: object) -> Iterator[str]:
+    """Give every text of data."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping | tuple | list):
+        for each in value.items() if isinstance(value, Mapping) else value:
+            yield from _texts(each)
+    elif is_dataclass(value):
+        yield from _texts(vars(value))
 
 
 def _check_versions(registered: Engine) -> None:
     """Raise unless an engine says why it is not installed, or its versions."""
-    if registered.unavailable_reason() is None:
-        for stated, text in (("version", registered.version()), ("python", registered.python())):
-            if not isinstance(text, str):
-                raise TypeError(f"its {stated}() gives a {type(text).__name__}; allowed: a text")
+    stated = {"unavailable_reason": registered.unavailable_reason()}
+    if stated["unavailable_reason"] is None:
+        stated = {"version": registered.version(), "python": registered.python()}
+    for name, text in stated.items():
+        if not isinstance(text, str):
+            raise TypeError(f"its {name}() gives a {type(text).__name__}; allowed: a text")
+        text.encode()
 
 
 def engine(name: str) -> Engine:

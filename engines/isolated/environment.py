@@ -43,7 +43,8 @@ class Record:
 
     def __post_init__(self) -> None:
         texts = [self.python, *self.packages, *self.packages.values()]
-        if not all(isinstance(text, str) for text in texts) or not isfinite(self.seconds + self.megabytes):
+        plain = all(isinstance(text, str) and text.isprintable() for text in texts)
+        if not (plain and isfinite(self.seconds + self.megabytes)):
             raise TypeError("an environment's record has texts and numbers")
 
 

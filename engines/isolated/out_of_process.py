@@ -18,6 +18,7 @@ from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
+from reference_lcp.terminal import visible
 from reference_lcp.validation import FloatArray, checked_array, checked_count
 
 START_LIMIT = 60.0
@@ -52,7 +53,7 @@ def _versions_or_reason(engine: str, interpreter: str, server: Path) -> dict[str
         stated = _process(engine, interpreter, server).request("versions", START_LIMIT)
     except EngineProcessError as problem:
         return str(problem)
-    return {name: str(value) for name, value in stated.items()}
+    return {name: visible(str(value)) for name, value in stated.items()}
 
 
 class OutOfProcessLane(LaneModel):

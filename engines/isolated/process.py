@@ -17,6 +17,7 @@ from typing import Any, BinaryIO
 
 from engines.isolated.worker import Message, NotAMessage, read_message, write_message
 from reference_lcp.errors import ParameterError
+from reference_lcp.terminal import visible
 
 FATAL = "Fatal Python error: "
 """How it begins."""
@@ -106,7 +107,7 @@ class EngineProcess:
                 self._lose()
                 raise
         if "error" in reply:
-            kind, text = str(reply["kind"]), str(reply["error"])
+            kind, text = str(reply["kind"]), visible(" ".join(str(reply["error"]).split()))
             if kind == ParameterError.__name__:
                 raise ParameterError(text)
             failure = EngineProcessError(f"{self.engine} in {self._command[0]}: {kind}: {text}")

@@ -23,6 +23,7 @@ from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError, shown
+from reference_lcp.terminal import visible
 from reference_lcp.validation import checked_count
 
 EXAMPLE = "mujoco@3.3.7"
@@ -124,7 +125,7 @@ def tried_versions(adapter: Engine, environment: Environment) -> dict[str, str]:
     """Import the engine in its environment; gives the versions of engine and Python."""
     process = started(type(adapter), environment)
     try:
-        return {name: str(value) for name, value in process.request("versions", FIRST_USE_LIMIT).items()}
+        return {name: visible(str(value)) for name, value in process.request("versions", FIRST_USE_LIMIT).items()}
     finally:
         process.close()
 

@@ -8,10 +8,10 @@ from collections.abc import Collection
 from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from typing import Any
 
-from reference_lcp.errors import ParameterError, shown
+from reference_lcp.errors import ParameterError, shown, text_of
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.executor import Batch, Executor, InProcessExecutor, Run, WorkerDied, WorkerExecutor
-from scenarios.runs.failures import ExecutorError, text_of
+from scenarios.runs.failures import ExecutorError
 from scenarios.runs.local_processes import LocalExecutor, unavailable_reason
 from scenarios.runs.result import Result
 from scenarios.runs.worker import identity_of

@@ -166,9 +166,9 @@ class BatchQueue:
     def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
         """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
 
-        A task whose process was killed, from outside or for want of memory, has a second chance, and so has a batch that
-        no process has begun with, as it is. All are blocked where their variant could not be prepared: on another day,
-        or after a look at the machine, it may be.
+        A task whose process was killed, from outside or for want of memory, has a second chance, and so has a batch, as
+        it is, that no process has begun with. All are blocked where their variant could not be prepared: on another
+        day, or after a look at the machine, it may be.
         """
         alone, reason, variant = len(batch) == 1, str(death), batch[0].variant
         if death.preparing:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engines.interface.engine import EngineNotInstalled
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.errors import ParameterError, RunError, text_of
 from reference_lcp.validation import FloatArray
 from scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result
 from scenarios.runs.task import Task
@@ -167,11 +167,3 @@ def reason_of(problem: BaseException) -> str:
         return str(problem)
     kind = UNREPRESENTABLE if isinstance(problem, ParameterError) else type(problem).__name__
     return f"{kind}: {text_of(problem)}"
-
-
-def text_of(problem: BaseException) -> str:
-    """Give the message of an exception, also of one whose own ``__str__`` fails."""
-    try:
-        return str(problem)
-    except BaseException as failure:  # an engine's own class
-        return f"its message cannot be read ({type(failure).__name__})"

@@ -1,6 +1,7 @@
 """A folder of this process in the temporary folder: crash logs, temporary stores, what engines leave there."""
 
 import os
+import re
 import shutil
 import tempfile
 import uuid
@@ -31,6 +32,11 @@ class Closing(ABC):
 PREFIX = "multibody-xval-"
 """How the names of such folders begin."""
 
+NAME = re.compile(rf"{PREFIX}[0-9a-f]{{32}}")
+
+MARKER = ".made-by-multibody-xval"
+"""Empty file in each: without it, what has such a name is somebody's."""
+
 LOCK = ".lock"
 """Ending of the file beside a folder that its process keeps locked; the system unlocks it when the process ends in
 whatever way."""
@@ -44,16 +50,24 @@ class ScratchFolder(Closing):
         for file in temporary.glob(f"{PREFIX}*{LOCK}"):
             folder = file.with_suffix("")
             with suppress(OSError):  # locked by a living process, removed meanwhile, or another user's
-                if _is_own(file) and not folder.is_symlink():
+                if _is_own(file) and _is_scratch(folder):
                     _remove(folder, _locked(folder))
         self.path = temporary / f"{PREFIX}{uuid.uuid4().hex}"
         # locked before it is made: a folder whose lock is free is nobody's any more
         self._remove = weakref.finalize(self, _remove, self.path, _locked(self.path))
         self.path.mkdir(mode=0o700)
+        (self.path / MARKER).touch()
 
     def close(self) -> None:
         """Remove the folder."""
         self._remove()
+
+
+def _is_scratch(folder: Path) -> bool:
+    """Tell whether this class has made a folder, or would have: its process may be killed before it has marked it."""
+    if NAME.fullmatch(folder.name) is None or folder.is_symlink():
+        return False
+    return (folder / MARKER).is_file() or not folder.exists() or not any(folder.iterdir())
 
 
 def _is_own(file: Path) -> bool:

@@ -198,7 +198,10 @@ def law_identity(variant: Variant) -> dict[str, Any]:
     law = law_of(variant.preset)
     if law is None:
         return {}
-    return {"law": law.formula, "constants": {name: repr(each.value) for name, each in sorted(law.constants.items())}}
+    return {
+        "law": visible(law.formula),
+        "constants": {name: repr(each.value) for name, each in sorted(law.constants.items())},
+    }
 
 
 def options_of(preset: Preset) -> dict[str, str]:

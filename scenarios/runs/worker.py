@@ -14,9 +14,9 @@ from engines.interface.engine import Engine, sample_lane
 from engines.interface.registry import engine, law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, text_of
 from scenarios.runs.executor import run_batch
-from scenarios.runs.failures import WORKER_MARK, reason_of, text_of
+from scenarios.runs.failures import WORKER_MARK, reason_of
 from scenarios.runs.result import Result
 from scenarios.runs.sources import sources_of
 

@@ -195,12 +195,12 @@ class WorkerTemplate(Closing):
             self._start()
             forked = self._forked()
             self._requests.settimeout(BEGIN_SECONDS)
-            return forked
         except BaseException as problem:  # after an interrupt, the reply would be taken for that of the next request
             self._end()
             if isinstance(problem, OSError):
                 raise ExecutorError(f"a worker process cannot be started: {problem}") from None
             raise
+        return forked
 
     def close(self) -> None:
         """End the template; its workers go on."""

@@ -157,6 +157,18 @@ class IsUnspeakable(Faulty):
             return super().run(state, start, steps)
 
 
+class Mumbles(Faulty):
+    """Raises an error whose message has a byte that is no UTF-8, as that of a file name."""
+
+    name = "faulty-mumbles"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                raise OSError("no file \udc80\x1b[2J")
+            return super().run(state, start, steps)
+
+
 class ChangesNumPy(Faulty):
     """Replaces a function of NumPy for whoever shares its process."""
 

@@ -1,6 +1,8 @@
 """What is registered as an engine, and is none or does not say what it is."""
 
-from engines import Engine
+from dataclasses import replace
+
+from engines import Engine, Option, Preset
 from engines.reference import Reference
 
 
@@ -42,6 +44,38 @@ class VersionIsANumber(Reference):
     def version(self):
         """Give a number."""
         return 2
+
+
+class VersionIsNoText(Reference):
+    """Its version has a byte that is no UTF-8."""
+
+    name = "broken-bytes"
+
+    def version(self):
+        """Give what no file takes."""
+        return "1\udc80"
+
+
+class OptionIsNoText(Reference):
+    """One of its options has a value that no file takes."""
+
+    name = "broken-option"
+    capabilities = replace(
+        Reference.capabilities, presets={"joint": {"tuned": Preset("", {"solver": Option("\udc80", "", "")})}}
+    )
+
+
+class UnspeakableError(Exception):
+    """An error whose message cannot be read."""
+
+    def __str__(self):
+        """Fail."""
+        raise LookupError("no words")
+
+
+def cannot_speak():
+    """Fail where an engine is made, and where that is said."""
+    raise UnspeakableError
 
 
 class NoReason(Reference):

@@ -10,6 +10,8 @@ import pytest
 from engines import engine_names
 from engines.interface.registry import default_engine_names
 
+NO_TEXT = "'utf-8' codec can't encode character '\\udc80' in position {}: surrogates not allowed"
+
 REASONS = {
     "broken-module": "ModuleNotFoundError: No module named 'no_such_module'",
     "broken-import": "ModuleNotFoundError: No module named 'no_such_package'",
@@ -21,6 +23,9 @@ REASONS = {
     "broken-capabilities": "TypeError: its capabilities are a NoneType; allowed: Capabilities",
     "broken-version": "LookupError: no version of the wheel",
     "broken-number": "TypeError: its version() gives a int; allowed: a text",
+    "broken-bytes": f"UnicodeEncodeError: {NO_TEXT.format(1)}",
+    "broken-option": f"UnicodeEncodeError: {NO_TEXT.format(0)}",
+    "broken-speech": "UnspeakableError: its message cannot be read (LookupError)",
     "broken-reason": "RuntimeError: no reason",
 }
 

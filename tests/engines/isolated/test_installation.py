@@ -283,7 +283,17 @@ def test_an_environment_that_there_is_not_is_refused(
 
 
 @pytest.mark.parametrize(
-    "record", ["[]", "{}", '{"python": 3, "packages": [], "seconds": "s", "megabytes": 1}', "[" * 100_000]
+    "record",
+    [
+        "[]",
+        "{}",
+        "[" * 100_000,
+        '{"python": 3, "packages": [], "seconds": "s", "megabytes": 1}',
+        '{"python": "3", "packages": {"mujoco": 3}, "seconds": 1, "megabytes": 1}',
+        '{"python": "3", "packages": {"mujoco": "3\\udc80"}, "seconds": 1, "megabytes": 1}',
+        '{"python": "3", "packages": {}, "seconds": 1e999, "megabytes": true}',
+        '{"python": "3", "packages": {}, "seconds": ' + "9" * 400 + ', "megabytes": 1}',
+    ],
 )
 def test_a_record_of_wrong_types_is_that_of_no_environment(folder: Path, record: str) -> None:
     environment = Environment(NAME)

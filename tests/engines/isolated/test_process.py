@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from engines.interface.presets import Option, Preset
+from engines.isolated import out_of_process
 from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from engines.isolated.process import EngineProcess, EngineProcessError
 from engines.isolated.worker import NotAMessage, read_message, write_message
@@ -176,6 +177,20 @@ def test_an_exception_comes_with_its_traceback_and_the_worker_lives_on(process: 
         run(process, "refuse")
     assert run(process, "none")["position"].shape == (3, 2)
     assert process.generation == 1
+
+
+def test_an_error_whose_text_no_file_takes_is_shown(process: EngineProcess) -> None:
+    with pytest.raises(EngineProcessError) as caught:
+        run(process, "mumble")
+    assert str(caught.value).endswith("ArithmeticError: no file \\udc80 \\x1b[2J")
+    assert run(process, "none")["position"].shape == (3, 2)
+
+
+def test_a_version_whose_text_no_file_takes_is_shown(tmp_path: Path) -> None:
+    server = tmp_path / "server.py"
+    server.write_text("def versions():\n    return {'engine': '1\\udc80'}\n")
+    assert out_of_process._versions_or_reason("tested", sys.executable, server)["engine"] == "1\\udc80"
+    out_of_process._process("tested", sys.executable, server).close()
 
 
 def test_what_an_engine_prints_disturbs_nothing(process: EngineProcess, capfd: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,5 @@
 """Engines that crash, hang, are killed or give no numbers: blocked with the reason, and everything else goes on."""
 
-import os
 import re
 import signal
 import subprocess
@@ -33,7 +32,15 @@ def asked(*engines: str, ratios=RATIOS, workers: int = 2) -> dict[tuple[str, flo
 
 
 HANGING = ("faulty-hang", "faulty-stopped", "faulty-disarms", "faulty-sending")
-DEADLY = ("faulty-crash", "faulty-killed", "faulty-exits", "faulty-interrupts", "faulty-unspeakable", *HANGING)
+DEADLY = (
+    "faulty-crash",
+    "faulty-killed",
+    "faulty-exits",
+    "faulty-interrupts",
+    "faulty-unspeakable",
+    "faulty-mumbles",
+    *HANGING,
+)
 HARMLESS = ("reference", "mujoco", "faulty-thread", "faulty-sound")
 USELESS = ("faulty-nan", "faulty-version")
 
@@ -62,6 +69,7 @@ def test_an_engine_that_fails_in_whatever_way_blocks_its_own_points_only(rows) -
         ("faulty-exits", "SystemExit: 0"),
         ("faulty-interrupts", "KeyboardInterrupt:"),
         ("faulty-unspeakable", r"UnspeakableError: its message cannot be read \(RuntimeError\)"),
+        ("faulty-mumbles", r"OSError: no file \\udc80\\x1b\[2J"),
         ("faulty-nan", r"the engine's position is not finite at \S+ s in cell 1: nan"),
     ],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.runs.scratch import ScratchFolder
+from scenarios.runs.scratch import LOCK, MARKER, PREFIX, ScratchFolder
 
 OWNER = """
 import time
@@ -44,6 +44,34 @@ def test_folder_of_a_killed_process_is_collected_and_that_of_a_living_one_stays(
         for owner in owners:
             owner.kill()
             owner.communicate()
+
+
+@pytest.mark.parametrize(
+    ("name", "held", "stays"),
+    [
+        ("results", ["data"], True),
+        ("results", [MARKER, "data"], True),
+        (f"{'0' * 31}g", [MARKER], True),
+        ("0" * 33, [], True),
+        ("0" * 32, ["data"], True),
+        ("0" * 32, [MARKER, "data"], False),
+        ("0" * 32, [], False),
+        ("0" * 32, None, False),
+    ],
+)
+def test_what_the_suite_has_not_made_stays_whatever_its_name_is(temporary, name, held, stays) -> None:
+    """With a lock beside it that is free, and that is not emptied either."""
+    folder, lock = temporary / f"{PREFIX}{name}", temporary / f"{PREFIX}{name}{LOCK}"
+    lock.write_text("12")
+    if held is not None:
+        folder.mkdir()
+        for file in held:
+            (folder / file).write_text("1")
+    ScratchFolder().close()
+    assert sorted(temporary.iterdir()) == ([folder, lock] if stays else [])
+    if stays:
+        assert lock.read_text() == "12"
+        assert sorted(file.name for file in folder.iterdir()) == sorted(held)
 
 
 def test_nothing_is_left_when_it_is_closed(temporary) -> None:
