@@ -5,7 +5,7 @@ import csv
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib import metadata
@@ -23,6 +23,9 @@ FOLDER_VARIABLE = "MULTIBODY_XVAL_ENVIRONMENTS"
 
 RECORD, LOCK = "environment.json", "pylock.toml"
 """Files of an environment: what was installed, written when all of it was; and what uv was to install, by hash."""
+
+RUN_AT_START = ("*.pth", *(f"{name}{more}" for name in ("sitecustomize", "usercustomize") for more in ("*", "/**/*")))
+"""Files that Python runs when it starts, whatever is to be run then."""
 
 LONGEST_LIST = 120
 """Characters of the differences that a message names."""
@@ -92,7 +95,16 @@ class Environment:
         if not self.interpreter.exists():
             return f"has lost its Python {record.python}, which {self.interpreter} pointed to"
         changes = _differences(record.packages, self.packages())
-        return f"has been changed since it was installed: {shortened(changes, LONGEST_LIST)}" if changes else None
+        if changes:
+            return f"has been changed since it was installed: {shortened(changes, LONGEST_LIST)}"
+        return self.added_fault(RUN_AT_START)
+
+    def added_fault(self, patterns: Sequence[str] = ("**/*",)) -> str | None:
+        """Give what is wrong where files lie among its packages that none of them lists, but for compiled ones."""
+        found = [file for folder in self._package_folders() for each in patterns for file in folder.glob(each)]
+        listed = {_place(each, file) for each in self.distributions() for file, *_ in _hashed(each)} if found else set()
+        added = [str(file.relative_to(self.folder)) for file in sorted(found) if _may_be_run(file, listed)]
+        return f"has files that no package lists: {shortened(', '.join(added), LONGEST_LIST)}" if added else None
 
     def packages(self) -> dict[str, str]:
         """Give the versions of the packages that are there now, by name in lower case, with hyphens."""
@@ -165,12 +177,29 @@ def _edited_files(distribution: Distribution) -> list[str]:
 
     They are read from its record: what lists them for programs may leave out those that are gone.
     """
+    return [file for file, published in _hashed(distribution) if not _whole(distribution, file, published)]
+
+
+def _hashed(distribution: Distribution) -> list[tuple[str, str]]:
+    """Give the files that a package lists with the hash that they were published with, and that."""
     rows = csv.reader((distribution.read_text("RECORD") or "").splitlines())
-    return [file for file, published, _ in rows if published and not _whole(distribution, file, published)]
+    return [(file, published) for file, published, *_ in (row for row in rows if len(row) > 1) if published]
+
+
+def _place(distribution: Distribution, file: str) -> Path:
+    """Give where a file of a package lies: names may lead through the folder above."""
+    return Path(os.path.normpath(str(distribution.locate_file(file))))
+
+
+def _may_be_run(file: Path, listed: Collection[Path]) -> bool:
+    """Tell whether Python may run a file that no package lists; what was compiled from one lies beside it."""
+    if file in listed or (file.is_dir() and not file.is_symlink()):
+        return False
+    return file.parent.name != "__pycache__" and file.parent.suffix != ".dist-info"
 
 
 def _whole(distribution: Distribution, file: str, published: str) -> bool:
-    path, (mode, _, expected) = Path(str(distribution.locate_file(file))), published.partition("=")
+    path, (mode, _, expected) = _place(distribution, file), published.partition("=")
     if not path.is_file():
         return False
     with path.open("rb") as opened:

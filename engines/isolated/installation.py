@@ -154,6 +154,8 @@ def install(plan: Plan) -> Record:
         _remove(environment)
         try:
             run_uv("venv", "--no-project", "--python", plan.interpreter, str(environment.folder))
+            for left in environment.folder.glob("lib/python*/site-packages/_virtualenv.*"):  # by older versions of uv
+                left.unlink()
             lock = environment.folder / LOCK
             lock.write_text(plan.lock)
             run_uv("pip", "sync", "--python", str(environment.interpreter), str(lock))

@@ -194,7 +194,8 @@ def check_environments(
     """
     whole = True
     for environment in _named(names):
-        fault = environment.fault() or isolated.edited_fault(environment) or _import_fault(environment)
+        fault = environment.fault() or environment.added_fault() or isolated.edited_fault(environment)
+        fault = fault or _import_fault(environment)
         print(visible(f"{environment.name} {fault}; {environment.remedy}" if fault else f"{environment.name} is whole"))
         whole = whole and fault is None
     if not whole:
