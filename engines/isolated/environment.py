@@ -64,6 +64,11 @@ class Environment:
         return environments_folder() / self.name
 
     @property
+    def is_there(self) -> bool:
+        """Whether it has a folder that this user may read: another's cache may be closed."""
+        return os.access(self.folder, os.R_OK | os.X_OK)
+
+    @property
     def interpreter(self) -> Path:
         """Its Python."""
         return self.folder / "bin" / "python"
@@ -87,12 +92,12 @@ class Environment:
 
     def fault(self) -> str | None:
         """Give what is wrong with it, as the end of a sentence that begins with it; ``None`` if nothing is."""
-        if not self.folder.is_dir():
+        if not self.is_there:
             return "is not installed"
         record = self.record()
         if record is None:
             return "was not installed to the end"
-        if not self.interpreter.exists():
+        if not os.access(self.interpreter, os.X_OK):
             return f"has lost its Python {record.python}, which {self.interpreter} pointed to"
         changes = _differences(record.packages, self.packages())
         if changes:
@@ -115,12 +120,12 @@ class Environment:
         return list(metadata.distributions(path=[str(folder) for folder in self._package_folders()]))
 
     def _package_folders(self) -> list[Path]:
-        return list(self.folder.glob("lib/python*/site-packages"))
+        return list(self.folder.glob("lib/python*/site-packages")) if self.is_there else []
 
     def changed(self) -> tuple[int, ...]:
         """Give when something was last installed or removed [ns]; until this changes `fault` does not."""
         files = [self.folder, self.folder / RECORD, self.interpreter, *self._package_folders()]
-        return tuple(file.stat().st_mtime_ns if file.exists() else 0 for file in files)
+        return tuple(file.stat().st_mtime_ns if os.access(file, os.F_OK) else 0 for file in files)
 
 
 @lru_cache
@@ -155,8 +160,8 @@ def environments_folder() -> Path:
 def environments() -> list[Environment]:
     """Give every environment that is there, whole or not, by name."""
     folder = environments_folder()
-    found = sorted(entry.name for entry in folder.iterdir() if entry.is_dir()) if folder.is_dir() else []
-    return [Environment(name) for name in found]
+    names = sorted(entry.name for entry in folder.iterdir()) if os.access(folder, os.R_OK | os.X_OK) else []
+    return [environment for name in names if (environment := Environment(name)).is_there]
 
 
 def edited_fault(environment: Environment) -> str | None:

@@ -238,13 +238,13 @@ def versioned_engine(registered: Engine, version: str) -> Engine:
     """Give a version of an engine: in its environment, or beside the suite where that has it and there is no other."""
     requirement = Requirement.of(registered, version)
     beside = requirement.adapter
-    if requirement.environment.folder.is_dir() or beside.unavailable_reason() is not None:
+    if requirement.environment.is_there or beside.unavailable_reason() is not None:
         return EnvironmentEngine(requirement)
     return (VersionedEngine if requirement.met_by(beside.version()) else EnvironmentEngine)(requirement)
 
 
 def engine_of_its_own_environment(registered: Engine) -> Engine | None:
     """Give an engine that is not beside the suite, where it has an environment of its own; ``None`` where not."""
-    if not isinstance(registered, PipEngine) or not Environment(registered.name).folder.is_dir():
+    if not isinstance(registered, PipEngine) or not Environment(registered.name).is_there:
         return None
     return None if registered.unavailable_reason() is None else EnvironmentEngine(Requirement(registered))

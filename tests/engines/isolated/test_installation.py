@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -15,15 +16,19 @@ import pytest
 
 from engines.interface.variant import Variant
 from engines.isolated import installation
-from engines.isolated.environment import RECORD, Environment, edited_fault
+from engines.isolated.environment import RECORD, Environment, edited_fault, environments, unavailable_reason
 from engines.isolated.installation import Plan, install
-from engines.isolated.versioned_engine import Requirement
+from engines.isolated.versioned_engine import Requirement, engine_of_its_own_environment
 from engines.mujoco import MuJoCo
 from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
 from reports.cli.engines import app
 
 NAME = "mujoco@3.98.0"
+
+
+NOBODY = 65534
+"""Number of the user who owns nothing."""
 
 
 class Space(NamedTuple):
@@ -334,6 +339,28 @@ def test_an_environment_that_lost_its_python_is_refused(folder: Path) -> None:
     install(plan())
     Environment(NAME).interpreter.unlink()
     assert str(Environment(NAME).fault()).startswith("has lost its Python 3.")
+
+
+@pytest.fixture
+def closed(folder: Path) -> Iterator[None]:
+    """A folder of environments into which this user may not look."""
+    (folder / NAME).mkdir(parents=True)
+    folder.chmod(0)
+    user = os.getuid()
+    if user == 0:  # who may look everywhere
+        os.setresuid(NOBODY, NOBODY, user)
+    yield
+    if user == 0:
+        os.setresuid(user, user, user)
+    folder.chmod(0o700)
+
+
+@pytest.mark.usefixtures("closed")
+def test_environments_that_only_another_user_may_read_are_not_there() -> None:
+    """The home of a user may be that of another, as with ``su`` and without a home of one's own."""
+    assert environments() == []
+    assert str(unavailable_reason(Environment(NAME))).startswith("its environment is not installed; ")
+    assert engine_of_its_own_environment(MuJoCo()) is None
 
 
 def test_folder_of_environments_is_in_the_cache_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
