@@ -159,6 +159,12 @@ def test_number_of_workers_does_not_change_the_answers() -> None:
     assert one == two
 
 
+@pytest.mark.parametrize(("asked", "processors", "workers"), [(None, 3, 3), (None, None, 1), (2, 3, 2)])
+def test_there_are_as_many_workers_as_processors_unless_said_otherwise(monkeypatch, asked, processors, workers) -> None:
+    monkeypatch.setattr(local_processes.os, "cpu_count", lambda: processors)
+    assert LocalExecutor(asked)._slots == workers
+
+
 def test_workers_below_one_are_refused() -> None:
     with pytest.raises(ParameterError, match="workers = 0"):
         LocalExecutor(0)

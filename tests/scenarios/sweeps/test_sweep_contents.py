@@ -23,12 +23,14 @@ from scenarios.runs.parameters import ChainRatios, Excitation
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import SteadyStateTask
+from scenarios.sweeps import dataset
 from scenarios.sweeps.adaptive_grid import level
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
 from scenarios.sweeps.run import SweepSummary, compared_points, evaluate_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.sweep import Sweep
 
 CONTENT = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -218,3 +220,16 @@ def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_mu
             Result(status="converged", periods=28),
             None,
         ]
+
+
+@pytest.mark.parametrize("axis", ["mass_ratio", "steps_per_period"])
+def test_dataset_says_once_what_each_parameter_is(file: Path, axis: str) -> None:
+    """A parameter is an axis, or an attribute."""
+    asked = read_sweep(file)
+    values = {"mass_ratio": 0.7, "steps_per_period": asked.steps_per_period}
+    varied = Sweep(asked.variants, {**asked.axes, axis: (values[axis],)}, asked.ratios, asked.steps_per_period)
+    kept = dataset._attributes(varied, None)
+    assert axis not in kept
+    (other,) = values.keys() - {axis}
+    assert kept[other] == (asked.steps_per_period if other == "steps_per_period" else asked.ratios.mass_ratio)
+    assert kept["stiffness_ratio"] == asked.ratios.stiffness_ratio
