@@ -21,6 +21,10 @@ TIME_MARGIN = 1e-3
 most 1e12 roundings of half a step's last digit, 1e-4 of a step; a row of another step is off by a whole one."""
 
 
+PRECISIONS = (np.dtype(np.float64), np.dtype(np.float32))
+"""Types of the numbers that engines give."""
+
+
 class TrajectoryFault(RuntimeError):
     """What an engine gives is no trajectory of its lane; the message names the array, the time and the cell."""
 
@@ -49,7 +53,10 @@ class CheckedSimulation:
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state, from which nothing but the next run begins."""
-        return self._simulation.advance(state, start, steps)
+        end = self._simulation.advance(state, start, steps)
+        _check_type("position", end.positions)
+        _check_type("velocity", end.velocities)
+        return end
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "CheckedSimulation":
         """Give a simulation of the lanes of these indices."""
@@ -76,6 +83,7 @@ def check_trajectory(run: Trajectory, lane: Lane, start: int, steps: int) -> Non
 
 def _check_array(name: str, values: FloatArray, times: FloatArray, columns: int, cells: int) -> None:
     """Refuse another shape than that of rows at these times [s], and numbers that are not finite."""
+    _check_type(name, values)
     expected = (times.size, columns)
     if values.shape != expected:
         raise TrajectoryFault(f"the engine's {name} has the shape {values.shape}; allowed: {expected}")
@@ -86,8 +94,16 @@ def _check_array(name: str, values: FloatArray, times: FloatArray, columns: int,
         raise NotFinite(f"the engine's {name} is {NOT_FINITE} {place}: {values[row, column]}")
 
 
+def _check_type(name: str, values: FloatArray) -> None:
+    """Refuse numbers that are complex, whole, or have fewer digits than single precision."""
+    if values.dtype not in PRECISIONS:
+        allowed = " or ".join(each.name for each in PRECISIONS)
+        raise TrajectoryFault(f"the engine's {name} is of type {values.dtype}; allowed: {allowed}")
+
+
 def _check_times(times: FloatArray, expected: FloatArray, step: float) -> None:
     """Refuse rows at other times than the ends of the steps [s]."""
+    _check_type("time", times)
     if times.shape != expected.shape:
         raise TrajectoryFault(f"the engine's times have the shape {times.shape}; allowed: {expected.shape}")
     fits = np.abs(times - expected) <= TIME_MARGIN * step

@@ -11,7 +11,7 @@ from reference_lcp import Chain, HarmonicBase, Lane, RickerPulse, StillBase
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.euler import CompiledSimulation
 from scenarios.runs.executor import run_batch
-from scenarios.runs.failures import TIME_MARGIN, TrajectoryFault, check_trajectory
+from scenarios.runs.failures import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
 from scenarios.runs.parameters import ChainRatios, Modulation
 from scenarios.runs.result import Result
 from scenarios.runs.task import Recorded, Task
@@ -88,6 +88,35 @@ def test_array_of_another_shape_is_refused(lane, name) -> None:
     short = dataclasses.replace(run, **{name: getattr(run, name)[:-1]})
     with pytest.raises(TrajectoryFault, match=r"the shape \(99,.*; allowed: \(100,"):
         check_trajectory(short, lane, 0, 100)
+
+
+@pytest.mark.parametrize("name", ["positions", "velocities", "friction", "normal_force", "time"])
+@pytest.mark.parametrize("kind", ["float16", "complex128", "int64", "object"])
+def test_array_of_another_type_is_refused(lane, name, kind) -> None:
+    """Of half precision three digits are left, and half of a complex number."""
+    run = CompiledSimulation([lane]).run(State.at_rest(1, 2), 0, 100)[0]
+    other = dataclasses.replace(run, **{name: getattr(run, name).astype(kind)})
+    with pytest.raises(TrajectoryFault, match=rf"^the engine's .* is of type {kind}; allowed: float64 or float32$"):
+        check_trajectory(other, lane, 0, 100)
+
+
+def test_array_in_single_precision_passes(lane) -> None:
+    run = CompiledSimulation([lane]).run(State.at_rest(1, 2), 0, 100)[0]
+    single = {name: getattr(run, name).astype(np.float32) for name in ("positions", "velocities", "friction")}
+    check_trajectory(dataclasses.replace(run, **single), lane, 0, 100)
+
+
+@pytest.mark.parametrize("name", ["positions", "velocities"])
+def test_state_of_another_type_is_refused(lane, name) -> None:
+    class Halves(CompiledSimulation):
+        def advance(self, state, start, steps):
+            end = super().advance(state, start, steps)
+            return dataclasses.replace(end, **{name: getattr(end, name).astype(np.float16)})
+
+    rest = State.at_rest(1, 2)
+    assert CheckedSimulation(CompiledSimulation([lane])).advance(rest, 0, 10).positions.dtype == np.float64
+    with pytest.raises(TrajectoryFault, match="is of type float16"):
+        CheckedSimulation(Halves([lane])).advance(rest, 0, 10)
 
 
 def test_number_that_is_finite_when_run_again_is_that_of_an_unsteady_engine(faulty) -> None:
