@@ -121,6 +121,40 @@ def test_a_hostile_reason_is_shown_and_not_obeyed(line, code, shown, tmp_path, c
     check_texts(tmp_path, printed.out + printed.err)
 
 
+MISFITS = {
+    "run stopping-distance --engine mujoco": ('"finished"', "no series slip, slip_velocity, slid; allowed: "),
+    "run free-decay --engine mujoco": ('"finished"', "no series rest, offsets, swing, energy; allowed: "),
+    "run slope-hold --engine mujoco:contact:default": ('"finished"', "no series time, from the start, "),
+    "run repeat --engine mujoco": ('"finished"', "no series again, "),
+    "run unit-cell --engine mujoco": ('"finished"', "status = finished; allowed: "),
+    "sweep own.toml --out=o.csv": (
+        '"period limit", "transmittance_db": -1e308',
+        "transmittance_db = -1e+308; allowed: up to 6000 dB",
+    ),
+}
+
+
+@pytest.mark.parametrize("line", MISFITS)
+def test_a_result_that_its_task_cannot_have_is_refused_where_nothing_is_run(
+    line, tmp_path, capsys, monkeypatch
+) -> None:
+    """With a digest that fits, as its author may write it; the control is a store without any."""
+    status, fault = MISFITS[line]
+    answer = f'{{"status": {status}, "series": {{"unknown": [1e308]}}}}'
+    monkeypatch.chdir(tmp_path)
+    Path("own.toml").write_text('engines = ["mujoco"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n')
+    ResultStore(Path("a.sqlite")).close()
+    words = [*line.split(), "--no-run", "--store=a.sqlite"]
+    assert run(*words) in (ExitCode.DONE, ExitCode.FAILED)
+    capsys.readouterr()
+    monkeypatch.setattr(ResultStore, "_answers", lambda _store, keys: dict.fromkeys(keys, answer.encode()))
+    assert run(*words) == ExitCode.WRONG_INPUT
+    error = capsys.readouterr().err
+    assert error.startswith("error: store a.sqlite has a result that no ")
+    assert fault in error
+    assert error.count("\n") == 1
+
+
 @pytest.mark.parametrize("level", [1e308, -1e308])
 def test_numbers_that_no_motion_has_are_compared(tmp_path, level, capsys) -> None:
     answer = {

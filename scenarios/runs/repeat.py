@@ -46,6 +46,11 @@ class RepeatTask(Task):
 
     motion: Annotated[SceneTask | None, left_out(None)] = None
 
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Ways in which it is repeated."""
+        return AGAIN, PROCESS, TOGETHER, REVERSED
+
     def unsupported_reason(self) -> str | None:
         """Give the reason why the variant has no such scene."""
         return None if self.motion is None else self.motion.unsupported_reason()

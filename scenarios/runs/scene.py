@@ -56,6 +56,12 @@ class SceneTask(Task):
         """Steps of the motion that is followed."""
         return round(self.time / self.time_step)
 
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Names of what is kept of the motion; see `_series`."""
+        of_box = ("along", "across", "off", "speed along", "speed across", "speed off", "highest", "turn")
+        return "time", "from the start", *(of_box if isinstance(self.scene, ContactScene) else ("joint 1",))
+
     def unsupported_reason(self) -> str | None:
         """Give the reason why the variant has no such scene, as far as that is known without building it."""
         variant, needed = self.variant, formulation_of(self.scene)

@@ -18,12 +18,15 @@ from tempfile import mkdtemp
 from typing import Any, TypeVar
 
 from reference_lcp.errors import ParameterError, RunError, checked_path
-from scenarios.runs.result import Result
+from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.scratch import Closing, ScratchFolder
 from scenarios.runs.task import Task, key_of, unsourced_key
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""
+
+LARGEST_LEVEL = 6000.0
+"""Size of a transmittance [dB] beyond which amplitudes are no numbers of double precision."""
 
 SPECIAL_NAMES = (":", "file:")
 """How names begin that SQLite knows for something else than a file of this name."""
@@ -177,7 +180,8 @@ class ResultStore(Closing):
                 old = self._answers([name for key, name in former.items() if name and key not in answers])
                 answers |= {key: old[name] for key, name in former.items() if name in old and key not in answers}
                 self._taken += len(old)
-            yield from (self._result(answers[key]) if key in answers else None for key in keys)
+            for task, key in zip(asked, keys, strict=True):
+                yield self._result_of(task, answers[key]) if key in answers else None
 
     def _answers(self, keys: Sequence[str]) -> dict[str, bytes]:
         query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
@@ -200,6 +204,13 @@ class ResultStore(Closing):
             for number, key, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
                 room -= len(content) + len(answer) + len(digest)
                 yield key, content, answer
+
+    def _result_of(self, task: Task, text: bytes) -> Result:
+        result = self._result(text)
+        fault = _misfit(task, result)
+        if fault is not None:
+            raise ParameterError(f"store {self._file} has a result that no {task.variant} gives: {fault}")
+        return result
 
     def _result(self, text: bytes) -> Result:
         try:
@@ -276,6 +287,18 @@ class ResultStore(Closing):
             print(f"store {self._file}: {self._taken} results are of another version of the suite", file=sys.stderr)
             self._taken = 0
         self._connection.close()
+
+
+def _misfit(task: Task, result: Result) -> str | None:
+    """Say why a result is not one of a task, whoever wrote it; ``None`` if it may be."""
+    if abs(result.transmittance_db) > LARGEST_LEVEL:
+        return f"transmittance_db = {result.transmittance_db:g}; allowed: up to {LARGEST_LEVEL:g} dB"
+    if result.status is not ResultStatus.FINISHED:
+        return None
+    if task.series is None:
+        return f"status = {result.status}; allowed: one of a search for a steady state"
+    missing = ", ".join(name for name in task.series if name not in result.series)
+    return f"no series {missing}; allowed: all of {', '.join(task.series)}" if missing else None
 
 
 @contextmanager

@@ -54,6 +54,11 @@ class Task:
         return 0
 
     @property
+    def series(self) -> tuple[str, ...] | None:
+        """Names of what a motion that is followed to its end gives; ``None`` where a steady state is sought."""
+        return ()
+
+    @property
     def preloaded(self) -> bool:
         """Whether its normal forces change, or masses may part: presets have options of their own for that."""
         return False
@@ -156,6 +161,11 @@ class SteadyStateTask(ChainTask):
     def preloaded(self) -> bool:
         """Whether its normal forces change."""
         return self.modulation is not None
+
+    @property
+    def series(self) -> tuple[str, ...] | None:
+        """Names of the distances of one period from its law; nothing else of it has an end."""
+        return ("distance", "reference") if self.recorded is Recorded.LAW else None
 
     def recording(self, recorded: Recorded) -> Self:
         """Give the task whose result has something else."""

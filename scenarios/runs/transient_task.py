@@ -27,8 +27,15 @@ SHAPES = ("undeformed", "stretched", "inner masses displaced")
 scale, inner springs unstretched. ``inner masses displaced``: all of them by the displacement scale, outer ones not.
 """
 
-RECORDED = ("response", "decay", "slip", "contact modes")
-"""What may be recorded of a motion: see `scenarios.runs.transient`."""
+SERIES = {
+    "response": ("response",),
+    "decay": ("rest", "offsets", "swing", "energy"),
+    "slip": ("slip", "slip_velocity", "slid"),
+    "contact modes": ("response", "slips", "highest", "open", "stuck", "landings"),
+}
+"""Names of the series by what is recorded of a motion: see `scenarios.runs.transient`."""
+
+RECORDED = tuple(SERIES)
 
 
 _Base = Annotated[
@@ -52,6 +59,11 @@ class TransientTask(ChainTask):
     """One row in so many steps is kept; it divides the steps."""
     shape: str = SHAPES[0]
     recorded: str = RECORDED[0]
+
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Names of what is kept of the motion."""
+        return SERIES[self.recorded]
 
     def __post_init__(self) -> None:
         checked_choice("shape", self.shape, SHAPES)
