@@ -127,6 +127,9 @@ class Metric:
     meaning: str
     floor_db: float = -math.inf
     """Of a metric in dB: below it, differences are those of amplitudes."""
+    effect: float | None = None
+    """How much friction changes it at all, in its unit, where that is the same in every case; without it, the size of
+    what is expected counts."""
 
     def scaled(self, value: float) -> float:
         """Give a value on the scale on which differences are taken.
