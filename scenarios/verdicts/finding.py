@@ -28,7 +28,8 @@ class Verdict(StrEnum):
     AGREE = "agree"
     DISAGREE = "disagree"
     TOO_COARSE = "own step too coarse"
-    """The number is within what is allowed, but its own step leaves open a large part of what friction changes."""
+    """The number is within what is allowed, but errors of steps leave open a large part of what friction changes of it,
+    or of its size."""
     INCONCLUSIVE = "inconclusive"
     BLOCKED = "blocked"
 
