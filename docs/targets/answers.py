@@ -8,22 +8,24 @@ from pathlib import Path
 
 import pandas as pd
 
-MARKS = {"agree": "", "disagree": " *"}
-"""Behind a value; any other verdict stands in its place."""
+MARKS = {"agree": "", "disagree": " *", "own step too coarse": " c", "inconclusive": " ?"}
+"""Behind a value; where there is none, the verdict stands in its place."""
 
 
 def cell(row: pd.Series) -> str:
     """Give a value as the table shows it."""
-    if row["verdict"] not in MARKS:
+    if pd.isna(row["value"]):
         return str(row["verdict"])
     size = row["value"] / row["expected"] if row["expected"] else row["value"]
     text = "0" if abs(size) < 1e-9 else f"{size:.4g}" if row["expected"] == 0 else f"{size:.5f}"
-    return text + (" p" if row["modelled"] is True else MARKS[row["verdict"]])
+    predicted = row["modelled"] is True and row["verdict"] == "disagree"
+    return text + (" p" if predicted else MARKS[row["verdict"]])
 
 
 def write(verdicts: Path, table: Path) -> None:
     """Write a row a variant, a column a published number."""
     rows = pd.read_csv(verdicts).query("scenario == 'published'")
+    rows = rows[~rows["reason"].str.contains("not installed")]
     rows["engine:formulation:preset"] = rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"]
     rows["cell"] = rows.apply(cell, axis="columns")
     wide = rows.pivot_table(

@@ -1,6 +1,5 @@
 """Scenarios whose cases are motions from a state: each with three step sizes, beside what is expected of it."""
 
-import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
@@ -57,7 +56,7 @@ class Read(NamedTuple):
         *,
         resolution: float = 0.0,
         own: float = 0.0,
-        effect: float = math.inf,
+        effect: float | None = None,
     ) -> Finding:
         """Compare one number; of a series, its largest difference. For what is allowed see `judge`."""
         values, expected = self.own[metric], self.expected[metric]

@@ -28,7 +28,7 @@ VERDICT_LEGEND = """\
   gives too. Engine and law also differ by no more than the law's bound after a period from the same state.
 - *Unmodelled*: any other disagreement.
 - *Own step too coarse*: the difference is allowed, but the errors of steps in the allowance are more than a tenth of
-  what friction changes at all.
+  what friction changes at all, or, where that has no size of its own, of what is expected.
 - *Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
   left out by --no-run).
 - *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does not say the same; or

@@ -5,8 +5,9 @@ pages, maps, scenarios and cards quote what `refined_edges` gives.
 
 Edges are compared with those of a baseline. A change δ of the transmittance [dB] moves an edge by δ / slope. What is
 allowed at the edge itself and at the two points of the grid around it, over the slope of the baseline's curve there, is
-therefore what is allowed of the edge, and the widths to which both edges are bracketed besides. The baseline is that of
-the points: presets that share the Euler scheme are compared at equal step, where nothing but resolution is allowed.
+therefore what is allowed of the edge, and the widths to which both edges are bracketed besides. Likewise, what friction
+changes of an edge at all is what it changes of the transmittance, over the slope. The baseline is that of the points:
+presets that share the Euler scheme are compared at equal step, where nothing but resolution is allowed.
 """
 
 import math
@@ -25,7 +26,7 @@ from scenarios.sweeps.attenuation_band import Crossing, Edge, edge_brackets, ref
 from scenarios.sweeps.point import GivesResults, Point, evaluated, tolerance, unless_own_error_is_unknown
 from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, Results, curves_of, decided_db
 from scenarios.sweeps.sweep import Case, GridPoint, Sweep, baseline, refinements
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Tolerance, Verdict
+from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Metric, Prediction, Tolerance, Verdict
 from scenarios.verdicts.judge import decide
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification
 
@@ -175,9 +176,9 @@ def compare_edge(edge: Crossing | None, expected: Crossing | None, around: Seque
     if math.isnan(edge.frequency_ratio) or math.isnan(expected.frequency_ratio):
         return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
     known = [point for point in around if point.is_known and point.expected.converged]
-    comparison = decide(
-        BAND_EDGE, edge.frequency_ratio, expected.frequency_ratio, _edge_tolerance(edge, expected, known)
-    )
+    effect = min((point.effect[TRANSMITTANCE] for point in known), default=math.inf) / abs(expected.slope)
+    allowed = _edge_tolerance(edge, expected, known)
+    comparison = decide(BAND_EDGE, edge.frequency_ratio, expected.frequency_ratio, allowed, effect)
     # by how much a small change of the amplitude moves the edge in η_r, per displacement scale
     per_amplitude = 20 / math.log(10) * 10 ** (-expected.level_db / 20) / abs(expected.slope)
     comparison = replace(comparison, per_amplitude=per_amplitude)

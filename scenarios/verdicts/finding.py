@@ -28,7 +28,8 @@ class Verdict(StrEnum):
     AGREE = "agree"
     DISAGREE = "disagree"
     TOO_COARSE = "own step too coarse"
-    """The number is within what is allowed, but its own step leaves open a large part of what friction changes."""
+    """The number is within what is allowed, but errors of steps leave open a large part of what friction changes of it,
+    or of its size."""
     INCONCLUSIVE = "inconclusive"
     BLOCKED = "blocked"
 
@@ -127,6 +128,9 @@ class Metric:
     meaning: str
     floor_db: float = -math.inf
     """Of a metric in dB: below it, differences are those of amplitudes."""
+    effect: float | None = None
+    """How much friction changes it at all, in its unit, where that is the same in every case; without it, the size of
+    what is expected counts."""
 
     def scaled(self, value: float) -> float:
         """Give a value on the scale on which differences are taken.

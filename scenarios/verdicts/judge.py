@@ -76,11 +76,14 @@ def of_response(comparison: Comparison, metric: Metric, transmittance_db: float)
 
 
 COARSE_SHARE = 0.1
-"""Part of what friction changes at all that the step of a variant may leave open.
+"""Part of what friction changes at all that errors of steps may leave open.
 
 With a tenth, friction that is missing altogether, or never lets go, is ten times what is allowed; curves at ten levels
 of friction are told apart.
 """
+
+AMPLITUDE_DB = 20 / math.log(10)
+"""Size of an amplitude on the scale of dB [dB]: what a change by a small part of it makes there, over that part."""
 
 Number = float | FloatArray
 """What is judged: a number, or an array whose largest difference counts."""
@@ -129,7 +132,7 @@ def judge(
     scheme: Steps | None = None,
     resolution: float = 0.0,
     own: float = 0.0,
-    effect: float = math.inf,
+    effect: float | None = None,
 ) -> Comparison:
     """Compare what a variant gives by steps, or why it gives nothing, with what is expected, which has the error `bar`.
 
@@ -148,12 +151,13 @@ def judge(
 
 
 def decide(
-    metric: Metric, value: Number, expected: Number, tolerance: Tolerance, effect: float = math.inf
+    metric: Metric, value: Number, expected: Number, tolerance: Tolerance, effect: float | None = None
 ) -> Comparison:
     """Compare a value with its expected value and a tolerance; NaN on either side is inconclusive.
 
-    Nothing is shown by a value that agrees while its step leaves open more than `COARSE_SHARE` of the `effect`: of how
-    much friction changes the number at all, on the scale of the metric.
+    Nothing is shown by a value that agrees while errors of steps leave open more than `COARSE_SHARE` of the `effect`:
+    of how much friction changes the number at all, on the scale of the metric. Without it, the metric's counts, or the
+    size of what is expected: beside zero, no error of a step is small.
     """
     difference = metric_difference(metric, value, expected)
     if math.isnan(difference) or math.isnan(tolerance.allowed):
@@ -161,9 +165,17 @@ def decide(
     verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
     space = f" {metric.unit}" if metric.unit else ""
     reason = f"difference {difference:+.2g}{space}, allowed {tolerance}"
-    if verdict is Verdict.AGREE and tolerance.step > COARSE_SHARE * effect:
-        verdict, reason = Verdict.TOO_COARSE, f"{reason}, of {effect:.2g}{space} that friction changes at all"
+    known = metric.effect if effect is None else effect
+    at_stake = _size(metric, expected) if known is None else known
+    if verdict is Verdict.AGREE and tolerance.step > COARSE_SHARE * at_stake:
+        what = "is expected" if known is None else "friction changes at all"
+        verdict, reason = Verdict.TOO_COARSE, f"{reason}, of {at_stake:.2g}{space} that {what}"
     return Comparison(verdict, reason, difference, tolerance.allowed, tolerance.resolution)
+
+
+def _size(metric: Metric, expected: Number) -> float:
+    """Give the size of what is expected on the scale of the metric: in dB, that of the amplitude."""
+    return AMPLITUDE_DB if metric.unit == "dB" else float(np.max(np.abs(expected)))
 
 
 def metric_difference(metric: Metric, value: Number, expected: Number) -> float:

@@ -44,13 +44,29 @@ _STICK = str(Mode.STICK)
 
 MISSED = Metric("missed", "", "transitions of the expected motion that the engine does not have")
 SPURIOUS = Metric("spurious", "", "transitions of the engine that the expected motion does not have")
-MEDIAN_TIME = Metric("median time error", "% T", "of the transitions that match, in percent of the period")
-LARGEST_TIME = Metric("largest time error", "% T", "of the transition that is worst beside what is allowed for it")
-STUCK_FRACTION = Metric("stuck fraction", "", "part of the period that the worst contact sticks")
-CREEP_VELOCITY = Metric("creep", "ω U0", "largest relative velocity of a contact within a stick")
-
 WHOLE_PERIOD = 1.0
 """What friction changes of a stuck fraction at all: from nothing to the whole period."""
+
+QUARTER_PERIOD = 0.25
+"""What friction changes of the time of a transition at all: a contact that sticks and slips both ways has four."""
+
+BASE_SPEED = 1.0
+"""What friction changes of a velocity at all [ω U0]: from that of the base to none."""
+
+MEDIAN_TIME = Metric(
+    "median time error",
+    "% T",
+    "of the transitions that match, in percent of the period",
+    effect=100 * QUARTER_PERIOD,
+)
+LARGEST_TIME = Metric(
+    "largest time error",
+    "% T",
+    "of the transition that is worst beside what is allowed for it",
+    effect=100 * QUARTER_PERIOD,
+)
+STUCK_FRACTION = Metric("stuck fraction", "", "part of the period that the worst contact sticks", effect=WHOLE_PERIOD)
+CREEP_VELOCITY = Metric("creep", "ω U0", "largest relative velocity of a contact within a stick", effect=BASE_SPEED)
 
 STICK_SLIP_METRICS = (MISSED, SPURIOUS, MEDIAN_TIME, LARGEST_TIME, STUCK_FRACTION, CREEP_VELOCITY)
 
@@ -204,7 +220,6 @@ def _stuck(evidence: Evidence) -> Finding:
             expected,
             scheme=evidence.scheme_steps(read, expected),
             resolution=resolution,
-            effect=WHOLE_PERIOD,
         )
         judged.append((evidence.fine.stuck_fraction[cell], expected, comparison))
     fine, expected, comparison = max(judged, key=lambda contact: contact[2].excess)

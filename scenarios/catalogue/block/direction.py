@@ -96,7 +96,7 @@ class Direction(BlockScenario[Slide]):
             raise NothingToCompare(Comparison(Verdict.BLOCKED, NO_DIRECTION))
         task = case.task(variant)
         read = self.read_beside(case, task, evaluator, scheme=False).over_expected()
-        finding = read.finding(variant, case, BOUND, resolution=_resolution(task), effect=1.0)
+        finding = read.finding(variant, case, BOUND, resolution=_resolution(task))
         if finding.comparison.verdict is Verdict.AGREE:
             return [finding]
         return [replace(finding, prediction=self._predicted(case, task, finding.value, evaluator))]

@@ -37,7 +37,10 @@ from scenarios.verdicts.steady_case import EXACT
 NO_SPRING = 1e-9
 """Force of a block's spring where there is none, over the bound of friction, for each metre of slip [1/m]."""
 
-VALUE = Metric("value", "", "Number over the published one; where that is 0, over the same with A = 1.01 m/s².")
+VALUE = Metric(
+    "value", "", "Number over the published one; where that is 0, over the same with A = 1.01 m/s².", effect=1.0
+)
+"""Its effect is its size: the published number, of which friction at rest leaves nothing."""
 
 
 class Target(NamedTuple):

@@ -148,5 +148,5 @@ class StaticAboveKinetic(BlockScenario[Release]):
         farther = case.two_steps / above + round_off(task) * case.travel / case.length**2
         return [
             read.finding(variant, case, BREAKAWAY, resolution=case.two_steps, effect=above),
-            read.finding(variant, case, JUMP, resolution=farther, effect=1.0),
+            read.finding(variant, case, JUMP, resolution=farther),
         ]

@@ -34,13 +34,18 @@ BELT = 1.0
 REACHED = 0.98
 """Part of the belt's velocity at which a box counts as moving with it."""
 
-FRICTION = Metric("friction", "%", "Mean friction of a sliding box over μ N, less 1.")
-DISTANCE = Metric("distance", "%", "Way of a box to its stop over v²/(2 μ g), less 1.")
+WHOLE = 100.0
+"""Size of what is expected, in numbers over it, less 1 [%]."""
+
+FRICTION = Metric("friction", "%", "Mean friction of a sliding box over μ N, less 1.", effect=WHOLE)
+DISTANCE = Metric("distance", "%", "Way of a box to its stop over v²/(2 μ g), less 1.", effect=WHOLE)
 LIFT = Metric("lift", "mm", "Largest height of a sliding box above its place.")
 PATH = Metric("path", "°", "Angle between the way of a sliding box and its first velocity.")
 YAW = Metric("yaw", "°", "By how much a box has turned about the vertical when it stops.")
 DRIFT = Metric("drift", "µm/s", f"Mean velocity over {REST:g} s after the stop.")
-DELAY = Metric("time", "%", f"Time to {REACHED:g} of the belt's velocity over that of Coulomb's law, less 1.")
+DELAY = Metric(
+    "time", "%", f"Time to {REACHED:g} of the belt's velocity over that of Coulomb's law, less 1.", effect=WHOLE
+)
 
 
 class SlopeSlide(SceneScenario):

@@ -7,7 +7,7 @@ import numpy as np
 
 from engines.interface.scene import GRAVITY, Box, ContactScene
 from scenarios.catalogue.scenes.base import Measured, SceneCase, SceneScenario
-from scenarios.catalogue.scenes.slide import FRICTION_RESOLUTION, LIFT, LIFT_RESOLUTION, REST
+from scenarios.catalogue.scenes.slide import FRICTION_RESOLUTION, LIFT, LIFT_RESOLUTION, REST, WHOLE
 from scenarios.runs.result import NamedNumbers
 from scenarios.runs.scene import SceneTask
 from scenarios.verdicts.finding import Metric
@@ -18,7 +18,9 @@ CORNERS = math.sqrt(0.5)
 UNIFORM = (math.sqrt(2) + math.asinh(1)) / 6
 """The same under a uniform pressure: the mean distance from the centre of a square."""
 
-TORQUE = Metric("torque", "%", "Mean torque of friction of a spinning box over that at its corners, less 1.")
+TORQUE = Metric(
+    "torque", "%", "Mean torque of friction of a spinning box over that at its corners, less 1.", effect=WHOLE
+)
 WANDER = Metric("wander", "mm", "Way of the centre of a box that is spun.")
 
 WANDER_RESOLUTION = 0.1

@@ -30,10 +30,10 @@ from scenarios.verdicts.finding import (
     Metric,
     Tolerance,
     amplitude_in_degrees,
-    phase_reader,
 )
-from scenarios.verdicts.judge import Steps, decide, judge, missing
+from scenarios.verdicts.judge import Steps, decide, friction_effect, judge, missing, response_readers
 from scenarios.verdicts.steady_case import REFERENCE, amplification
+from scenarios.verdicts.stick_slip_comparison import QUARTER_PERIOD, WHOLE_PERIOD
 
 CASE_STEPS = (400, 800, 1600)
 """Steps a period of the three results of every case; those with 800 are compared.
@@ -45,9 +45,16 @@ a third one, see `reference_lcp.steady.richardson`.
 FRICTION_RATIO = 0.3
 """Of the mean normal force: where contacts of figure 3 stick and slip most."""
 
-STUCK = Metric("stuck fraction", "", "part of the period that a contact sticks, of the cell that is furthest off")
+STUCK = Metric(
+    "stuck fraction",
+    "",
+    "part of the period that a contact sticks, of the cell that is furthest off",
+    effect=WHOLE_PERIOD,
+)
 UNMATCHED = Metric("unmatched transitions", "", "transitions between stick and slip that only one of the two has")
-TIMES = Metric("transition time error", "", "largest distance of matching transitions over the period")
+TIMES = Metric(
+    "transition time error", "", "largest distance of matching transitions over the period", effect=QUARTER_PERIOD
+)
 OPEN_FRACTION = Metric(
     "time in the air", "", "part of the period that a contact is open, of the cell that is furthest off"
 )
@@ -148,19 +155,25 @@ class _Motions(NamedTuple):
     def _finding(self, metric: Metric, value: float, expected: float, comparison: Comparison) -> Finding:
         return Finding(self.variant, str(self.case), metric, value, expected, comparison)
 
-    def _beside(self, metric: Metric, read: Callable[[Result], float], resolution: float) -> Finding:
+    def _beside(
+        self, metric: Metric, read: Callable[[Result], float], resolution: float, effect: float | None = None
+    ) -> Finding:
         """Judge a number beside the reference's at the same step, whose error bar is its own."""
         steps, right = _steps(map(read, self.own)), _steps(map(read, self.expected))
         expected = float(right.judged)
-        comparison = judge(metric, steps, expected, bar=right.error(metric), resolution=resolution)
+        comparison = judge(metric, steps, expected, bar=right.error(metric), resolution=resolution, effect=effect)
         return self._finding(metric, float(steps.judged), expected, comparison)
 
     def _response(self) -> tuple[Finding, Finding]:
         """Judge transmittance and phase; either amplitude is known to the residual of its steady state, amplified."""
         own, expected = self.own[1], self.expected[1]
         left, level = amplification(expected) * (own.residual + expected.residual), expected.transmittance_db
-        size = self._beside(TRANSMITTANCE, lambda result: result.transmittance_db, amplitude_in_db(left, level))
-        phase = self._beside(PHASE, phase_reader(expected.phase, level), amplitude_in_degrees(left, level))
+        effect = friction_effect(*self.case.task(REFERENCE, CASE_STEPS[1]).setting(), level, expected.phase)
+        resolution = {TRANSMITTANCE: amplitude_in_db(left, level), PHASE: amplitude_in_degrees(left, level)}
+        size, phase = (
+            self._beside(metric, read, resolution[metric], effect[metric])
+            for metric, read in response_readers(level, expected.phase).items()
+        )
         comparison = replace(phase.comparison, per_amplitude=amplitude_in_degrees(1.0, level))
         return size, replace(phase, comparison=comparison)
 
@@ -173,13 +186,14 @@ class _Motions(NamedTuple):
         )
 
     def _unmatched(self) -> Finding:
-        """Judge transitions that only one has; allowed is what either loses or gains from step to step."""
+        """Judge transitions that only one has, of all that there are; what either has by its step alone is allowed."""
         reference, engine = (
             max(first.matched(second.transitions).unmatched for first, second in pairwise(results))
             for results in (self.expected, self.own)
         )
-        count = self.own[1].matched(self.expected[1].transitions).unmatched
-        comparison = decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine))
+        transitions = self.expected[1].transitions
+        count = self.own[1].matched(transitions).unmatched
+        comparison = decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine), len(transitions))
         return self._finding(UNMATCHED, count, 0.0, comparison)
 
     def _times(self) -> Finding:

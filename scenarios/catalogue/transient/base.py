@@ -4,29 +4,30 @@ Two motions under one drive never drift apart while the normal force is given (f
 errors of the steps before do not grow, and time series are compared as they are, over the whole motion.
 """
 
-import dataclasses
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import ClassVar
 
 import numpy as np
 
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
-from reference_lcp.chain.drives import MovingBase
+from reference_lcp.chain.drives import HarmonicBase, MovingBase
+from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.observables.transmittance import Transmissibility, decibel, transient_transmissibility
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
-from scenarios.catalogue.motion import MotionScenario, NothingToCompare, refined_counts, with_refined_steps
+from scenarios.catalogue.motion import MotionScenario, NothingToCompare, Read, refined_counts, with_refined_steps
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import NamedNumbers
 from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import Finding, Metric, Verdict
-from scenarios.verdicts.judge import Number
+from scenarios.verdicts.judge import Number, metric_difference
 from scenarios.verdicts.steady_case import REFERENCE
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
@@ -166,7 +167,7 @@ class Broadband(MotionScenario[TransientCase]):
     def judged(self, variant: Variant, case: TransientCase, evaluator: Evaluator) -> list[Finding]:
         """Compare with the reference in finer steps, once more with finer steps where a disagreement may be chance."""
         read = self.read_beside(case, case.task(variant), evaluator)
-        findings = [read.finding(variant, case, metric) for metric in self.metrics]
+        findings = self._findings(variant, case, read)
         if not needs_step_refinement(findings):
             return findings
         finer = (with_refined_steps(case.task(each).refined(STEP_REFINEMENT)) for each in (variant, REFERENCE))
@@ -175,7 +176,35 @@ class Broadband(MotionScenario[TransientCase]):
         except NothingToCompare:
             return findings
         read = read._replace(own=own, scheme=scheme)
-        return [_annotated(read.finding(variant, case, metric)) for metric in self.metrics]
+        return [_annotated(finding) for finding in self._findings(variant, case, read)]
+
+    def _findings(self, variant: Variant, case: TransientCase, read: Read) -> list[Finding]:
+        """Judge every number; friction changes it by its distance to the farther one of two linear chains."""
+        limits = [
+            self.numbers(case, {"response": response}) for response in linear_limits(replace(case, friction_ratio=0.0))
+        ]
+        effects = {
+            metric: max(abs(metric_difference(metric, limit[metric], expected.judged)) for limit in limits)
+            for metric, expected in read.expected.items()
+        }
+        return [read.finding(variant, case, metric, effect=effects[metric]) for metric in self.metrics]
+
+
+@cache
+def linear_limits(case: TransientCase) -> list[tuple[float, ...]]:
+    """Give the response at all rows with contacts that slide freely, and that never slide, by Fourier transforms."""
+    import scipy.fft  # SciPy is imported once a motion is judged
+
+    chain, rows = RATIOS.chain(case.friction_ratio), case.base_rows()
+    length = 2 * rows.size  # what is left after the motion dies out in as long a rest
+    angular_frequency = 2 * np.pi * scipy.fft.rfftfreq(length, PERIOD / ROWS_PER_PERIOD)[1:]
+    spectrum = scipy.fft.rfft(rows, length)
+    limits = []
+    for response in (frictionless_response, stuck_response):
+        passed = [response(chain, HarmonicBase(1.0, omega))[chain.cells - 1] for omega in angular_frequency.tolist()]
+        motion = scipy.fft.irfft(np.array([1.0, *passed]) * spectrum, length)[: rows.size]
+        limits.append(tuple(motion.tolist()))
+    return limits
 
 
 def harmonic_period(variant: Variant, ratios: ChainRatios, friction_ratio: float) -> SteadyStateTask:
@@ -192,7 +221,7 @@ def harmonic_period(variant: Variant, ratios: ChainRatios, friction_ratio: float
 def _annotated(finding: Finding) -> Finding:
     """Add to the reason that the steps are refined."""
     reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the default steps"
-    return dataclasses.replace(finding, comparison=dataclasses.replace(finding.comparison, reason=reason))
+    return replace(finding, comparison=replace(finding.comparison, reason=reason))
 
 
 def needs_step_refinement(findings: Sequence[Finding]) -> bool:

@@ -33,13 +33,19 @@ DISPLACEMENT_SCALE = 0.01
 REST_TIME = Metric(
     "time to rest", "T_r", "When the last contact came to rest, over the period 2π / ω_r of the resonator."
 )
-OFFSETS = Metric("offsets", "", "Largest difference of v − u at the end from the exact one's, over F / k_i.")
-DEAD_BAND = Metric("dead band", "", "By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.")
+OFFSETS = Metric(
+    "offsets", "", "Largest difference of v − u at the end from the exact one's, over F / k_i.", effect=1.0
+)
+DEAD_BAND = Metric(
+    "dead band", "", "By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.", effect=1.0
+)
 HEAT = Metric("heat of contacts", "", "Energy that contacts have turned into heat, over the initial energy.")
 LEFT = Metric("energy left", "", "Energy of the chain at the end, over the initial one.")
 BALANCE = Metric("balance", "", "Initial energy less what is left and all heat, over the initial energy.")
 GROWTH = Metric("growth", "", "Largest growth of the energy over the least so far, over the initial energy.")
 SHARES = (HEAT, LEFT, BALANCE)
+ENERGIES = (*SHARES, GROWTH)
+"""Friction changes them by what contacts turn into heat, as it changes offsets by what it holds at most, F / k_i."""
 LOSS = Metric("loss a cycle", "", "Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.")
 
 
@@ -161,8 +167,8 @@ class FreeDecay(MotionScenario[Decay]):
         read = self.read_beside(case, case.task(variant), evaluator)
         (exact,) = evaluator.evaluate(self.baseline(case))
         left, dashpots, _, _ = exact.series["energy"]
-        # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
-        known = {HEAT: 1 - left - dashpots, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, LOSS: 1.0}
+        heat = 1 - left - dashpots  # of contacts: dashpots are smooth, friction jumps between the rows
+        known = {HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, LOSS: 1.0}
         closed = {metric: Steps({1: number}) for metric, number in known.items()}
         read = read._replace(expected={**read.expected, **closed})
         shared = max(_shared_error(read.own), _shared_error(read.scheme))
@@ -173,6 +179,7 @@ class FreeDecay(MotionScenario[Decay]):
                 metric,
                 resolution=RESOLUTION.get(metric, ROUND_OFF),
                 own=shared if metric in SHARES else 0.0,
+                effect=heat if metric in ENERGIES else None,
             )
             for metric in self.case_metrics(case)
         ]

@@ -31,10 +31,13 @@ ROWS_PER_PERIOD = 50
 PERIODS = 3
 """Of the base: contacts have then slipped both ways, and parted and met some five times where they do."""
 
-RESPONSE = Metric("series", "", "Largest difference of the last outer mass from the reference's, over U0.")
-SLIPS = Metric("slips", "", "Largest difference of v − u of any cell from the reference's, over U0.")
-HIGHEST = Metric("highest", "", "Largest gap of any contact over U0.")
-OPEN = Metric("open", "", "Part of the time in which a contact is open, mean of all contacts.")
+BASE = 1.0
+"""Friction changes motions by what the base moves, U0: from what slides along with it to what stays behind."""
+
+RESPONSE = Metric("series", "", "Largest difference of the last outer mass from the reference's, over U0.", effect=BASE)
+SLIPS = Metric("slips", "", "Largest difference of v − u of any cell from the reference's, over U0.", effect=BASE)
+HIGHEST = Metric("highest", "", "Largest gap of any contact over U0.", effect=BASE)
+OPEN = Metric("open", "", "Part of the time in which a contact is open, mean of all contacts.", effect=1.0)
 LANDINGS = Metric("landings", "", "Changes from open to closed, of all contacts.")
 
 RESOLUTION = {

@@ -17,6 +17,7 @@ from scenarios.catalogue.transient.base import (
     PEAK,
     RATIOS,
     ROWS_PER_PERIOD,
+    linear_limits,
 )
 from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
 from scenarios.catalogue.transient.record import FILE, Record
@@ -63,6 +64,16 @@ def test_friction_attenuates_more_below_the_band_only_within_a_range_of_amplitud
     assert none[WITHIN] < -30
     assert much[WITHIN] > -15
     assert much[ABOVE] < none[ABOVE] - 20
+
+
+@pytest.mark.parametrize("scenario", [RickerPulseScenario(), FilteredNoiseScenario()], ids=lambda each: each.name)
+def test_linear_limits_are_the_motions_without_friction_and_with_far_too_much(scenario) -> None:
+    """To a twentieth of the peak: the noise is cut off at its end, and an effect needs no more."""
+    case = scenario.case(0.0)
+    for ratio, limit in zip((0.0, 1000.0), linear_limits(case), strict=True):
+        simulated, known = numbers(scenario, ratio), scenario.numbers(case, {"response": limit})
+        assert np.max(np.abs(np.subtract(simulated[DIFFERENCE], known[DIFFERENCE]))) < 0.05 * known[PEAK]
+        assert known[BELOW] == pytest.approx(simulated[BELOW], abs=0.05)
 
 
 def test_slow_sweep_meets_the_attenuation_of_figure_3() -> None:

@@ -8,7 +8,13 @@ from pydantic_core import to_json
 
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.steady.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
+from scenarios.catalogue.steady.modulated_normal_force import (
+    CASES,
+    LARGEST_GAP,
+    OPEN_FRACTION,
+    STUCK,
+    ModulatedNormalForce,
+)
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
 from scenarios.runs.parameters import Modulation
@@ -149,3 +155,26 @@ def test_answer_keeps_time_in_the_air_and_largest_gap() -> None:
 def test_impossible_modulation_is_refused_with_its_value(wrong, message) -> None:
     with pytest.raises(ParameterError, match=message):
         Modulation(**{"modulation": 0.5, **wrong})
+
+
+@pytest.mark.parametrize(("part", "verdict"), [(0.002, Verdict.AGREE), (0.5, Verdict.TOO_COARSE)])
+def test_what_agrees_only_by_its_coarse_step_is_inconclusive(part, verdict) -> None:
+    class Coarse(Answering):
+        def evaluate(self, tasks):
+            return [self.off(*pair) for pair in zip(tasks, super().evaluate(tasks), strict=True)]
+
+        def off(self, task, result):
+            if task.variant == REFERENCE:
+                return result
+            error = part * 800 / task.steps_per_period
+            return dataclasses.replace(
+                result,
+                transmittance_db=result.transmittance_db + 20 * math.log10(1 + error),
+                stuck_fraction=tuple(own + error for own in result.stuck_fraction),
+                open_fraction=tuple((1 + error) * own for own in result.open_fraction),
+                largest_gap=tuple((1 + error) * own for own in result.largest_gap),
+            )
+
+    findings = ModulatedNormalForce().run([OTHER], Coarse())
+    for metric in (TRANSMITTANCE, STUCK, OPEN_FRACTION, LARGEST_GAP):
+        assert {finding.comparison.verdict for finding in findings if finding.metric == metric} == {verdict}, metric

@@ -11,6 +11,7 @@ from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointS
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError
 from scenarios.catalogue.registry import CATALOGUE
+from scenarios.catalogue.scenes import base
 from scenarios.catalogue.scenes.base import COMMON_STEP, CREEP, SceneScenario
 from scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
 from scenarios.catalogue.scenes.joints import TURNING, arm
@@ -188,3 +189,12 @@ def test_scenes_are_what_their_names_say() -> None:
     heights = [place[2] for place in ContactScene(boxes=(Box(side=0.2), Box(side=0.1))).places]
     assert heights == pytest.approx([0.1, 0.25])
     assert COMMON_STEP == 1e-3
+
+
+@pytest.mark.parametrize("name", SLIDING[1:])
+def test_scene_in_steps_as_long_as_its_motion_shows_nothing(name, monkeypatch) -> None:
+    """At 1 m/s, 50 ms are a quarter of the time that friction takes: half of it or all of it is left open."""
+    monkeypatch.setattr(base, "COMMON_STEP", 0.05)
+    found = [each for each in judged(CATALOGUE[name]) if each.case.endswith("50 ms") and each.metric.unit == "%"]
+    assert Verdict.TOO_COARSE in {each.comparison.verdict for each in found}
+    assert Verdict.AGREE not in {each.comparison.verdict for each in found if each.case.startswith("1 m/s")}

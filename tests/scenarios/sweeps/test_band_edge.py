@@ -11,7 +11,7 @@ from scenarios.sweeps.attenuation_band import Crossing
 from scenarios.sweeps.edges import compare_edge
 from scenarios.sweeps.point import Point, tolerance
 from scenarios.sweeps.sweep import Case, GivenTolerance
-from scenarios.verdicts.finding import Verdict
+from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import CONVERGED
 
 SLOPE, WIDTH = -100.0, 1e-5
@@ -92,3 +92,11 @@ def test_without_a_steady_state_beside_it_a_difference_is_inconclusive() -> None
 )
 def test_edges_that_are_not_there(edge, converged, verdict) -> None:
     assert compare_edge(edge, converged).verdict is verdict
+
+
+@pytest.mark.parametrize(("own", "verdict"), [(0.3, Verdict.AGREE), (0.34, Verdict.TOO_COARSE)])
+def test_an_edge_beside_which_the_step_is_too_coarse_shows_nothing(own, verdict) -> None:
+    """A tenth of the 4 dB that friction changes on one side of it at all is 1.25 × 0.32 dB."""
+    around = [point(3.0, own, effect={TRANSMITTANCE: 4.0}), point(-3.0, own, effect={TRANSMITTANCE: 9.0})]
+    assert compare_edge(TRUE, TRUE, around).verdict is verdict
+    assert compare_edge(Crossing(PLACE + 0.05, SLOPE, WIDTH), TRUE, around).verdict is Verdict.DISAGREE

@@ -170,3 +170,18 @@ def test_a_slip_too_short_for_single_precision_is_read_as_stick() -> None:
         assert as_resolved(given).transitions == expected
         assert as_resolved(given).stuck_fraction[0] == pytest.approx(stuck)
         assert {finding.comparison.verdict for finding in stick_slip_findings(given)} == {Verdict.AGREE}
+
+
+def test_a_time_that_steps_leave_open_by_more_than_a_tenth_of_a_quarter_period_shows_nothing() -> None:
+    late = 0.95 * MATCHING_WINDOW
+    for metric in (MEDIAN_TIME, LARGEST_TIME):
+        assert judged(later(late), later(-late))[metric].comparison.verdict is Verdict.TOO_COARSE
+        assert judged(later(late), later(late / 2))[metric].comparison.verdict is Verdict.AGREE
+
+
+@pytest.mark.parametrize(("creep", "verdict"), [(0.05, Verdict.AGREE), (0.2, Verdict.TOO_COARSE)])
+def test_a_creep_that_halves_with_the_step_shows_nothing_where_it_is_large(creep, verdict) -> None:
+    own = evidence(TRANSITIONS, TRANSITIONS, creep=(creep,))
+    coarse = dataclasses.replace(own, coarse=dataclasses.replace(own.coarse, creep=(2 * creep,)))
+    findings = {finding.metric: finding for finding in stick_slip_findings(coarse)}
+    assert findings[CREEP_VELOCITY].comparison.verdict is verdict

@@ -128,3 +128,37 @@ def test_a_step_that_leaves_open_a_tenth_of_what_friction_changes_shows_nothing(
 
 def test_an_error_bar_or_a_residual_is_no_step() -> None:
     assert decide(NUMBER, 0.0, 0.0, Tolerance(reference=5.0, resolution=5.0), effect=1.0).verdict is Verdict.AGREE
+
+
+VALUE, TIME, CREEP = (
+    Metric("value", "", "of one"),
+    Metric("time", "T_r", "to rest"),
+    Metric("creep", "", "", effect=2.0),
+)
+
+
+@pytest.mark.parametrize(
+    ("metric", "value", "expected", "step"),
+    [(VALUE, 1.67, 1.0, 1.67), (TIME, 8.18, 3.47, 9.98), (NUMBER, -15.1, -8.4, 14.6), (CREEP, 0.3, 0.0, 0.4)],
+    ids=["wear power", "time to rest", "spectrum", "creep"],
+)
+def test_without_an_effect_a_step_may_leave_open_a_tenth_of_the_size(metric, value, expected, step) -> None:
+    """In dB the size is that of the amplitude; a metric states it where zero is expected."""
+    coarse = decide(metric, value, expected, Tolerance(engine=step))
+    assert coarse.verdict is Verdict.TOO_COARSE
+    fine = 0.01 * (value - expected)
+    assert decide(metric, expected + fine, expected, Tolerance(scheme=2 * abs(fine))).verdict is Verdict.AGREE
+    assert decide(metric, value, expected, Tolerance(engine=abs(fine))).verdict is Verdict.DISAGREE
+
+
+def test_beside_an_expected_zero_no_error_of_a_step_is_small() -> None:
+    assert decide(VALUE, 1e-9, 0.0, Tolerance(engine=1e-9)).verdict is Verdict.TOO_COARSE
+    assert decide(VALUE, 1e-9, 0.0, Tolerance(resolution=1e-9)).verdict is Verdict.AGREE
+
+
+def test_size_of_a_series_is_its_largest_entry() -> None:
+    series = np.array([0.0, 2.0, -4.0])
+    assert decide(VALUE, series, series, Tolerance(engine=0.39)).verdict is Verdict.AGREE
+    comparison = decide(VALUE, series, series, Tolerance(engine=0.41))
+    assert comparison.verdict is Verdict.TOO_COARSE
+    assert comparison.reason.endswith("of 4 that is expected")
