@@ -69,7 +69,13 @@ def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Sco
     has their steps: the others never settle, and take seconds a point.
     """
     recommended = tuple(own for own in recommended_variants() if beside and stepped_by(own) is not None)
-    return Scope(beside=beside, recommended=recommended, one_option=one_option_variants(settling, beside))
+    defaults = {variant.tuned for variant in settling if variant.preset_name == "default"}
+    return Scope(
+        beside=beside,
+        recommended=recommended,
+        one_option=one_option_variants(settling, beside),
+        scaled=tuple(own for own in (*settling, *recommended) if own.tuned in defaults),
+    )
 
 
 def stored_sweep(store: Path) -> Sweep:

@@ -6,7 +6,7 @@ from engines.genesis.contact import ContactSimulation, share_a_scene
 from engines.genesis.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
 from engines.genesis.simulation import JointSimulation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
-from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
+from engines.shared.pip_engine import PipEngine
 from engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
@@ -41,7 +41,6 @@ class Genesis(PipEngine):
             "equals equation (5)."
         ),
     )
-    no_scenes: ClassVar[str] = SCENES_BESIDE
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if formulation is Formulation.JOINT:

@@ -49,10 +49,19 @@ def versions() -> dict[str, str]:
 
 
 class EngineLane:
-    """Lanes of one simulation, from the pickled arguments of `Engine.build`."""
+    """Lanes of one simulation, from the pickled arguments of `Engine.build`, or a scene."""
 
     def __init__(self, parameters: Mapping[str, Any]):
-        self._simulation = _adapter().build(*pickle.loads(parameters["pickled"].tobytes()))
+        given = pickle.loads(parameters["pickled"].tobytes())
+        is_scene = bool(parameters.get("scene", False))
+        self._simulation = (_adapter().scene_with if is_scene else _adapter().build)(*given)
+
+    def follow(self, steps: int, launch: Any) -> Any:
+        """Give the followed box of a scene a velocity, unless it is empty, and take steps; gives a row a step."""
+        if len(launch):
+            *velocity, spin = launch.tolist()
+            self._simulation.launch(tuple(velocity), spin)
+        return self._simulation.run(steps)
 
     def call(self, pickled: Any) -> dict[str, Any]:
         """Call a method of the simulation, of a pickled name and arguments; gives what it gives."""

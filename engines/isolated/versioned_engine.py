@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,11 @@ from packaging.version import Version
 
 from engines.interface.engine import Engine, EngineNotInstalled
 from engines.interface.presets import Formulation, Preset
+from engines.interface.scene import Scene, SceneSetting, SceneWorld, formulation_of
 from engines.isolated.environment import Environment, Record, unavailable_reason
+from engines.isolated.out_of_process import ServedScene
 from engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess
-from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
+from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError, shown
@@ -176,6 +178,9 @@ class VersionedEngine(Engine):
         self._adapter = requirement.adapter
         self.name = requirement.name  # type: ignore[misc]
         self.preparation = self._adapter.preparation  # type: ignore[misc]
+        self.scene_step = self._adapter.scene_step  # type: ignore[misc]
+        self.scene_worlds = self._adapter.scene_worlds  # type: ignore[misc]
+        self.no_scenes = self._adapter.no_scenes  # type: ignore[misc]
         known = self._adapter.capabilities
         title = f"{known.title} {requirement.version}".strip()
         self.capabilities = replace(known, title=title, optional=known.optional or bool(requirement.version))  # type: ignore[misc]
@@ -205,8 +210,6 @@ class VersionedEngine(Engine):
 class EnvironmentEngine(VersionedEngine):
     """An engine, or a version of one, in an environment of its own."""
 
-    no_scenes: ClassVar[str] = SCENES_BESIDE
-
     def __init__(self, requirement: Requirement):
         super().__init__(requirement)
         self._environment = requirement.environment
@@ -224,8 +227,16 @@ class EnvironmentEngine(VersionedEngine):
         return unavailable_reason(self._environment)
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        process = shared_process(type(self._adapter), self._environment, self._environment.folder)
-        return EnvironmentSimulation(process, lanes, str(formulation), self._name_of(formulation, preset))
+        return EnvironmentSimulation(self._process(), lanes, str(formulation), self._name_of(formulation, preset))
+
+    def _scene(self, scene: Scene, setting: SceneSetting) -> SceneWorld:
+        name = self._name_of(formulation_of(scene), setting.preset)
+        given = _pickled(scene, name, setting.time_step, setting.sleeping)
+        return ServedScene(self._process(), {"pickled": given, "scene": True}, FIRST_USE_LIMIT)
+
+    def _process(self) -> EngineProcess:
+        """Give the worker process that all lanes and scenes of this engine share."""
+        return shared_process(type(self._adapter), self._environment, self._environment.folder)
 
     def _recorded(self) -> Record:
         record = self._environment.record()

@@ -3,11 +3,13 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
-from engines.mjx.presets import JOINT_TUNED
+from engines.mjx.presets import JOINT_RECOMMENDED, JOINT_TUNED
+from engines.mjx.scene import joints
 from engines.mjx.worlds import SIZES, MJXWorlds
 from engines.mujoco.presets import JOINT_DEFAULT
+from engines.mujoco.scene import STEP
 from engines.mujoco.worlds import ModelsSimulation
-from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
+from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError
 
@@ -30,7 +32,7 @@ class MJX(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
         },
         batch_lanes=SIZES[-1],
         # A stuck joint creeps to where its spring is slack, with a time constant of 1e5 periods at 400 steps a
@@ -43,7 +45,9 @@ class MJX(PipEngine):
             "left out: its line search fails in steps in which one of them starts or stops."
         ),
     )
-    no_scenes: ClassVar[str] = SCENES_BESIDE
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints}
+    no_scenes: ClassVar[str] = "its line search fails in steps in which a contact starts or stops"
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         sweeps = preset["noslip_iterations"]

@@ -1,7 +1,10 @@
 """MJX's presets: MuJoCo's settings, changed for a solver without a sweep that removes the softness of friction."""
 
+from dataclasses import replace
+
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.mujoco.presets import HARDEST, JOINT_OPTIONS, NO_CONTACTS, SOLIMP, TUNED, stops_in_one_step
+from engines.mujoco.presets import JOINT_RECOMMENDED as OF_MUJOCO
 
 SOFTNESS = 1e-4
 """Part of its velocity that a stuck joint keeps in a step: 1 - d for MuJoCo's hardest d."""
@@ -32,3 +35,6 @@ JOINT_TUNED = Preset(
     residual_slip_compliance=SOFTNESS,
     normal_force=NormalForce.MODULATED,
 )
+
+JOINT_RECOMMENDED = replace(OF_MUJOCO, varied={})
+"""MuJoCo's, without sweeps that MJX ignores."""

@@ -43,6 +43,18 @@ def native_steps(model: Any, blank: Any, state: tuple[jax.Array, ...], count: in
     return jax.lax.fori_loop(0, count, lambda _, state: _step(model, blank, state, no_load)[0], state)
 
 
+@jax.jit
+def followed(model: Any, data: Any, count: int) -> tuple[Any, jax.Array]:
+    """Take so many steps of a scene, at most `CHUNK`; gives its data and the coordinates, a row a step."""
+
+    def step(index: Any, carried: tuple[Any, jax.Array]) -> tuple[Any, jax.Array]:
+        data, rows = carried
+        data = mjx.step(model, data)
+        return data, rows.at[index].set(data.qpos)
+
+    return jax.lax.fori_loop(0, count, step, (data, jnp.zeros((CHUNK, model.nq))))
+
+
 def _step(model: Any, blank: Any, state: tuple[jax.Array, ...], loads: jax.Array) -> tuple[Any, Any]:
     """Take a step of every world; gives the state after it, and what is recorded of it."""
 

@@ -6,7 +6,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.interface.tolerances import SUBSTEPS_RESIDUAL
 from engines.ovphysx.presets import JOINT_DEFAULT, JOINT_TUNED
 from engines.ovphysx.simulation import OvphysxSimulation
-from engines.shared.pip_engine import SCENES_BESIDE, PipEngine
+from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
@@ -37,7 +37,6 @@ class Ovphysx(PipEngine):
             "act late by half a step."
         ),
     )
-    no_scenes: ClassVar[str] = SCENES_BESIDE
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         return OvphysxSimulation(lanes, preset)

@@ -14,9 +14,6 @@ from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 installed_version = cache(metadata.version)
 """Version of a distribution, looked up once: every batch states it."""
 
-SCENES_BESIDE = "scenes run beside the suite, and it runs in an environment of its own"
-"""Why an engine has none there."""
-
 NEWEST = ".9999"
 """What makes of the beginning of a version one that is as new as can be."""
 

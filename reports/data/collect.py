@@ -25,6 +25,7 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
+from scenarios.studies.scale import scale_study, scale_tasks
 from scenarios.studies.work_precision import (
     STUDY_STEPS,
     coarse_steps,
@@ -71,6 +72,8 @@ class Scope:
     """Likewise; they take part in no scenario."""
     one_option: tuple[Variant, ...] = ()
     """Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too."""
+    scaled: tuple[Variant, ...] = ()
+    """Variants that are simulated in softer and stiffer chains too, see `scale_study`."""
     scenarios: tuple[str, ...] = ()
     """Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown."""
 
@@ -102,6 +105,7 @@ def collect(
     result = with_truths(result, evaluator)
     evaluator.stage("other steps, friction map and further variants")
     steps = None
+    scale = scale_study(scope.scaled, evaluator) if _is_canonical(sweep) else ()
     if _is_canonical(sweep):
         stored = StoredResults(store)
         steps = tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
@@ -115,6 +119,7 @@ def collect(
         beside=few_points(result, (*scope.beside, *scope.recommended), scope.beside_points, evaluator),
         one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
         creeps=held_creeps(scope.one_option, evaluator),
+        scale=scale,
         catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),
         scenes=scene_numbers(store),
     )
@@ -166,6 +171,8 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
         steps = coarse_steps(scope.steps)
         tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, steps)]
         tasks += exact_step_tasks(sweep.excitation)
+    if _is_canonical(sweep):
+        tasks += scale_tasks(scope.scaled)
     tasks += exact_tasks(sweep, [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]).values()
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 

@@ -19,6 +19,7 @@ from reports.data.versions import version_pairs
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.friction_map import FrictionMap
+from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import Point
@@ -56,6 +57,8 @@ class Report:
     """What is known of the scenarios of the catalogue."""
     scenes: pd.DataFrame = field(default_factory=pd.DataFrame)
     """What is known of scenes, of any engine, see `scene_numbers`; empty where that is nothing."""
+    scale: tuple[ScalePoint, ...] = ()
+    """Errors in softer and stiffer chains; none if they are no part of the report."""
 
     @property
     def missing(self) -> Mapping[Variant, int]:

@@ -8,6 +8,7 @@ from reports.data.catalogue import Outcome, Outcomes
 from reports.data.options import option_table
 from reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, transition_table, written
 from reports.data.report import Report
+from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
 from scenarios.tables import csv_text, json_text, records
 
@@ -38,6 +39,12 @@ def step_table(steps: Sequence[StepPoint]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*NAMES, *columns], dtype=object)
 
 
+def scale_table(points: Sequence[ScalePoint]) -> pd.DataFrame:
+    """Error of every variant by the frequency of the drive."""
+    rows = [(*names_of(point.variant).values(), point.hertz, point.error_db) for point in points]
+    return pd.DataFrame(rows, columns=[*NAMES, "frequency_hz", "error_db"])
+
+
 def table_files(report: Report) -> dict[str, str]:
     """Give every table as CSV, and the numbers of all but the transitions as JSON, with where they come from."""
     result = report.result
@@ -60,5 +67,6 @@ def table_files(report: Report) -> dict[str, str]:
         "catalogue.csv": csv_text(catalogue_table(report.catalogue)),
         "options.csv": csv_text(option_table(report.option_curves, report.single_options)),
         "work_precision.csv": csv_text(step_table(report.steps or ())),
+        "scale.csv": csv_text(scale_table(report.scale)),
         "report.json": json_text(content),
     }

@@ -15,6 +15,7 @@ from reports.data.variants import Errors
 from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Rule, Series
 from reports.drawing.style import DASHED, DOTTED, Style, style_of
 from reports.formatting import ratio, signed
+from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.truths import WRONG_DB
@@ -267,6 +268,39 @@ def _first_order(drawn: Curves) -> list[Series]:
     start = float(np.median(_shown(point for point in ends if point.steps_per_period == first)))
     line = Style("#888888", dash=DOTTED, width=0.7)
     return [Series([first, last], [start, start * first / last], line, "first order")]
+
+
+def scale_figure(points: Sequence[ScalePoint]) -> Figure:
+    """Draw a panel an engine and formulation: the error of its presets over the frequency of the drive."""
+    panels: dict[str, dict[str, list[ScalePoint]]] = {}
+    for point in points:
+        preset = NAMED.get(point.variant.preset_name, "other presets")
+        panels.setdefault(point.variant.tuned.title, {}).setdefault(preset, []).append(point)
+    known = [point.error_db for point in points if not math.isnan(point.error_db)]
+    size = Axis(range=(0.5 * max(min(known), SMALLEST_DB), 2 * max(known)), scale="log")
+    hertz = Axis(scale="log", ticks={point.hertz: f"{point.hertz:.2g}" for point in points})
+    return Figure(
+        "scale",
+        "Error of transmittance to the exact motion over the frequency of the drive, of one chain with softer and "
+        "stiffer springs: all ratios are the same",
+        [
+            # the smaller marks above the larger ones
+            Panel(hertz, size, [_scaled(title, own[title]) for title in sorted(own, reverse=True)], name)
+            for name, own in panels.items()
+        ],
+        height=2.9,
+        pixels=380,
+        columns=len(panels),
+        legend_columns=3,
+        x_label="frequency of the drive [Hz]",
+        y_label="error to the exact motion [dB]",
+        wide=True,
+    )
+
+
+def _scaled(title: str, points: Sequence[ScalePoint]) -> Series:
+    hertz, sizes = [point.hertz for point in points], [point.error_db for point in points]
+    return Series(hertz, sizes, PRESETS[title], title, "lines+markers", "%{y:.3g} dB at %{x:.3g} Hz")
 
 
 LARGEST = Style("#D55E00", "circle", 5.0)

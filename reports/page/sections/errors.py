@@ -1,5 +1,6 @@
-"""Where the error is, what accuracy costs, and what single options decide."""
+"""Where the error is, how it depends on the scale, what accuracy costs, and what single options decide."""
 
+import math
 from functools import cached_property
 from typing import Any
 
@@ -17,10 +18,12 @@ from reports.figures.errors import (
     error_map_figure,
     error_maps,
     option_figure,
+    scale_figure,
     unsteady,
     work_precision_figure,
 )
 from reports.page.section import Section
+from scenarios.studies.scale import SCALE_POINT, STEPS, ScalePoint
 from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
@@ -61,6 +64,28 @@ class ErrorMaps(Section):
     @property
     def _unsteady(self) -> pd.DataFrame:
         return unsteady(self.report.points)
+
+
+class Scale(Section):
+    """The error of defaults over the frequency of the drive in Hz."""
+
+    title = "Scale: error over frequency in Hz"
+    template = "scale"
+    numbers = "scale.csv"
+
+    @property
+    def shown(self) -> bool:
+        return not all(math.isnan(point.error_db) for point in self.report.scale)
+
+    def figures(self) -> list[Figure]:
+        return [scale_figure(self.report.scale)]
+
+    def context(self) -> dict[str, Any]:
+        defaults: dict[str, list[ScalePoint]] = {}
+        for point in self.report.scale:
+            if point.variant.preset_name == "default":
+                defaults.setdefault(point.variant.title, []).append(point)
+        return {"defaults": defaults, "point": SCALE_POINT, "steps": STEPS}
 
 
 class WorkPrecision(Section):

@@ -28,6 +28,7 @@ class Summary(Section):
     def context(self) -> dict[str, Any]:
         sweep, truths = self.result.sweep, self.result.truths.values()
         shown = [truth for truth in truths if truth.above_floor]
+        chain = sweep.ratios.chain(0.0)
         return {
             "errors": list(self.report.errors.values()),
             "sentences": sentences(self.report.errors, self.report.single_options, len(shown)),
@@ -48,6 +49,9 @@ class Summary(Section):
             "last": sweep.frequency_ratios[-1],
             "cells": " or ".join(ratio(n) for n in sweep.axes.get("cells", (sweep.ratios.cells,))),
             "drive": drive_description(sweep),
+            "mass": float(chain.outer_mass[0]),
+            "stiffness": float(chain.chain_stiffness[0]),
+            "hertz": f"{chain.resonator_frequency / (2 * math.pi):.2g}" if self.report.scale else "",
         }
 
     def _few(self) -> dict[str, Any] | None:

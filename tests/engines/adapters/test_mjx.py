@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 
 from engines.interface.engine import EngineNotInstalled
+from engines.interface.presets import Formulation
+from engines.interface.registry import engine
+from engines.interface.scene import ArmScene, SceneSetting
 from engines.interface.tolerances import CREEP
 from engines.isolated.versioned_engine import EnvironmentEngine, Requirement
 from engines.mjx import MJX
@@ -217,3 +220,22 @@ def test_what_it_prints_where_warp_is_missing_would_not_be_quoted_if_it_crashed(
     errors = simulation._process._worker._errors
     errors.seek(0)
     assert errors.read() == b""
+
+
+@in_its_environment
+@pytest.mark.parametrize(("preset", "least", "most"), [("default", 0.1, 2.0), ("recommended", 1e-6, 1e-2)])
+def test_an_arm_in_mjx_sags_as_in_mujoco(preset: str, least: float, most: float) -> None:
+    """The same model by another solver, which ends within 1e-8 of its own units."""
+    scene, rows = ArmScene(friction=(4.3, 1.1)), []
+    for name in ("mujoco", "mjx"):
+        own = engine(name)
+        world = own.scene_world(scene, SceneSetting(own.preset("joint", preset), own.scene_step))
+        rows.append(world.run(250))
+        world.close()
+    assert rows[1] == pytest.approx(rows[0], rel=1e-3, abs=1e-8)
+    assert least < abs(rows[1][-1]).max() < most
+
+
+def test_contacts_in_mjx_have_no_scenes_and_the_reason_is_said() -> None:
+    assert "its line search fails" in str(OWN.scene_gap(Formulation.CONTACT))
+    assert OWN.scene_gap(Formulation.JOINT) is None

@@ -12,15 +12,18 @@ import pytest
 from engines.interface.engine import EngineNotInstalled
 from engines.interface.presets import Formulation, Preparation, Preset
 from engines.interface.registry import engine
+from engines.interface.scene import ArmScene, ContactScene, JointScene, Scene, SceneSetting, formulation_of
 from engines.interface.variant import Variant
 from engines.isolated.environment import Environment
 from engines.isolated.installation import Plan, install
+from engines.isolated.process import EngineProcessError
 from engines.isolated.versioned_engine import Requirement, engine_of_its_own_environment
 from engines.mujoco import MuJoCo
 from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
+from scenarios.catalogue.registry import CATALOGUE
 from tests.engines.scheme_oracle import lane_of, random_state
 
 BESIDE, OWN = Variant("mujoco"), Variant("mujoco@3.99.0")
@@ -40,6 +43,47 @@ def test_lanes_in_an_environment_move_as_beside_the_suite(formulation: str) -> N
     assert np.array_equal(own.advance(state, 3, 20).positions, beside.advance(state, 3, 20).positions)
     own.close()
     assert np.array_equal(own.subset([1]).run(one, 0, 5)[0].positions, beside.subset([1]).run(one, 0, 5)[0].positions)
+
+
+SCENES = (
+    ContactScene(slope=0.4),
+    JointScene(kind="slide", load=0.9),
+    ArmScene(friction=(2.0, 1.0)),
+)
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: type(scene).__name__)
+@pytest.mark.parametrize("preset", ["default", "recommended", "default:solver=PGS"])
+def test_scenes_in_an_environment_move_as_beside_the_suite(scene: Scene, preset: str) -> None:
+    rows = []
+    for variant in (BESIDE, OWN):
+        adapter, formulation = engine(variant.engine), formulation_of(scene)
+        world = adapter.scene_world(scene, SceneSetting(adapter.preset(formulation, preset), adapter.scene_step))
+        first = world.run(20)
+        if isinstance(scene, ContactScene):
+            world.launch((1.0, 0.5, 0.0), 2.0)
+        rows.append(np.concatenate([first, world.run(30)]))
+        world.close()
+    assert np.array_equal(*rows)
+    assert np.ptp(rows[0], axis=0).max() > 0
+
+
+def test_a_version_named_alone_has_its_default_and_recommended_scenes() -> None:
+    named = CATALOGUE["joint-hold"].variants([OWN.engine])
+    assert [variant.preset_name for variant in named] == ["default", "recommended"]
+    assert {variant.engine for variant in named} == {OWN.engine}
+
+
+def test_a_scene_that_was_lost_with_its_worker_does_not_begin_anew_in_silence() -> None:
+    adapter = engine(OWN.engine)
+    world = adapter.scene_world(SCENES[0], SceneSetting(adapter.preset("contact", "default"), 0.002))
+    world.run(5)
+    process = adapter._process()
+    os.kill(process.pid, signal.SIGKILL)
+    while process.alive():
+        time.sleep(0.01)
+    with pytest.raises(EngineProcessError, match="a scene was lost with its worker"):
+        world.run(5)
 
 
 def test_what_the_adapter_refuses_there_is_refused_here() -> None:
