@@ -6,12 +6,11 @@ None of it is trusted; it only says what is to be proven.
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from flint import arb
+from numpy.typing import NDArray
 
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.chain.trajectory import State
 from reference_lcp.exact.event_driven_system import EventDrivenSystem, system_of
@@ -28,6 +27,9 @@ SCHEME_STEPS = 1600
 
 SETTLING_CYCLES = 300
 """Cycles from rest where drive and normal force repeat together only after several periods."""
+
+SAMPLES = 500
+"""Instants at which a sticking force is read, to centre it between its bounds."""
 
 Number = float | arb
 Event = tuple[int, int]
@@ -75,6 +77,13 @@ class Candidate:
             state[k] = value
         return dataclasses.replace(self, state=tuple(state), times=tuple(values[len(unknown) :]))
 
+    def with_offsets(self, offsets: dict[int, float]) -> "Candidate":
+        """Give the same with these v − u at t0 of cells that never slip."""
+        n, state = len(self.first), list(self.state)
+        for cell, offset in offsets.items():
+            state[n + cell] = offset
+        return dataclasses.replace(self, state=tuple(state))
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -82,7 +91,7 @@ class Motion:
 
     starts: FloatArray
     """When each stretch of unchanged modes begins, shape (stretches,)."""
-    modes: FloatArray
+    modes: NDArray[np.int8]
     """Shape (stretches, n)."""
     state: Callable[[float], FloatArray]
     """(u, v, u̇, v̇) at a time."""
@@ -112,7 +121,7 @@ def candidate(exact: ExactChain) -> Candidate:
         tuple(start + time for time, _, _ in ahead),
         tuple(state.tolist()),
     )
-    return _centred(found, exact, motion)
+    return _centred(found, exact, motion, np.linspace(0, cycle, SAMPLES, endpoint=False))
 
 
 def _constant(exact: ExactChain) -> Motion:
@@ -156,7 +165,7 @@ def _modulated(exact: ExactChain) -> Motion:
     return Motion(starts, np.array([each.modes for each in stretches]), state)
 
 
-def _events(motion: Motion, rubbing: FloatArray) -> list[tuple[float, int, int]]:
+def _events(motion: Motion, rubbing: NDArray[np.bool_]) -> list[tuple[float, int, int]]:
     """Times, cells and new modes of all changes, the first row after the last."""
     modes = motion.modes
     changes = np.argwhere((modes != np.roll(modes, 1, axis=0)) & rubbing)
@@ -172,9 +181,16 @@ def _quietest(times: list[float], length: float) -> float:
     return float((phases[np.argmax(gaps)] + gaps.max() / 2) % length)
 
 
-def _centred(found: Candidate, exact: ExactChain, motion: Motion) -> Candidate:
+def _centred(found: Candidate, exact: ExactChain, motion: Motion, times: FloatArray) -> Candidate:
     """Give cells that never slip the offset that keeps their force farthest from its bounds; zero by symmetry."""
-    n, state = exact.cells, list(found.state)
-    for cell in found.always_stuck:
-        state[n + cell] = 0.0
-    return dataclasses.replace(found, state=tuple(state))
+    if exact.half or not found.always_stuck:
+        return found.with_offsets(dict.fromkeys(found.always_stuck, 0.0))
+    chain, drive, preload = exact.floating()
+    n, states = exact.cells, np.array([motion.state(time) for time in times.tolist()])
+    forces = -states[:, : 2 * n] @ chain.stiffness_matrix - states[:, 2 * n :] @ chain.damping_matrix
+    forces[:, 0] += drive.load(chain, times)
+    outer, inner = forces[:, :n], forces[:, n:]
+    friction = chain.inner_mass / (chain.outer_mass + chain.inner_mass) * (outer + inner) - inner
+    bound = chain.friction_bound * (1.0 if preload is None else preload.factor(times)[:, None])
+    shift = (np.min(bound - friction, axis=0) - np.min(bound + friction, axis=0)) / (2 * chain.inner_stiffness)
+    return found.with_offsets({cell: float(found.state[n + cell]) + float(shift[cell]) for cell in found.always_stuck})

@@ -2,8 +2,9 @@
 
 Each stretch is cut into parts, on which z is a polynomial with a remainder. A contact that slips in the direction s has
 s ġ > 0; one that sticks F − λ > 0 and F + λ > 0. At an event such a polynomial vanishes by the equations that have been
-proven, and s^k is divided out: k = 2 where a contact leaves a stick (ġ = 0, and since λ is continuous there g̈ = 0), k = 1 where
-it turns round, where a slip ends, and for the bound by which a stick leaves. What is left has to be positive also at the event.
+proven, and its power is divided out: the second where a contact leaves a stick (ġ = 0, and since λ is continuous there
+g̈ = 0), the first where it turns round, where a slip ends, and for the bound by which a stick leaves. What is left has
+to be positive, also at the event.
 """
 
 from collections.abc import Iterator
@@ -83,7 +84,7 @@ class Observed:
     cosine: arb
     """Integrals of the displacement of the last outer mass times sin ωt and cos ωt."""
     margin: float
-    """Smallest distance of a sticking force from its bound, over the bound, away from events; ∞ where nothing sticks."""
+    """Smallest distance of a sticking force from its mean bound, over that, away from events; ∞ if nothing sticks."""
     inequalities: int
 
 
@@ -93,7 +94,8 @@ def observe(dynamics: Dynamics, solution: Solution, deadline: Deadline) -> Obser
     sine, cosine, margin, count = arb(0), arb(0), inf, 0
     for j in range(len(solution.ends)):
         tests = list(_tests(dynamics, solution, j))
-        for part, polynomials in enumerate(parts := list(_parts(dynamics, solution, j, tests))):
+        parts = list(_parts(dynamics, solution, j, tests))
+        for polynomials in parts:
             deadline.check()
             bounds = _bounds(polynomials.tests)
             for place, (test, order, bound) in enumerate(zip(tests, polynomials.orders, bounds, strict=True)):
@@ -163,35 +165,38 @@ def _tests(dynamics: Dynamics, solution: Solution, stretch: int) -> Iterator[Tes
 
 
 def _parts(dynamics: Dynamics, solution: Solution, stretch: int, tests: list[Test]) -> Iterator[Part]:
-    """Give the polynomials of all parts of a stretch."""
-    pattern = dynamics.pattern(solution.candidate.modes[stretch])
-    times = boundaries(dynamics, solution)
-    flow = solution.flows[stretch]
+    """Give the polynomials of all parts of a stretch; the last part is followed back from its end."""
+    pattern, flow = dynamics.pattern(solution.candidate.modes[stretch]), solution.flows[stretch]
     start, end = begin(dynamics, solution, stretch), solution.ends[stretch]
-    last_step = times[stretch] + (flow.parts - 1) * flow.step - times[stretch + 1]
-    rows = [test.row for test in tests] + [
-        _unit(dynamics, k) for k in (dynamics.cells - 1, dynamics.sine, dynamics.sine + 1)
-    ]
-    reduced = arb_mat([[row[k] for k in pattern.active] for row in rows])
-    resting = [k for k in range(dynamics.size) if k not in set(pattern.active)]
-    constants = [sum((row[k] * start[k][0] for k in resting if row[k] != 0), arb(0)) for row in rows]
-    sizes = [sum((abs(value) for value in row), arb(0)).upper() for row in reduced.tolist()]
-    for first, states, step in (
-        (0, flow.starts(pattern.moving(start)), flow.step),
-        (flow.parts - 1, pattern.moving(end), last_step),
+    since, until = boundaries(dynamics, solution)[stretch : stretch + 2]
+    back = since + (flow.parts - 1) * flow.step - until
+    if not back < 0:
+        raise NotProven("a stretch is shorter than the error of its ends")
+    rows = [test.row for test in tests] + [_unit(dynamics, k) for k in _signals(dynamics)]
+    moving = arb_mat([[row[k] for k in pattern.active] for row in rows])
+    sizes = [sum((abs(value) for value in row), arb(0)) for row in moving.tolist()]
+    resting = set(range(dynamics.size)) - set(pattern.active)
+    constants = [sum((row[k] * start[k][0] for k in resting), arb(0)) for row in rows]
+    for states, step, last in (
+        (flow.starts(pattern.moving(start)), flow.step, False),
+        (pattern.moving(end), back, True),
     ):
         coefficients, left = pattern.series(states, step)
-        values = [(reduced * each).tolist() for each in coefficients]
+        values = [(moving * each).tolist() for each in coefficients]
         for column in range(states.ncols()):
             polynomials = [[value[k][column] for value in values] for k in range(len(rows))]
             for polynomial, constant, size in zip(polynomials, constants, sizes, strict=True):
                 polynomial[0] += constant
                 polynomial[-1] += around_zero(size * left)
-            origin = times[stretch + 1] if step < 0 else times[stretch] + (first + column) * step
-            ends = [0 if column + first == 0 else None, 1 if step < 0 else None]
-            orders = [sum(test.orders[end] for end in ends if end is not None) for test in tests]
-            zeros = [polynomial[order:] for polynomial, order in zip(polynomials, orders, strict=False)]
-            yield Part(float(origin.mid()), step, zeros, orders, polynomials[len(tests) :])
+            orders = [test.orders[1] if last else 0 if column else test.orders[0] for test in tests]
+            positive = [polynomial[order:] for polynomial, order in zip(polynomials, orders, strict=False)]
+            origin = until if last else since + column * step
+            yield Part(float(origin.mid()), step, positive, orders, polynomials[len(tests) :])
+
+
+def _signals(dynamics: Dynamics) -> tuple[int, int, int]:
+    """Places of the last outer mass's displacement, of sin ωt and of cos ωt."""
+    return dynamics.cells - 1, dynamics.sine, dynamics.sine + 1
 
 
 def _unit(dynamics: Dynamics, place: int) -> Row:
@@ -248,7 +253,8 @@ def _refuse(test: Test, place: int, stretch: int, parts: list[Part], *, violated
 
 def _negative(parts: list[Part], place: int) -> tuple[float, float]:
     """Give about where the inequality of this place is violated first, from the roots of its polynomials."""
-    pieces, cuts = [], []
+    pieces: list[tuple[float, float, bool]] = []
+    cuts: list[float] = []
     for part in parts:
         coefficients = np.array([float(value.mid()) for value in part.tests[place][:ROOTS_OF]])
         step = float(part.step.mid())
@@ -257,7 +263,8 @@ def _negative(parts: list[Part], place: int) -> tuple[float, float]:
         borders = sorted([0.0, *inside.tolist(), 1.0])
         for low, high in pairwise(borders):
             negative = np.polynomial.polynomial.polyval((low + high) / 2, coefficients) < 0
-            pieces.append((*sorted((part.origin + step * low, part.origin + step * high)), bool(negative)))
+            first, last = sorted((part.origin + step * low, part.origin + step * high))
+            pieces.append((first, last, bool(negative)))
     for low, high, negative in sorted(pieces):
         if not negative:
             if cuts:

@@ -1,7 +1,7 @@
-"""The chain between two events as a linear system in ball arithmetic, and its exponential with a bound of what is left out.
+"""The chain between two events as a linear system in ball arithmetic, and its exponential with a proven remainder.
 
-With g = v − u, z = (u, g, u̇, ġ, sin ωt, cos ωt, 1, sin(Ωt + φ), cos(Ωt + φ)); the last two only where normal forces change.
-While the modes s of the contacts last, ż = A z:
+With g = v − u, z = (u, g, u̇, ġ, sin ωt, cos ωt, 1, sin(Ωt + φ), cos(Ωt + φ)), the last two only where normal forces
+change. While the modes s of the contacts last, ż = A z:
 
 - a contact that slips: λ = −s F(t), m_o ü = p_o − λ, m_i v̈ = p_i + λ;
 - one that sticks: ü = v̈ = (p_o + p_i) / (m_o + m_i), and λ = m_i v̈ − p_i is a row times z.

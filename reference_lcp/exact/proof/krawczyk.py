@@ -6,9 +6,9 @@ Unknowns y: the state at t0, and the times of the events. Equations, for z_j = e
 - where a stick ends in the direction s, F_i + s λ_i = 0;
 - x(t0 + L) = ± x(t0), with minus for half a period.
 
-With Y an approximate inverse and J(B) an enclosure of the Jacobian on a box B, x ↦ x − Y F(x) has the Lipschitz constant
-κ = ‖1 − Y J(B)‖ on B in the largest norm. If κ < 1, a ball of radius ρ about ỹ lies in B, and ‖Y F(ỹ)‖ + κ ρ <= ρ, then that
-ball holds exactly one solution (Banach), and it is within ‖Y F(ỹ)‖ / (1 − κ) of ỹ.
+With Y an approximate inverse and J(B) an enclosure of the Jacobian on a box B, x ↦ x − Y F(x) has the Lipschitz
+constant κ = ‖1 − Y J(B)‖ on B in the largest norm. If κ < 1, a ball of radius ρ about ỹ lies in B, and
+‖Y F(ỹ)‖ + κ ρ <= ρ, then that ball holds exactly one solution (Banach), which is within ‖Y F(ỹ)‖ / (1 − κ) of ỹ.
 """
 
 from dataclasses import dataclass
@@ -185,15 +185,15 @@ class _Point:
 def _newton(equations: Equations, y: list[arb], flows: list[Flow], inverse: arb_mat, goal: arb) -> _Point:
     """Take steps with one inverse while they become smaller, until they are below the goal."""
     previous = arb("inf")
-    for _ in range(MOST_STEPS):
+    for step in range(MOST_STEPS):
         residuals, ends = equations.shoot(y, flows)
-        steps = (inverse * arb_mat(residuals)).entries() if y else []
-        size = largest([abs(step) for step in steps])
+        steps = (inverse * arb_mat(residuals)).entries()
+        size = largest([abs(change) for change in steps])
         if not size.is_finite():
             raise NotProven("Newton's method leaves all bounds")
-        if size < goal or not size < SHRINKS * previous:
+        if size < goal or not size < SHRINKS * previous or step == MOST_STEPS - 1:
             break
-        y = [(value - step).mid() for value, step in zip(y, steps, strict=True)]
+        y = [(value - change).mid() for value, change in zip(y, steps, strict=True)]
         previous = size
     return _Point(y, size, ends)
 

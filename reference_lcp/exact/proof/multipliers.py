@@ -1,13 +1,13 @@
-"""That all multipliers of a steady state lie inside the unit circle: a power of the map's derivative has a norm below one."""
+"""That all multipliers lie inside the unit circle: a power of the map's derivative has a norm below one."""
 
 import numpy as np
 from flint import arb, arb_mat
+from numpy.typing import NDArray
 
 from reference_lcp.exact.proof.candidate import Candidate
 from reference_lcp.exact.proof.dynamics import Dynamics, identity
 from reference_lcp.exact.proof.krawczyk import Equations, Solution
 from reference_lcp.exact.proof.outcome import Deadline
-from reference_lcp.validation import FloatArray
 
 MOST_DOUBLINGS = 20
 """Squarings of the map's derivative: a million periods, in which a multiplier of 1 - 1e-6 shows."""
@@ -53,7 +53,7 @@ def _bound(dynamics: Dynamics, candidate: Candidate, jacobian: arb_mat) -> tuple
     return best, False
 
 
-def _energy_root(dynamics: Dynamics, unknown: list[int]) -> FloatArray:
+def _energy_root(dynamics: Dynamics, unknown: list[int]) -> NDArray[np.floating]:
     """S with energy |S x|² / 2 of the unknown entries x of (u, g, u̇, ġ)."""
     chain, n = dynamics.exact.floating()[0], dynamics.cells
     energy = np.zeros((4 * n, 4 * n))

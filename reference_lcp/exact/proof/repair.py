@@ -1,14 +1,13 @@
-"""Another order of events where the one before is proven wrong: contacts that slip or stick for an instant more, or less.
+"""Another order of events where the one before is proven wrong: contacts that slip or stick for an instant, or do not.
 
-Near a grazing a sticking force passes its bound for a moment, or a slip comes to rest for one: events are missing. Where
-the motion at another parameter has such a moment and this one does not, events are too many: they come in the wrong order.
+Near a grazing a sticking force passes its bound for a moment, or a slip comes to rest for one: events are missing.
+Where there is no such moment, events are too many: they would happen in the wrong order.
 """
 
 import dataclasses
 
 from reference_lcp.exact.proof.candidate import Candidate, Number
 from reference_lcp.exact.proof.coulomb import OutOfOrder, Violation
-from reference_lcp.exact.proof.outcome import NotProven
 
 SHORT_SLIP = 1.5
 """Length of a short slip over the time for which the force would pass its bound: with an excess like 1 − τ² on (−1, 1),
