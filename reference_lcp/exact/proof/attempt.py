@@ -4,6 +4,8 @@ from decimal import Decimal
 
 from flint import arb, ctx
 
+from reference_lcp.exact.event_driven import EventsAccumulate
+from reference_lcp.exact.event_driven_system import AmbiguousModes
 from reference_lcp.exact.proof.candidate import Candidate, candidate
 from reference_lcp.exact.proof.coulomb import Observed, OutOfOrder, Violation, boundaries, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
@@ -27,7 +29,11 @@ MOST_REPAIRS = 12
 
 def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenSteadyState:
     """Prove a steady state, with more and more precision; raises `NotProven`."""
-    guess = candidate(exact)
+    try:
+        guess = candidate(exact)
+    except (EventsAccumulate, AmbiguousModes) as problem:
+        raise NotProven(f"floating point finds no motion to begin with: {problem}") from problem
+    deadline.check()
     for factor in PRECISIONS:
         with ctx.workprec(factor * (int(3.33 * digits) + SPARE_BITS)):
             try:

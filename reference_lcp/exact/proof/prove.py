@@ -9,6 +9,7 @@ from typing import Any
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
+from reference_lcp.defaults import PROOF_TIME_LIMIT, PROVEN_DIGITS
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.outcome import Deadline
@@ -17,9 +18,6 @@ from reference_lcp.validation import LONGEST_TIME_LIMIT, checked_count, checked_
 
 MOST_PROVEN_DIGITS = 200
 """Most digits that can be asked for."""
-
-PROOF_TIME_LIMIT = 60.0
-"""Time limit of a proof [s]."""
 
 
 class Uniqueness(StrEnum):
@@ -118,7 +116,7 @@ def prove_steady_state(
     drive: PeriodicDrive,
     preload: Preload | None = None,
     *,
-    digits: int = 20,
+    digits: int = PROVEN_DIGITS,
     time_limit: float = PROOF_TIME_LIMIT,
 ) -> ProvenSteadyState:
     """Prove the steady state of `chain` under `drive`: that it exists, is the only one near, and what it gives.
@@ -146,17 +144,18 @@ def prove_steady_state(
     return prove(ExactChain.of(chain, drive, preload), digits=digits, time_limit=time_limit)
 
 
-def prove(exact: ExactChain, *, digits: int = 20, time_limit: float = PROOF_TIME_LIMIT) -> ProvenSteadyState:
+def prove(exact: ExactChain, *, digits: int = PROVEN_DIGITS, time_limit: float = PROOF_TIME_LIMIT) -> ProvenSteadyState:
     """Prove the steady state of a chain in exact numbers; arguments and errors as of `prove_steady_state`."""
-    checked_count("digits", digits, 1, MOST_PROVEN_DIGITS)
-    deadline = Deadline(checked_scalar("time_limit", time_limit, "> 0", LONGEST_TIME_LIMIT))
-    check_installed()
+    check_request(digits, time_limit)
+    deadline = Deadline(time_limit)
     from reference_lcp.exact.proof.attempt import attempted
 
     return attempted(exact, digits, deadline)
 
 
-def check_installed() -> None:
-    """Raise a `ParameterError` if the package of ball arithmetic is missing."""
+def check_request(digits: int, time_limit: float) -> None:
+    """Raise a `ParameterError` if a number is outside its range, or the package of ball arithmetic is missing."""
+    checked_count("digits", digits, 1, MOST_PROVEN_DIGITS)
+    checked_scalar("time_limit", time_limit, "> 0", LONGEST_TIME_LIMIT)
     if find_spec("flint") is None:
         raise ParameterError("a proof needs python-flint, which is not installed; pip install 'multibody-xval[proof]'")
