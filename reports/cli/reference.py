@@ -33,7 +33,7 @@ def typed_number(value: str | float) -> TypedNumber:
     try:
         return TypedNumber(value)
     except ValueError:
-        raise typer.BadParameter(f"{value!r} is not a valid number.") from None
+        raise typer.BadParameter("Input should be a valid number, unable to parse string as a number") from None
 
 
 class TypedNumber(float):

@@ -90,14 +90,14 @@ class Observed:
 
 def observe(dynamics: Dynamics, solution: Solution, deadline: Deadline) -> Observed:
     """Prove every inequality of Coulomb's law, or raise `NotProven`; integrate on the way."""
-    _check_order(dynamics, solution)
+    check_order(dynamics, solution)
     sine, cosine, margin, count = arb(0), arb(0), inf, 0
     for j in range(len(solution.ends)):
         tests = list(_tests(dynamics, solution, j))
         parts = list(_parts(dynamics, solution, j, tests))
         for polynomials in parts:
             deadline.check()
-            bounds = _bounds(polynomials.tests)
+            bounds = positive_bounds(polynomials.tests)
             for place, (test, order, bound) in enumerate(zip(tests, polynomials.orders, bounds, strict=True)):
                 if not bound > -inf:
                     _refuse(test, place, j, parts, violated=isnan(bound))
@@ -110,7 +110,7 @@ def observe(dynamics: Dynamics, solution: Solution, deadline: Deadline) -> Obser
     return Observed(sine, cosine, margin, count)
 
 
-def _check_order(dynamics: Dynamics, solution: Solution) -> None:
+def check_order(dynamics: Dynamics, solution: Solution) -> None:
     """Events must follow each other, and the modes at the end be those of the start, or their opposites."""
     modes, times = solution.candidate.modes, boundaries(dynamics, solution)
     for place, (earlier, later) in enumerate(pairwise(times)):
@@ -212,7 +212,7 @@ def _to_bernstein(precision: int) -> arb_mat:  # noqa: ARG001, balls are those o
     return arb_mat(rows)
 
 
-def _bounds(polynomials: list[Polynomial], depth: int = 0) -> list[float]:
+def positive_bounds(polynomials: list[Polynomial], depth: int = 0) -> list[float]:
     """Lower bounds on [0, 1] of polynomials that are proven positive; −∞ if undecided, NaN if negative somewhere."""
     if not polynomials:
         return []
@@ -236,7 +236,7 @@ def _halved(polynomial: Polynomial, depth: int) -> float:
     smallest = inf
     for start in (0, 1):
         half = whole(arb_poly([arb(start) / 2, arb(1) / 2]))
-        bound = _bounds([[half[k] for k in range(len(polynomial))]], depth + 1)[0]
+        bound = positive_bounds([[half[k] for k in range(len(polynomial))]], depth + 1)[0]
         if not bound > -inf:
             return bound
         smallest = min(smallest, bound)
