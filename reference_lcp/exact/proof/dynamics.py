@@ -78,7 +78,7 @@ class Dynamics:
     def forces(self) -> tuple[Rows, Rows]:
         """Rows that give p_o and p_i, the forces on outer and inner masses but for friction."""
         exact, n = self.exact, self.cells
-        springs, inner_springs = map(ball, exact.chain_stiffness), list(map(ball, exact.inner_stiffness))
+        springs, inner_springs = list(map(ball, exact.chain_stiffness)), list(map(ball, exact.inner_stiffness))
         dashpots = [ball(square).sqrt() for square in exact.chain_damping_squared]
         inner_dashpots = [ball(square).sqrt() for square in exact.inner_damping_squared]
         outer, inner = [self.zero() for _ in range(n)], [self.zero() for _ in range(n)]
@@ -92,7 +92,7 @@ class Dynamics:
             for place, factor in ((n + i, inner_springs[i]), (3 * n + i, inner_dashpots[i])):
                 outer[i][place] += factor
                 inner[i][place] -= factor
-        outer[0][self.sine] += 1
+        outer[0][self.sine] += springs[0]  # times the displacement scale, one
         if exact.moving_base:
             outer[0][self.sine + 1] += dashpots[0] * self.omega
         return outer, inner

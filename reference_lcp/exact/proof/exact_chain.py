@@ -191,7 +191,9 @@ class ExactChain:
             friction_coefficient=np.asarray(1.0),
         )
         omega = float(self.frequency_squared) ** 0.5
-        drive: PeriodicDrive = HarmonicBase(1.0, omega) if self.moving_base else HarmonicForce(1.0, omega)
+        drive: PeriodicDrive = (
+            HarmonicBase(1.0, omega) if self.moving_base else HarmonicForce(float(self.chain_stiffness[0]), omega)
+        )
         pressed = self.modulation
         if pressed is None:
             return chain, drive, None
