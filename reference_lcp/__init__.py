@@ -28,6 +28,11 @@ if TYPE_CHECKING:
     from reference_lcp.chain.transient import SweptSine as SweptSine
     from reference_lcp.errors import ParameterError as ParameterError
     from reference_lcp.exact.event_driven_system import EventDrivenSystem as EventDrivenSystem
+    from reference_lcp.exact.proof.exact_chain import ExactChain as ExactChain
+    from reference_lcp.exact.proof.outcome import NotProven as NotProven
+    from reference_lcp.exact.proof.prove import ProvenSteadyState as ProvenSteadyState
+    from reference_lcp.exact.proof.prove import prove as prove
+    from reference_lcp.exact.proof.prove import prove_steady_state as prove_steady_state
     from reference_lcp.lcp.lemke import lemke as lemke
     from reference_lcp.lcp.polyhedral_friction import PolyhedralStep as PolyhedralStep
     from reference_lcp.lcp.polyhedral_friction import solve_polyhedral_step as solve_polyhedral_step
@@ -63,6 +68,9 @@ _NAMES = {
     "chain.transient": ["FilteredNoise", "RecordedBase", "RickerPulse", "SweptSine"],
     "errors": ["ParameterError"],
     "exact.event_driven_system": ["EventDrivenSystem"],
+    "exact.proof.exact_chain": ["ExactChain"],
+    "exact.proof.outcome": ["NotProven"],
+    "exact.proof.prove": ["ProvenSteadyState", "prove", "prove_steady_state"],
     "lcp.lemke": ["lemke"],
     "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],
     "lcp.systems": [

@@ -48,3 +48,9 @@ DEFAULT_PERIODS = 400
 
 EXACT_RESIDUAL = 1e-11
 """Periodicity residual of an exact steady state, some hundred times what the event-driven period map can resolve."""
+
+PROVEN_DIGITS = 20
+"""Decimals of a proven transmittance [dB]."""
+
+PROOF_TIME_LIMIT = 60.0
+"""Seconds after which a proof is given up."""

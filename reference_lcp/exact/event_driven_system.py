@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
@@ -360,14 +361,23 @@ class StickSlipLane(LaneModel):
         return Trajectory(lane.times(start, steps), *record)
 
 
-def system_of(chain: Chain, load: Signal, static_ratio: float = 1.0) -> MassSpringSystem:
+def system_of(
+    chain: Chain, load: Signal, static_ratio: float = 1.0, preload: Preload | None = None
+) -> MassSpringSystem:
     """Give a chain body by body, outer masses first, with a `load` [N] on the first one and μ_s / μ_k of contacts."""
     n = chain.cells
     outer = [Spring(k, k - 1 if k else None, chain.chain_stiffness[k], chain.chain_damping[k]) for k in range(n)]
     inner = [Spring(n + k, k, chain.inner_stiffness[k], chain.inner_damping[k]) for k in range(n)]
     friction = [
-        FrictionContact(n + k, k, float(chain.normal_force[k]), mu, static_ratio * mu)
+        FrictionContact(n + k, k, _pressing(float(chain.normal_force[k]), preload), mu, static_ratio * mu)
         for k, mu in enumerate(chain.friction_coefficient.tolist())
     ]
     masses = np.concatenate([chain.outer_mass, chain.inner_mass])
     return MassSpringSystem(masses=masses, springs=[*outer, *inner], friction=friction, forces={0: load})
+
+
+def _pressing(mean: float, preload: Preload | None) -> Signal:
+    """Give the normal force [N] of this mean."""
+    if preload is None:
+        return mean
+    return Harmonic(mean, preload.modulation * mean, preload.angular_frequency, preload.phase)

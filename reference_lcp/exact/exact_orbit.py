@@ -74,16 +74,16 @@ class ExactPeriod:
     @property
     def transitions(self) -> list[Transition]:
         """Changes of mode by cell and then by time, at their exact times; as `stick_slip.transitions`."""
-        modes = self._modes[self._lasting]
+        modes = self.modes[self.lasting]
         return [
-            Transition(int(cell) + 1, self.segments[self._lasting[row]].start, MODE_OF_SIGN[int(modes[row, cell])])
+            Transition(int(cell) + 1, self.segments[self.lasting[row]].start, MODE_OF_SIGN[int(modes[row, cell])])
             for cell, row in self._changes
         ]
 
     @property
     def travels(self) -> list[float]:
         """Distance [m] that the contact slips in the phase that each transition begins; zero where it sticks."""
-        slips = np.abs(self._slips[self._lasting])
+        slips = np.abs(self._slips[self.lasting])
         distances = []
         for place, (cell, row) in enumerate(self._changes):
             following = [other for other in (*self._changes[place + 1 :], *self._changes[:place]) if other[0] == cell]
@@ -97,7 +97,7 @@ class ExactPeriod:
         """Part of the period that each contact sticks, shape (n,)."""
         # Both sums run over the same rows in the same order: a contact that always sticks has exactly one.
         durations = np.array([[segment.duration] for segment in self.segments])
-        sticks = self._modes == 0
+        sticks = self.modes == 0
         return np.sum(durations * sticks, axis=0) / np.sum(durations * np.ones_like(sticks), axis=0)
 
     def harmonic(self, order: int = 1) -> NDArray[np.complex128]:
@@ -129,15 +129,15 @@ class ExactPeriod:
         return abs(self.complex_transmittance)
 
     @cached_property
-    def _lasting(self) -> NDArray[np.intp]:
+    def lasting(self) -> NDArray[np.intp]:
         """Indices of segments that are more than round-off."""
         durations = np.array([segment.duration for segment in self.segments])
         return np.flatnonzero(durations > SHORTEST_SEGMENT * self.period)
 
     @cached_property
     def _changes(self) -> list[tuple[int, int]]:
-        """Cell from zero, and row of `_lasting` with which a new mode begins, by cell and then by time."""
-        modes = self._modes[self._lasting]
+        """Cell from zero, and row of `lasting` with which a new mode begins, by cell and then by time."""
+        modes = self.modes[self.lasting]
         rubbing = self.lane.chain.friction_bound > 0
         cells, rows = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
         return list(zip(cells.tolist(), rows.tolist(), strict=True))
@@ -152,7 +152,7 @@ class ExactPeriod:
         return np.where(slipping, changes[:, n:] - changes[:, :n], 0.0)
 
     @cached_property
-    def _modes(self) -> NDArray[np.int8]:
+    def modes(self) -> NDArray[np.int8]:
         """Modes in every segment, shape (segments, n), with what is left of a shakedown as sticking."""
         modes = np.array([segment.modes for segment in self.segments])
         distance = np.sum(np.abs(self._slips), axis=0) / self.lane.drive.displacement_scale(self.lane.chain)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
@@ -20,11 +21,34 @@ from reference_lcp.terminal import announce_compilation, print_table, tracked
 from reports.cli.options import grouped
 
 if TYPE_CHECKING:
+    from reference_lcp.exact.proof.exact_chain import ExactChain
     from reference_lcp.one_call import SteadyState
     from reference_lcp.studies.against_exact import CoverageStudy
 
 app = typer.Typer(name="multibody-xval reference", add_completion=False, pretty_exceptions_enable=False)
 
+
+def typed_number(value: str | float) -> TypedNumber:
+    """Read a number of the command line."""
+    try:
+        return TypedNumber(value)
+    except ValueError:
+        raise typer.BadParameter("Input should be a valid number, unable to parse string as a number") from None
+
+
+class TypedNumber(float):
+    """A number that remembers how it was typed."""
+
+    text: str
+
+    def __new__(cls, value: str | float) -> Self:
+        """Keep the text; of a default, its shortest decimal."""
+        number = super().__new__(cls, value)
+        number.text = str(value).strip()
+        return number
+
+
+Ratio = partial(typer.Option, parser=typed_number, metavar="<float>")
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
@@ -32,14 +56,12 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 class Parameters:
     """Of the chain, but for its friction, and of its base."""
 
-    mass_ratio: Annotated[float, typer.Option(help="Mass ratio m_i / m_o.")] = defaults.MASS_RATIO
-    stiffness_ratio: Annotated[float, typer.Option(help="Stiffness ratio k_i / k_c.")] = defaults.STIFFNESS_RATIO
-    damping_ratio: Annotated[float, typer.Option(help="Damping ratio of the chain, c_c / (2 √(k_c m_o)).")] = (
+    mass_ratio: Annotated[float, Ratio(help="Mass ratio m_i / m_o.")] = defaults.MASS_RATIO
+    stiffness_ratio: Annotated[float, Ratio(help="Stiffness ratio k_i / k_c.")] = defaults.STIFFNESS_RATIO
+    damping_ratio: Annotated[float, Ratio(help="Damping ratio of the chain, c_c / (2 √(k_c m_o)).")] = (
         defaults.DAMPING_RATIO
     )
-    inner_damping_ratio: Annotated[
-        float, typer.Option(help="Damping ratio inside the cells, c_i / (2 √(k_i m_i)).")
-    ] = 0.0
+    inner_damping_ratio: Annotated[float, Ratio(help="Damping ratio inside the cells, c_i / (2 √(k_i m_i)).")] = 0.0
     cells: Annotated[int, typer.Option(help="Number of cells.")] = defaults.CELLS
     base_amplitude: Annotated[float, typer.Option(help="Amplitude U0 of the base, in metres.")] = (
         defaults.BASE_AMPLITUDE
@@ -70,15 +92,58 @@ class Search:
     )
 
 
+@dataclass(frozen=True)
+class Proof:
+    """Whether and how the steady state is proven."""
+
+    proof: Annotated[
+        bool,
+        typer.Option(
+            "--proof", help="Also prove the exact steady state in ball arithmetic, with the ratios as exact decimals."
+        ),
+    ] = False
+    digits: Annotated[int, typer.Option(help="Decimals of the proven numbers.")] = defaults.PROVEN_DIGITS
+    time_limit: Annotated[
+        float, typer.Option(help='Seconds after which a proof is given up; the answer is then "not proven".')
+    ] = defaults.PROOF_TIME_LIMIT
+
+    def question(self, ratios: dict[str, float]) -> ExactChain | None:
+        """Give the chain that is proven, of these ratios as they were typed; ``None`` without a proof."""
+        from reference_lcp.exact.proof.exact_chain import ExactChain
+        from reference_lcp.exact.proof.prove import check_request
+
+        if not self.proof:
+            return None
+        check_request(self.digits, self.time_limit)
+        exact: dict[str, Any] = {name: getattr(ratio, "text", ratio) for name, ratio in ratios.items()}
+        return ExactChain.from_ratios(**exact)
+
+    def answer(self, question: ExactChain | None) -> dict[str, Any]:
+        """Prove, and give the numbers under the key ``proof``, or the reason why there are none."""
+        from reference_lcp.exact.proof.outcome import NotProven
+        from reference_lcp.exact.proof.prove import prove
+
+        if question is None:
+            return {}
+        began = time.monotonic()
+        try:
+            return {"proof": prove(question, digits=self.digits, time_limit=self.time_limit).as_dict()}
+        except NotProven as problem:
+            missing = dict.fromkeys(("transmittance_db", "phase", "transitions", "unique_by"))
+            seconds = time.monotonic() - began
+            return {"proof": {"status": "not proven", "reason": str(problem), **missing, "seconds": seconds}}
+
+
 @app.callback(invoke_without_command=True)
 @grouped
 def run(
     context: typer.Context,
     *,
-    friction_ratio: Annotated[float, typer.Option(help="Friction ratio μλ_N / (k_c U0).")] = 0.3,
-    frequency_ratio: Annotated[float, typer.Option(help="Frequency ratio ω / ω_r.")] = 0.9,
+    friction_ratio: Annotated[float, Ratio(help="Friction ratio μλ_N / (k_c U0).")] = 0.3,
+    frequency_ratio: Annotated[float, Ratio(help="Frequency ratio ω / ω_r.")] = 0.9,
     parameters: Parameters,
     search: Search,
+    proof: Proof,
     error_bar: Annotated[
         bool, typer.Option("--error-bar", help="Also estimate the error of the step, with finer steps.")
     ] = False,
@@ -90,8 +155,8 @@ def run(
 
     The scheme is Euler's discretisation, with a linear complementarity problem in every step. The solver "exact" is
     event-driven instead: it has no time step.
-    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input; 3: --plot could not be written at
-    the end; 130: interrupted.
+    Exit code 0: converged; 1: no steady state within the periods, or not proven with --proof; 2: wrong input; 3: --plot
+    could not be written at the end; 130: interrupted.
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
@@ -105,14 +170,18 @@ def run(
     announce_compilation()
     chain = Chain.from_ratios(friction_ratio=friction_ratio, **vars(parameters))
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
+    ratios = {name: ratio for name, ratio in vars(parameters).items() if name != "base_amplitude"}
+    question = proof.question({"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **ratios})
     _check_picture(plot)
     state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)
     steps = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
-    _show(as_json, state.as_dict() | steps, lambda: _print(state, reason))
+    proven = proof.answer(question)
+    _show(as_json, state.as_dict() | steps | proven, lambda: _print(state, reason, proven))
     if plot is not None:
         plot_period(state.orbit, plot)
-    raise typer.Exit(ExitCode.DONE if state.orbit.converged else ExitCode.FAILED)
+    done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
+    raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
 
 
 def _check_picture(plot: Path | None) -> None:
@@ -136,7 +205,7 @@ def _why_more_steps(state: SteadyState, requested: int) -> str | None:
     return f"{requested} requested; more keep {bound} at the chain's highest natural frequency ω_max"
 
 
-def _print(state: SteadyState, why_more_steps: str | None) -> None:
+def _print(state: SteadyState, why_more_steps: str | None, proven: dict[str, Any]) -> None:
     """Print a steady state for people; with the reason for more steps than requested, if there is one."""
     orbit, bar = state.orbit, state.error_bar
     print(f"transmittance         {state.transmittance_db:.4f} dB")
@@ -147,6 +216,8 @@ def _print(state: SteadyState, why_more_steps: str | None) -> None:
         print(f"error bar             below what can be resolved: at most {bar.floor_db:.1f} dB")
     if state.exact_db is not None:
         print(f"exact                 {state.exact_db:.4f} dB")
+    for answer in proven.values():
+        _print_proof(answer)
     print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")
     if orbit.reason:
         print(f"steady state          {orbit.reason}")
@@ -158,6 +229,17 @@ def _print(state: SteadyState, why_more_steps: str | None) -> None:
         error = "" if bar is None else f" ± {bar.stuck_fraction[place]:.2g}"
         rows.append((str(place + 1), f"{fraction:.4f}{error}", _transitions_of(state, place + 1)))
     print_table(("cell", "stuck fraction", "transitions: time (s) and new mode"), rows)
+
+
+def _print_proof(answer: dict[str, Any]) -> None:
+    """Print what is proven of a steady state, or why nothing is."""
+    if answer["reason"] is not None:
+        print(f"not proven            {answer['reason']}")
+        return
+    for name, unit in (("transmittance_db", "dB"), ("phase", "rad")):
+        number = answer[name]
+        print(f"proven                {number['value']} ± {float(number['radius']):.1g} {unit}")
+    print(f"                      {len(answer['transitions'])} transitions a period; unique by {answer['unique_by']}")
 
 
 def _transitions_of(state: SteadyState, cell: int) -> str:

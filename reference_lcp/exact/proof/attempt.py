@@ -1,0 +1,142 @@
+"""From floating point to a proof: candidates, repairs, precision, and reading what is proven."""
+
+from decimal import Decimal
+
+from flint import arb, ctx
+
+from reference_lcp.exact.event_driven import EventsAccumulate
+from reference_lcp.exact.event_driven_system import AmbiguousModes
+from reference_lcp.exact.proof.candidate import Candidate, candidate
+from reference_lcp.exact.proof.coulomb import Observed, OutOfOrder, Violation, boundaries, observe
+from reference_lcp.exact.proof.dynamics import Dynamics
+from reference_lcp.exact.proof.exact_chain import ExactChain
+from reference_lcp.exact.proof.krawczyk import Solution, solve
+from reference_lcp.exact.proof.multipliers import multiplier_bound
+from reference_lcp.exact.proof.outcome import Deadline, NotProven
+from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
+from reference_lcp.exact.proof.repair import repaired
+from reference_lcp.observables.stick_slip import MODE_OF_SIGN
+
+SPARE_BITS = 62
+"""Bits beyond the digits that are asked for: for the growth of balls, and for motions far below the drive's."""
+
+PRECISIONS = (1, 2, 4)
+"""Working precision over that of the first try."""
+
+MOST_REPAIRS = 12
+"""Most orders of events that are tried after the first."""
+
+
+def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenSteadyState:
+    """Prove a steady state, with more and more precision; raises `NotProven`."""
+    try:
+        guess = candidate(exact)
+    except (EventsAccumulate, AmbiguousModes) as problem:
+        raise NotProven(f"floating point finds no motion to begin with: {problem}") from problem
+    deadline.check()
+    for factor in PRECISIONS:
+        with ctx.workprec(factor * (int(3.33 * digits) + SPARE_BITS)):
+            try:
+                dynamics = Dynamics(exact)
+                solution, observed, repairs = _proven(dynamics, guess, deadline)
+                return _read(dynamics, solution, observed, repairs, digits, deadline)
+            except NotProven as problem:
+                reason = problem
+                deadline.check()
+    raise reason
+
+
+def _proven(dynamics: Dynamics, guess: Candidate, deadline: Deadline) -> tuple[Solution, Observed, int]:
+    """Prove a candidate, or others that follow from what refutes it."""
+    end = guess.start + float(dynamics.length)
+    for repairs in range(MOST_REPAIRS + 1):
+        solution = solve(dynamics, guess, deadline)
+        try:
+            return solution, observe(dynamics, solution, deadline), repairs
+        except (Violation, OutOfOrder) as problem:
+            refuted = problem
+            guess = repaired(solution.candidate, problem, end)
+    raise refuted
+
+
+def _read(
+    dynamics: Dynamics, solution: Solution, observed: Observed, repairs: int, digits: int, deadline: Deadline
+) -> ProvenSteadyState:
+    """Read everything from a proven solution."""
+    real, imaginary = (2 * part / dynamics.length for part in (observed.sine, observed.cosine))
+    amplitude = (real**2 + imaginary**2).nonnegative_part().sqrt()
+    if not amplitude > 0:
+        raise NotProven(f"the last mass stands still to {float(amplitude.upper()):.1g} of the drive: it has no level")
+    level = 20 * amplitude.log() / arb(10).log()
+    phase = arb.pi() + (imaginary / real).atan() if real < 0 and imaginary.contains(0) else arb.atan2(imaginary, real)
+    transitions = _transitions(dynamics, solution)
+    times = [change for _, change, _ in transitions]
+    if not all(float(number.rad()) < 10.0**-digits for number in (level, phase, *times)):
+        raise NotProven(f"the precision does not suffice for {digits} digits")
+    bound, contracts = multiplier_bound(dynamics, solution, deadline)
+    unique = Uniqueness.CONTRACTION if contracts else Uniqueness.NOT_SHOWN
+
+    def enclosed(number: arb) -> Enclosure:
+        return _rounded(number, digits + 10)
+
+    return ProvenSteadyState(
+        transmittance_db=enclosed(level),
+        transmittance=enclosed(amplitude),
+        phase=enclosed(phase),
+        transitions=[ProvenTransition(cell, enclosed(when), MODE_OF_SIGN[mode]) for cell, when, mode in transitions],
+        stuck_fraction=[enclosed(_stuck(dynamics, solution, cell)) for cell in range(dynamics.cells)],
+        largest_slip=enclosed(_largest_slip(dynamics, solution)),
+        margin=observed.margin,
+        multipliers_bound=bound,
+        unique_by=Uniqueness.DAMPING if dynamics.exact.damped else unique,
+        inequalities=observed.inequalities,
+        repairs=repairs,
+        seconds=deadline.elapsed,
+    )
+
+
+def _rounded(number: arb, digits: int) -> Enclosure:
+    """Round a ball to so many digits, outwards."""
+    middle, radius, exponent = (int(part) for part in number.mid_rad_10exp(digits))
+    return Enclosure(*(Decimal(f"{part}E{exponent}") for part in (middle, radius)))
+
+
+def _transitions(dynamics: Dynamics, solution: Solution) -> list[tuple[int, arb, int]]:
+    """Give cells from 1, times over the drive's period and new modes of a whole cycle."""
+    period, cycle = 2 * arb.pi() / dynamics.omega, dynamics.exact.cycle
+    changes = []
+    for when, (cell, new) in zip(boundaries(dynamics, solution)[1:-1], solution.candidate.events, strict=True):
+        for shift, sign in ((0, 1), (dynamics.length, -1))[: 2 if dynamics.exact.half else 1]:
+            part = (when + shift) / period
+            changes.append((cell + 1, part - cycle * (float(part.mid()) // cycle), sign * new))
+    return sorted(changes, key=lambda change: (change[0], float(change[1].mid())))
+
+
+def _phases(solution: Solution, cell: int) -> list[tuple[int, int, int]]:
+    """Give events of a cell from zero, what follows, and whether the next event is one of the next map."""
+    own = [place for place, (other, _) in enumerate(solution.candidate.events) if other == cell]
+    following = [*own[1:], *own[:1]]
+    return [(place, after, int(after <= place)) for place, after in zip(own, following, strict=True)]
+
+
+def _stuck(dynamics: Dynamics, solution: Solution, cell: int) -> arb:
+    """Part of the time that a contact sticks."""
+    times, events = boundaries(dynamics, solution)[1:-1], solution.candidate.events
+    if cell in solution.candidate.always_stuck:
+        return arb(1)
+    total = arb(0)
+    for place, after, wraps in _phases(solution, cell):
+        if events[place][1] == 0:
+            total += (times[after] - times[place]) / dynamics.length + wraps
+    return total
+
+
+def _largest_slip(dynamics: Dynamics, solution: Solution) -> arb:
+    """Largest distance that a contact with friction slips between two of its events."""
+    longest = arb(0)
+    for cell in dynamics.rubbing:
+        for place, after, wraps in _phases(solution, cell):
+            if solution.candidate.events[place][1]:
+                here, there = (solution.ends[end][dynamics.cells + cell][0] for end in (place, after))
+                longest = arb.max(longest, abs((dynamics.sign if wraps else 1) * there - here))
+    return longest
