@@ -22,7 +22,7 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from reference_lcp.errors import SHOWN, ExitCode, ParameterError, RunError, shortened
+from reference_lcp.errors import SHOWN, ExitCode, ParameterError, RunError, shortened, text_of
 
 if TYPE_CHECKING:
     import typer
@@ -175,7 +175,9 @@ def run_command(app: "typer.Typer", arguments: list[str] | None = None) -> int:
             code = _exit_code(app, sys.argv[1:] if arguments is None else arguments)
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
-        except Exception as problem:
+        except SystemExit:
+            raise
+        except BaseException as problem:  # a panic of an engine in Rust is no `Exception`
             # a module that was being imported may turn Ctrl-C into an error of its own
             code = ExitCode.INTERRUPTED if interrupt_pending() else _report_fault(problem)
         if code == ExitCode.INTERRUPTED:
@@ -184,13 +186,13 @@ def run_command(app: "typer.Typer", arguments: list[str] | None = None) -> int:
         return code
 
 
-def _report_fault(problem: Exception) -> ExitCode:
+def _report_fault(problem: BaseException) -> ExitCode:
     """Say in one line what has gone wrong with the suite itself, and where the details are."""
     details, where = "".join(traceback.format_exception(problem)), "which cannot be written"
     with suppress(OSError), tempfile.NamedTemporaryFile("wb", prefix="multibody-xval-", delete=False) as file:
         file.write(details.encode(errors="backslashreplace"))
         where = file.name
-    text = shortened(str(problem), LONGEST_MESSAGE // 2)
+    text = shortened(text_of(problem), LONGEST_MESSAGE // 2)
     _print_error(f"a fault of the suite, {type(problem).__name__}: {text}; details, for a report of it: {where}")
     return ExitCode.UNEXPECTED
 

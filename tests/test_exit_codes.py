@@ -170,16 +170,19 @@ def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stor
     assert set(Path().iterdir()) == before
 
 
-def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(monkeypatch, capsys) -> None:
+class Panic(BaseException):
+    """As engines in Rust raise it: no `Exception`."""
+
+
+@pytest.mark.parametrize("kind", [ZeroDivisionError, Panic])
+def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(monkeypatch, capsys, kind) -> None:
     def faulty(_name: str) -> None:
-        raise ZeroDivisionError("a\nfault\x1b[2J")
+        raise kind("a\nfault\x1b[2J")
 
     monkeypatch.setattr("engines.interface.registry.broken_reason", faulty)
     assert run_command(app, ["engines"]) == ExitCode.UNEXPECTED
     error = capsys.readouterr().err
-    line = re.fullmatch(
-        r"error: a fault of the suite, ZeroDivisionError: a fault\\x1b\[2J; details, .*: (\S+)\n", error
-    )
+    line = re.fullmatch(rf"error: a fault of the suite, {kind.__name__}: a fault\\x1b\[2J; details, .*: (\S+)\n", error)
     details = Path(line[1])
     assert "in faulty" in details.read_text()
     details.unlink()
