@@ -42,6 +42,7 @@ EXPERIMENTS = {
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
     "cost": "What do a step and a steady state cost in each engine, and how much faster are two workers?",
+    "proofs": "What is the exact transmittance at every point of the standard grids, proven?",
     "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
 }
 
@@ -284,6 +285,40 @@ def measure_cost(
         return [(reference if variant == REFERENCE else cost(variant, seconds), reference)]
 
     _end(out, COST_COLUMNS, COST_COLUMNS, _measured(variants, beside_the_reference))
+
+
+@app.command()
+def proofs(
+    *,
+    sample: Annotated[int | None, typer.Option(help="Prove so many points at random instead of all.")] = None,
+    seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write the proven levels here, as .csv.")] = None,
+) -> None:
+    """Prove the steady states of the standard grids, and compare their levels with the table that the suite has.
+
+    Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written; 130: interrupted.
+
+    Example: multibody-xval run proofs --sample 20
+    """
+    check_outs([out], (".csv",))
+    from reference_lcp.defaults import PROOF_TIME_LIMIT
+    from reference_lcp.exact.proof.prove import check_request
+    from scenarios import tables
+    from scenarios.studies import proofs as study
+    from scenarios.sweeps.proven import DIGITS
+
+    check_request(DIGITS, PROOF_TIME_LIMIT)
+    found = [study.proof_of(point) for point in tracked(study.chosen_points(sample, seed), "points")]
+    tables.print_table(tables.text_table(study.PROOF_COLUMNS, study.by_friction(found)))
+    for proof in found:
+        if proof.proven is None or not proof.in_table:
+            other = "" if proof.in_table else "not as in the table; "
+            friction, eta = proof.point
+            print(visible(f"friction {friction:g}, η_r {eta:g}: {other}{proof.reason or proof.level}"))
+    if out is not None:
+        write_whole(out, study.table_text(found))
+    if not all(proof.in_table for proof in found):
+        raise typer.Exit(ExitCode.FAILED)
 
 
 @app.command()

@@ -68,6 +68,8 @@ class Truth:
     """Its own error bar [dB]."""
     exact: bool = False
     """Whether it is that of the exact motion, and not that of the converged reference."""
+    proven: bool = False
+    """Whether it is proven, see `scenarios.sweeps.proven`."""
 
     @property
     def above_floor(self) -> bool:

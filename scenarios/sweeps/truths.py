@@ -1,7 +1,8 @@
 """One ruler for all variants: how far a transmittance is from the truth, at every point of a sweep.
 
-The truth at a point is that of the exact motion, event by event, where it is certified, and that of the converged
-reference elsewhere. It is one number for all variants, whatever each of them is judged by, and has an error itself.
+The truth at a point is that of the exact motion: proven, at the points of the table that comes with the suite; event by
+event, where that is certified; and that of the converged reference elsewhere. It is one number for all variants, whatever
+each of them is judged by, and has an error itself.
 """
 
 import math
@@ -19,6 +20,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import GivesResults, Point, Truth, point_resolution, scheme_by_steps
+from scenarios.sweeps.proven import ROUNDED_DB, proven_level
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
 from scenarios.verdicts.judge import Steps, metric_difference
@@ -35,6 +37,7 @@ TRUTH_VARIABLES = {
     "truth_db": ("dB", "transmittance of the exact motion; of the converged reference where that is not known"),
     "truth_error_db": ("dB", "error bar of the truth"),
     "truth_exact": ("1", "1 where the truth is that of the exact motion"),
+    "truth_proven": ("1", "1 where the truth is proven"),
 }
 """Variables of a dataset that hold the truth, along the axes but for the variant: units and meaning."""
 
@@ -61,10 +64,16 @@ def exact_tasks(sweep: Sweep, places: Sequence[tuple[Case, float]]) -> dict[tupl
 def with_truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> ComparedSweep:
     """Give the points of a sweep with the truth; where nothing gives exact results, the converged reference's."""
     baselines = {point.place[1:]: point for point in result.points if point.variant == CONVERGED}
-    tasks = exact_tasks(result.sweep, list(baselines)) if evaluator is not None else {}
+    proven = {place: level for place in baselines if (level := proven_level(result.sweep.task(EXACT, *place)))}
+    others = [place for place in baselines if place not in proven]
+    tasks = exact_tasks(result.sweep, others) if evaluator is not None else {}
     exact = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True)) if evaluator is not None else {}
-    truths = {place: truth_of(point, exact.get(place, Result.missing())) for place, point in baselines.items()}
-    return _with(result, truths)
+    truths = {place: truth_of(baselines[place], exact.get(place, Result.missing())) for place in others}
+    known = {
+        place: Truth(float(level.transmittance_db), ROUNDED_DB, exact=True, proven=True)
+        for place, level in proven.items()
+    }
+    return _with(result, truths | known)
 
 
 def _with(result: ComparedSweep, truths: Mapping[tuple[Case, float], Truth]) -> ComparedSweep:
@@ -119,7 +128,7 @@ def with_truth_variables(data: xr.Dataset, sweep: Sweep, result: ComparedSweep) 
     if not result.truths:
         return data
     sizes = [len(values) for values in sweep.axes.values()]
-    unknown = Truth(exact=math.nan)  # type: ignore[arg-type]
+    unknown = Truth(exact=math.nan, proven=math.nan)  # type: ignore[arg-type]
     lines = np.array([list(vars(result.truths.get(place, unknown)).values()) for place in _places(sweep)], dtype=float)
     variables = {
         name: (tuple(sweep.axes), column.reshape(sizes), {"units": units, "long_name": text})
@@ -144,8 +153,8 @@ def with_recorded_truths(result: ComparedSweep, data: xr.Dataset, sweep: Sweep) 
     whole = data.expand_dims([name for name in sweep.axes if name not in data.dims])
     columns = [_column(whole, name, tuple(sweep.axes)) for name in TRUTH_VARIABLES]
     truths = {
-        place: Truth(level, bar, exact=bool(exact))
-        for place, level, bar, exact in zip(_places(sweep), *columns, strict=True)
+        place: Truth(level, bar, exact=bool(exact), proven=bool(proven))
+        for place, level, bar, exact, proven in zip(_places(sweep), *columns, strict=True)
         if not math.isnan(level)
     }
     return _with(result, truths) if truths else with_truths(result)

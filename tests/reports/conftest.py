@@ -4,6 +4,7 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -118,7 +119,8 @@ def result() -> ComparedSweep:
         tuple(edge_of(v, f, edge) for v in asked.variants for f in FRICTION_RATIOS for edge in Edge),
         dict.fromkeys(asked.cases, (eta, curve)),
     )
-    return with_truths(compared, ExactMotion())
+    with patch("scenarios.sweeps.truths.proven_level", return_value=None):  # of this chain all numbers are invented
+        return with_truths(compared, ExactMotion())
 
 
 def motion(cells: int = 2, steps: int = 80) -> RecordedPeriod:

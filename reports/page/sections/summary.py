@@ -36,6 +36,7 @@ class Summary(Section):
             "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
             "points": len(shown),
             "exact": sum(truth.exact for truth in shown),
+            "proven": sum(truth.proven for truth in shown),
             "truth_error": max((truth.error_db for truth in shown), default=math.nan),
             "wrong": WRONG_DB,
             "missing": sum(self.report.missing.values()),

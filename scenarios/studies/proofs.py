@@ -1,0 +1,153 @@
+"""Proofs of the canonical chain's steady states on the standard grids: of the table of levels that is shipped."""
+
+import io
+import math
+import random
+from collections.abc import Sequence
+from csv import writer
+from dataclasses import dataclass
+from decimal import ROUND_HALF_EVEN, Decimal
+
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.exact.exact_orbit import exact_orbit
+from reference_lcp.exact.proof.exact_chain import ExactChain
+from reference_lcp.exact.proof.outcome import NotProven
+from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
+from reference_lcp.observables.transmittance import decibel
+from reference_lcp.validation import checked_count
+from scenarios.runs.parameters import ChainRatios, OperatingPoint
+from scenarios.studies.accuracy import ACCURACY_POINTS
+from scenarios.studies.figure3 import (
+    FRICTION_RATIOS,
+    QUICK_FRICTION_RATIOS,
+    default_frequency_ratios,
+    quick_frequency_ratios,
+)
+from scenarios.sweeps.proven import DIGITS, RADIUS, ProvenLevel, proven_levels
+from scenarios.tables import Column
+from scenarios.verdicts.finding import FLOOR_DB
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What came of the proof of one point, beside the event-driven motion in floating point."""
+
+    point: OperatingPoint
+    proven: ProvenSteadyState | None
+    reason: str
+    """Why it is not proven; empty where it is."""
+    float_db: float
+    """Transmittance of the event-driven motion [dB]."""
+
+    @property
+    def level(self) -> ProvenLevel | None:
+        """The row of the table; ``None`` without a proof."""
+        if self.proven is None:
+            return None
+        level, phase = (_kept(each.value) for each in (self.proven.transmittance_db, self.proven.phase))
+        return ProvenLevel(level, phase, len(self.proven.transitions))
+
+    @property
+    def in_table(self) -> bool:
+        """Whether the shipped table has just this: the same digits, or none where there is no proof."""
+        known, own = proven_levels().get(self.point), self.level
+        if known is None or own is None:
+            return known is own
+        close = abs(known.transmittance_db - own.transmittance_db) <= RADIUS and abs(known.phase - own.phase) <= RADIUS
+        return close and known.events == own.events
+
+    @property
+    def float_error_db(self) -> float:
+        """How far floating point is from what is proven [dB]; NaN below `FLOOR_DB`, where dB say nothing."""
+        if self.proven is None or self.proven.transmittance_db.value < FLOOR_DB:
+            return math.nan
+        return float(abs(Decimal(self.float_db) - self.proven.transmittance_db.value))
+
+
+def _kept(value: Decimal) -> Decimal:
+    return value.quantize(RADIUS, ROUND_HALF_EVEN)
+
+
+def standard_points() -> list[OperatingPoint]:
+    """Give the points of the default and the quick report, and those of `studies.accuracy`."""
+    ratios = ChainRatios()
+    grids = (
+        (FRICTION_RATIOS, default_frequency_ratios(ratios)),
+        (QUICK_FRICTION_RATIOS, quick_frequency_ratios(ratios)),
+    )
+    gridded = (OperatingPoint(friction, eta) for frictions, etas in grids for friction in frictions for eta in etas)
+    return sorted({*gridded, *ACCURACY_POINTS})
+
+
+def chosen_points(sample: int | None, seed: int) -> list[OperatingPoint]:
+    """Give all standard points, or a random sample of so many."""
+    points = standard_points()
+    if sample is None:
+        return points
+    return sorted(random.Random(seed).sample(points, checked_count("sample", sample, 1, len(points))))
+
+
+def proof_of(point: OperatingPoint) -> Proof:
+    """Prove one point, in the decimals as which its ratios are printed."""
+    chain = Chain.from_ratios(friction_ratio=point.friction_ratio)
+    orbit, period = exact_orbit(chain, HarmonicBase.from_ratio(chain, point.frequency_ratio))
+    in_floats = decibel(period.transmittance) if orbit.converged else math.nan
+    exact = ExactChain.from_ratios(friction_ratio=point.friction_ratio, frequency_ratio=point.frequency_ratio)
+    try:
+        return Proof(point, prove(exact, digits=DIGITS + 1), "", in_floats)
+    except NotProven as problem:
+        return Proof(point, None, str(problem), in_floats)
+
+
+def table_text(proofs: Sequence[Proof]) -> str:
+    """Give the table as CSV."""
+    file = io.StringIO()
+    table = writer(file, lineterminator="\n")
+    table.writerow([*OperatingPoint._fields, *ProvenLevel._fields])
+    table.writerows([*proof.point, *proof.level] for proof in proofs if proof.level is not None)
+    return file.getvalue()
+
+
+def by_friction(proofs: Sequence[Proof]) -> list[list[Proof]]:
+    """Give the proofs of each friction ratio, and of all of them."""
+    ratios = sorted({proof.point.friction_ratio for proof in proofs})
+    parts = [[proof for proof in proofs if proof.point.friction_ratio == ratio] for ratio in ratios]
+    return [*parts, list(proofs)] if len(parts) > 1 else parts
+
+
+def _proven(proofs: Sequence[Proof]) -> list[ProvenSteadyState]:
+    return [proof.proven for proof in proofs if proof.proven is not None]
+
+
+def _title(proofs: Sequence[Proof]) -> str:
+    ratios = {proof.point.friction_ratio for proof in proofs}
+    return "all" if len(ratios) > 1 else f"{ratios.pop():g}"
+
+
+def _seconds(proofs: Sequence[Proof]) -> list[float]:
+    return sorted(state.seconds for state in _proven(proofs)) or [math.nan]
+
+
+PROOF_COLUMNS: list[Column[list[Proof]]] = [
+    Column("friction_ratio", _title, "friction"),
+    Column("points", len),
+    Column("proven", lambda proofs: len(_proven(proofs))),
+    Column("unique", lambda proofs: sum(state.unique_by is Uniqueness.DAMPING for state in _proven(proofs))),
+    Column("in_table", lambda proofs: sum(proof.in_table for proof in proofs), "as in the table"),
+    Column("events", lambda proofs: max((len(state.transitions) for state in _proven(proofs)), default=0)),
+    Column(
+        "largest_radius_db",
+        lambda proofs: max((float(state.transmittance_db.radius) for state in _proven(proofs)), default=math.nan),
+        "radius [dB]",
+        "{:.0e}",
+    ),
+    Column(
+        "largest_float_error_db",
+        lambda proofs: max((e for p in proofs if not math.isnan(e := p.float_error_db)), default=math.nan),
+        "floats [dB]",
+        "{:.1e}",
+    ),
+    Column("median_s", lambda proofs: _seconds(proofs)[len(_seconds(proofs)) // 2], "median [s]", "{:.2f}"),
+    Column("largest_s", lambda proofs: _seconds(proofs)[-1], "largest [s]", "{:.2f}"),
+]
