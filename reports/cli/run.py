@@ -296,7 +296,8 @@ def proofs(
 ) -> None:
     """Prove the steady states of the standard grids, and compare their levels with the table that the suite has.
 
-    Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written; 130: interrupted.
+    Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written;
+    130: interrupted.
 
     Example: multibody-xval run proofs --sample 20
     """

@@ -67,9 +67,9 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
 def report_dataset(result: ComparedSweep) -> xr.Dataset:
     """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
-    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db`` and
-    ``truth_exact`` and ``truth_proven``, along the axes; ``error_db``, of every variant from the truth; ``band_edge`` and
-    ``band_edge_difference`` in η_r, along ``edge``; NaN where there is no number.
+    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db``,
+    ``truth_exact`` and ``truth_proven``, along the axes; ``error_db``, of every variant from the truth;
+    ``band_edge`` and ``band_edge_difference`` in η_r, along ``edge``; NaN where there is no number.
     """
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     sweep = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})

@@ -1,7 +1,6 @@
 """Proven levels of the canonical chain at the points of the standard grids, as data that comes with the suite.
 
-`scenarios.studies.proofs` makes the table, and proves it again. Ratios are the decimals that they are printed as; digits
-of a level beyond `DIGITS` are not kept.
+`scenarios.studies.proofs` makes the table, and proves it again. Ratios are the decimals that they are printed as.
 """
 
 import csv

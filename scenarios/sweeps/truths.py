@@ -1,8 +1,8 @@
 """One ruler for all variants: how far a transmittance is from the truth, at every point of a sweep.
 
 The truth at a point is that of the exact motion: proven, at the points of the table that comes with the suite; event by
-event, where that is certified; and that of the converged reference elsewhere. It is one number for all variants, whatever
-each of them is judged by, and has an error itself.
+event, where that is certified; and that of the converged reference elsewhere. It is one number for all variants,
+whatever each of them is judged by, and has an error itself.
 """
 
 import math
