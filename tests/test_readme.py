@@ -98,7 +98,7 @@ def test_links_lead_to_files() -> None:
     assert [link for link in links if not link.startswith("http") and not (ROOT / link).is_file()] == []
 
 
-HELD = {(name, "contact", "default"): "†" for name in ("mujoco-warp", "genesis")}
+HELD = {(name, "contact", "default"): "†" for name in ("genesis",)}
 """The mark of contacts that are held at a fixed depth."""
 
 

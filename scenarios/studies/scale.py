@@ -50,6 +50,8 @@ def scale_tasks(variants: Sequence[Variant]) -> list[SteadyStateTask]:
 
 def scale_study(variants: Sequence[Variant], evaluator: Evaluator) -> tuple[ScalePoint, ...]:
     """Compare variants with the exact motion, by variant and ascending frequency."""
+    if not variants:
+        return ()  # nothing is asked for then
     tasks, truth = scale_tasks(variants), task_at(EXACT, SCALE_POINT, STEPS)
     exact, *results = evaluator.evaluate([truth, *tasks])
     return tuple(

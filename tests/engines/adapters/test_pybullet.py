@@ -1,6 +1,7 @@
 """PyBullet: what only its motors, its contacts and its limits do."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -139,3 +140,39 @@ def test_plate_that_flies_free_lets_the_box_slip_faster_than_a_guided_one() -> N
     measured, tangent = slip_acceleration(), math.tan(INCLINATION) ** 2
     assert measured == pytest.approx(PULL / (0.5 * (1 + tangent)), rel=1e-4)
     assert measured / (PULL / (0.5 + tangent)) == pytest.approx(1.043, abs=1e-3)
+
+
+LINK = """\
+<robot name="arm"><link name="base"/>
+<link name="link"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="hinge" type="continuous"><parent link="base"/><child link="link"/><axis xyz="0 1 0"/>
+<dynamics friction="{friction}"/></joint></robot>
+"""
+"""A link that gravity loads with 0.98 N m."""
+
+
+def angle_after_a_second(file: Path, friction: float, *, motor: bool) -> float:
+    """Angle of the link [rad], with the motor that its joint is loaded with, or without."""
+    bullet = import_pybullet()
+    file.write_text(LINK.format(friction=friction), encoding="utf-8")
+    client = bullet.connect(bullet.DIRECT)
+    try:
+        bullet.setGravity(0, 0, -9.81, physicsClientId=client)
+        robot = bullet.loadURDF(str(file), useFixedBase=True, physicsClientId=client)
+        if not motor:
+            bullet.setJointMotorControl2(robot, 0, bullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
+        for _ in range(240):
+            bullet.stepSimulation(physicsClientId=client)
+        return float(bullet.getJointState(robot, 0, physicsClientId=client)[0])
+    finally:
+        bullet.disconnect(client)
+
+
+def test_what_holds_a_link_is_no_part_of_its_urdf_file(tmp_path: Path) -> None:
+    """So there is no probe of such files: its numbers would be those of the motors that it sets."""
+    file = tmp_path / "link.urdf"
+    held, free = ([angle_after_a_second(file, own, motor=motor) for own in (0.0, 1.1, 6.0)] for motor in (True, False))
+    assert held == [0.0] * 3
+    assert free == [pytest.approx(2.4721, abs=1e-4)] * 3
+    assert len(set(free)) == 1

@@ -23,7 +23,6 @@ from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.registry import CATALOGUE
 from tests.engines.scheme_oracle import lane_of, random_state
 
 BESIDE, OWN = Variant("mujoco"), Variant("mujoco@3.99.0")
@@ -66,12 +65,6 @@ def test_scenes_in_an_environment_move_as_beside_the_suite(scene: Scene, preset:
         world.close()
     assert np.array_equal(*rows)
     assert np.ptp(rows[0], axis=0).max() > 0
-
-
-def test_a_version_named_alone_has_its_default_and_recommended_scenes() -> None:
-    named = CATALOGUE["joint-hold"].variants([OWN.engine])
-    assert [variant.preset_name for variant in named] == ["default", "recommended"]
-    assert {variant.engine for variant in named} == {OWN.engine}
 
 
 def test_a_scene_that_was_lost_with_its_worker_does_not_begin_anew_in_silence() -> None:

@@ -10,7 +10,8 @@ from reports.reproducers.recipe import recipe_text
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes.base import CREEP
 from scenarios.catalogue.scenes.recipes import Measurement
-from tests.scenarios.in_process import findings
+from scenarios.runs.store import opened_store
+from tests.scenarios.in_process import evaluator, findings
 
 ACCURACY = Path(__file__).parents[3] / "docs" / "accuracy.md"
 
@@ -58,3 +59,16 @@ def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
     assert f"off by {float(joint[0]):.1f} dB as installed and by {joint[1]} with this" in text
     certified = [rows["mujoco", "contact", preset][15].partition("/") for preset in ("default", "recommended")]
     assert f"{certified[0][0]} and {certified[1][0]} of {certified[0][2]} motions repeat" in text
+
+
+@pytest.mark.needs("drake")
+def test_no_one_modulus_of_drake_slides_and_holds_what_is_heavy() -> None:
+    recommended = Variant("drake", "contact", "recommended")
+    stiffer = recommended.changed("hydroelastic_modulus", 2e7)
+    heavy, slide = CATALOGUE["heavy-on-light"], CATALOGUE["slope-slide"]
+    steep = [case for case in slide.cases if case.name == "μ 0.8, load 3"]
+    with opened_store(None) as store, evaluator(store) as running:
+        creep = [heavy.judged([own], heavy.cases, running)[0].value for own in (recommended, stiffer)]
+        off = [slide.judged([own], steep, running)[0].value for own in (recommended, stiffer)]
+    assert abs(creep[1]) < 2e3 < abs(creep[0]), "it falls with the softer one"
+    assert abs(off[0]) < 20 < abs(off[1]), "it tips over with the stiffer one [%]"

@@ -75,6 +75,10 @@ def test_the_default_report_has_the_scale_and_a_preview_has_not() -> None:
     assert planned[1] == ()
 
 
+def test_without_variants_nothing_is_asked_for() -> None:
+    assert scale_study((), None) == ()  # type: ignore[arg-type]
+
+
 def test_figure_and_table_have_a_number_a_frequency(points: tuple[ScalePoint, ...]) -> None:
     compared = tuple(point for point in points if point.variant != REFERENCE)
     figure = scale_figure(compared)
