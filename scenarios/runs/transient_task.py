@@ -27,6 +27,9 @@ SHAPES = ("undeformed", "stretched", "inner masses displaced")
 scale, inner springs unstretched. ``inner masses displaced``: all of them by the displacement scale, outer ones not.
 """
 
+STRETCH = 4096
+"""Steps that are in memory at once."""
+
 RECORDED = ("response", "decay", "slip", "contact modes")
 """What may be recorded of a motion: see `scenarios.runs.transient`."""
 
@@ -52,9 +55,12 @@ class TransientTask(ChainTask):
     """One row in so many steps is kept; it divides the steps."""
     shape: str = SHAPES[0]
     recorded: str = RECORDED[0]
+    stretch: Annotated[int, left_out(STRETCH)] = STRETCH
+    """Most steps of one run: the motion takes as many runs as it needs."""
 
     def __post_init__(self) -> None:
         checked_choice("shape", self.shape, SHAPES)
+        checked_count("stretch", self.stretch)
         checked_choice("recorded", self.recorded, RECORDED)
         if checked_count("steps", self.steps) % checked_count("every", self.every):
             raise ParameterError(f"every = {self.every} does not divide steps = {self.steps}; allowed: divisors")
