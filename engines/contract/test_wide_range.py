@@ -52,8 +52,8 @@ def test_motion_does_not_depend_on_when_it_begins(tested: Variant) -> None:
     lane, state = lane_of(0.3, 0.6), random_state(1)
     first, later = (positions_of(tested, lane, state, periods * STEPS, STEPS) for periods in (0, LATE_PERIODS))
     off = np.max(np.abs(later - first)) / BASE_AMPLITUDE
-    law = law_of(tested.preset)
-    allowed = max(tolerance_of(tested, TRAJECTORY_TOLERANCE), 0.0 if law is None else law.period_bound)
+    own = tested.capabilities.residual if stepped_by(tested) is None else allowed_distance(tested)
+    allowed = max(tolerance_of(tested, TRAJECTORY_TOLERANCE), own)
     assert off <= allowed, f"off by {off:.2g} U0 after {LATE_PERIODS} periods"
 
 

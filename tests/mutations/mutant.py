@@ -10,7 +10,7 @@ from engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
-from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.schemes.euler import euler_simulation
 
 FAMILY = "mutant"
 """Name of the family of engines: mutants are ``mutant@NAME@SIZE``."""
@@ -27,7 +27,7 @@ class Original:
 
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane."""
-        return CompiledSimulation(lanes) if self.law is None else self.law.build(lanes)
+        return euler_simulation(lanes) if self.law is None else self.law.build(lanes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +46,10 @@ class Mutant:
     """The variant that it is a copy of, and whose law it claims."""
     normal_force: NormalForce = NormalForce.LIFTING
     """How it lets the normal force change, where that is less than the original does."""
+    inclines: bool = False
+    static_friction: bool = False
+    """Whether contacts may be inclined, or hold more at rest: only where the error is there, since each step is then one
+    of Lemke's method."""
     excuse: str = ""
     """A text that it states instead of a law."""
 
@@ -102,7 +106,8 @@ def claimed_preset(mutant: Mutant) -> Preset:
         return replace(SCHEME.preset, shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
     honest = honest_preset(mutant.of)
     represented = mutant.normal_force if honest.represents(mutant.normal_force) else honest.normal_force
-    return replace(honest, normal_force=represented)
+    abilities = {"inclines": mutant.inclines, "static_friction": mutant.static_friction}
+    return replace(honest, normal_force=represented, **(abilities if mutant.of == SCHEME else {}))
 
 
 def honest_preset(variant: Variant) -> Preset:
