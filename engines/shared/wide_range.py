@@ -53,8 +53,8 @@ DESIGN = (
 """Every parameter at the ends of its range and between them, so that each value meets others of all other parameters.
 
 Coefficients of friction 0.05 to 2, friction ratios 0.02 to 1, η_r 0.15 to 2, ζ 0.005 to 0.3, of resonators 0 to 0.2,
-mass and stiffness ratios 0.3 to 3, 1 to 7 cells, 400 to 1,000 steps a period. Contacts slip at each of them, and friction
-changes each steady state by more than a step leaves open.
+mass and stiffness ratios 0.3 to 3, 1 to 7 cells, 400 to 1,000 steps a period. Contacts slip at each of them, and
+friction changes each steady state by more than a step leaves open.
 """
 
 LONG_USE = 60_000

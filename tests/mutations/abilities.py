@@ -51,13 +51,9 @@ FEW = (0.1, 1e-3, 1e-5)
 """Sizes where a step is one of Lemke's method."""
 
 
-def _named(
-    name: str, error: str, build: Built, *, inclines: bool = False, static_friction: bool = False
-) -> Mutant:
+def _named(name: str, error: str, build: Built, *, inclines: bool = False, static_friction: bool = False) -> Mutant:
     sizes = FEW if inclines or static_friction else Mutant.sizes
-    return Mutant(
-        name=name, error=error, build=build, sizes=sizes, inclines=inclines, static_friction=static_friction
-    )
+    return Mutant(name=name, error=error, build=build, sizes=sizes, inclines=inclines, static_friction=static_friction)
 
 
 ABILITIES = (

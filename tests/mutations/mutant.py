@@ -48,8 +48,8 @@ class Mutant:
     """How it lets the normal force change, where that is less than the original does."""
     inclines: bool = False
     static_friction: bool = False
-    """Whether contacts may be inclined, or hold more at rest: only where the error is there, since each step is then one
-    of Lemke's method."""
+    """Whether contacts may be inclined, or hold more at rest: only where the error is there, for these steps are slow,
+    by Lemke's method."""
     excuse: str = ""
     """A text that it states instead of a law."""
 

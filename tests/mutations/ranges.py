@@ -33,7 +33,8 @@ def _with_single_clock(lane: Lane, size: float) -> Lane:
 
 
 def _rounded(chain: Chain, size: float) -> FloatArray:
-    return chain.friction_coefficient + size * (np.rint(4 * chain.friction_coefficient) / 4 - chain.friction_coefficient)
+    given = chain.friction_coefficient
+    return given + size * (np.rint(4 * given) / 4 - given)
 
 
 def _high(chain: Chain, size: float) -> FloatArray:

@@ -27,7 +27,7 @@ FRICTION_RATIO, FREQUENCY_RATIO = 0.3, 0.9
 """Where the contact of one cell sticks and slips."""
 
 STEPS_PER_PERIOD, PERIODS = 100, 160
-"""Coarsest steps to a period, and periods: with the finest, four times as many, the last ten begin beyond `LONG_USE`."""
+"""Coarsest steps to a period, and periods: the finest are four times as many, and go beyond `LONG_USE`."""
 
 STRETCH = 250
 """Steps of one run: more than `MANY_RUNS` of them with the finest steps."""
@@ -80,7 +80,7 @@ class LongRun(MotionScenario[Run]):
         """Give the chain and the steps; see `Scenario.parameters`."""
         return [
             f"one cell, friction {FRICTION_RATIO:g}, η_r {FREQUENCY_RATIO:g}; from rest, in "
-            f"{refined_counts(STEPS_PER_PERIOD)} steps a period, more than {LONG_USE} and {MANY_RUNS} runs with the last"
+            f"{refined_counts(STEPS_PER_PERIOD)} steps a period: more than {LONG_USE} in more than {MANY_RUNS} runs"
         ]
 
     def numbers(self, case: Run, series: NamedNumbers) -> Mapping[Metric, Number]:
