@@ -46,6 +46,8 @@ class Mutant:
     """The variant that it is a copy of, and whose law it claims."""
     normal_force: NormalForce = NormalForce.LIFTING
     """How it lets the normal force change, where that is less than the original does."""
+    contact: bool = False
+    """Whether it says that its friction is that of a contact, whose direction scenarios ask for, and not of a joint."""
     inclines: bool = False
     static_friction: bool = False
     """Whether contacts may be inclined, or hold more at rest: only where the error is there, for these steps are slow,
@@ -55,7 +57,8 @@ class Mutant:
 
     def variant(self, size: float) -> Variant:
         """Give the mutant with an error of a size, to be run as any other variant."""
-        return replace(self.of, engine=f"{FAMILY}@{self.name}@{size:g}")
+        formulation = str(Formulation.CONTACT) if self.contact else self.of.formulation
+        return replace(self.of, engine=f"{FAMILY}@{self.name}@{size:g}", formulation=formulation)
 
 
 class MutantEngine(Engine):
@@ -103,7 +106,7 @@ def claimed_preset(mutant: Mutant) -> Preset:
     """Give the preset that a mutant claims to be."""
     if mutant.excuse:
         stated = NotModelled(mutant.excuse)
-        return replace(SCHEME.preset, shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
+        return replace(honest_preset(SCHEME), shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
     honest = honest_preset(mutant.of)
     represented = mutant.normal_force if honest.represents(mutant.normal_force) else honest.normal_force
     abilities = {"inclines": mutant.inclines, "static_friction": mutant.static_friction}
@@ -124,7 +127,7 @@ def _capabilities(mutant: Mutant, size: float, wrong: Preset) -> Capabilities:
     return replace(
         original.capabilities,
         title=f"{original.capabilities.title} with {mutant.error}, s = {size:g}",
-        presets={Formulation(original.formulation): {"tuned": tuned, original.preset_name: wrong}},
+        presets={Formulation(mutant.variant(size).formulation): {"tuned": tuned, original.preset_name: wrong}},
         batch_lanes=SCHEME.batch_lanes if law_of(wrong) is None else BATCH_LANES,
         precision="double",
         residual=DEFAULT_RESIDUAL,

@@ -144,9 +144,8 @@ Left out of the second gate:
 {LEFT_OUT_LINES}
 
 The column of a gate has the smallest error that it detects. Errors are tried from the *largest* to the *smallest* s, in
-steps of ten, or of a hundred where contacts are inclined or hold more at rest; a dash means that even the largest
-passes. It is assumed that a larger error is detected wherever a smaller one is. An error whose only size is 1 is either
-there or not.
+steps of ten; a dash means that even the largest passes. It is assumed that a larger error is detected wherever a
+smaller one is. An error whose only size is 1 is either there or not.
 
 Every mutant is also run without its error, through the same code. A gate that stops it then says nothing about the
 error; the last column names it. The column before names a gate that alone detects a mutant.
