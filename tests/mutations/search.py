@@ -9,6 +9,7 @@ from scenarios.runs.task import versions_of
 from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
 from tests.mutations.gates import FREQUENCY_RATIOS, FRICTION_RATIOS, LEFT_OUT, NEEDED, SCENARIO_NAMES, Gate
 from tests.mutations.mutant import Mutant
+from tests.mutations.scenes import SCENE_COLUMNS, SCENE_LEGEND, SceneRow
 
 
 @dataclass(frozen=True)
@@ -157,12 +158,13 @@ def gates_of(rows: Sequence[MutationRow]) -> list[str]:
     return list(rows[0].detections)
 
 
-def mutation_document(rows: Sequence[MutationRow], command: str) -> str:
-    """Give the table as a document, with how it was made."""
+def mutation_document(rows: Sequence[MutationRow], scenes: Sequence[SceneRow], command: str) -> str:
+    """Give the tables of mutants and of scenes as a document, with how it was made."""
     passing = [row.mutant.name for row in rows if row.passes]
     lines = ["# Mutants and gates", "", MUTATION_LEGEND, f"Made by `{command}`.", ""]
     lines += markdown_lines(text_table(mutation_columns(gates_of(rows)), rows))
     lines += ["", f"Passing these gates with the largest error: {', '.join(passing) or 'none'}."]
+    lines += ["", SCENE_LEGEND, *markdown_lines(text_table(SCENE_COLUMNS, scenes))]
     versions = versions_of(["reference"])
     return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
 

@@ -9,6 +9,7 @@ from engines.interface.variant import Variant
 from tests.mutations.__main__ import options, write_mutations
 from tests.mutations.catalogue import MUTANTS
 from tests.mutations.mutant import Mutant
+from tests.mutations.scenes import SCENE_ERRORS, SceneRow
 from tests.mutations.search import Detection, MutationRow, detections, mutation_csv, mutation_document, rounds
 from tests.test_table_widths import WIDTH, widest_rule
 
@@ -60,7 +61,9 @@ def rows() -> list[MutationRow]:
 
 
 def test_document_names_the_smallest_errors_and_what_passes() -> None:
-    text = mutation_document(rows(), "python -m tests.mutations")
+    scenes = [SceneRow("slope-hold", {error: "creep" in error for error in SCENE_ERRORS})]
+    text = mutation_document(rows(), scenes, "python -m tests.mutations")
+    assert "| slope-hold | passes | passes | passes | detected | passes |" in text
     assert "| bound | bound of friction × (1 + s) | reference | 1 | 1e-07 | 1e-07 | 0.001 | – |  |  |" in text
     assert "| 0.001 | 0.1 | – |  | report |" in text
     assert "tests/scenarios/catalogue/test_repeat.py has engines for it" in text
