@@ -104,9 +104,7 @@ def test_a_scene_whose_worker_is_lost_does_not_begin_anew_without_a_word() -> No
 
 
 @pytest.mark.parametrize(("coefficient", "claimed"), [(0.9, True), (1.5, False)])
-def test_box_tips_over_its_edge_where_friction_is_larger_than_the_normal_force(
-    coefficient: float, claimed: bool
-) -> None:
+def test_box_tips_over_its_edge_where_friction_passes_the_normal_force(coefficient: float, claimed: bool) -> None:
     """Its law claims chains up to there, and holds for them."""
     lane = DESIGN[3]._replace(friction_coefficient=coefficient).lane
     law = law_of(Variant("ode", "contact", "default").preset)
