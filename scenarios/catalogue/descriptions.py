@@ -137,6 +137,15 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "Does friction follow a normal force that changes in time, until contacts open and land?",
             "the reference at the same step with its error bar; for flights the closed form",
         ),
+        "wide-range": Description(
+            "Is an engine right for other friction coefficients, dashpots, frequencies and steps than figure 3 has?",
+            "the event-driven solver, exact to round-off",
+        ),
+        "long-run": Description(
+            "Does a chain move after 60,000 steps, and 200 runs, as it did before?",
+            "the event-driven motion, exact to round-off; at equal steps the reference; allowed: the engine's error "
+            "from three step sizes, or the reference's from the same ones if that is larger",
+        ),
         "slope-hold": Description(
             "Does a box stay where it is on a slope below the critical one, as the engine's users build it?", NO_MOTION
         ),

@@ -23,9 +23,11 @@ from scenarios.catalogue.steady.long_chain import LongChain
 from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
 from scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChain
 from scenarios.catalogue.steady.unit_cell import UnitCell
+from scenarios.catalogue.steady.wide_range import WideRange
 from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
 from scenarios.catalogue.transient.free_decay import FreeDecay
 from scenarios.catalogue.transient.inclined_chain import InclinedChainScenario
+from scenarios.catalogue.transient.long_run import LongRun
 from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
 from scenarios.catalogue.transient.swept_sine import SweptSineScenario
@@ -54,6 +56,8 @@ SCENARIOS: tuple[Scenario, ...] = (
     GradedChain(),
     LongChain(),
     ModulatedNormalForce(),
+    WideRange(),
+    LongRun(),
     SlopeHold(),
     SlopeSlide(),
     SlideToStop(),

@@ -96,6 +96,8 @@ class ChainRatios:
     chain_stiffness_ratio: Annotated[PositiveRatio, left_out(1.0)] = 1.0
     friction_profile: Annotated[Ratio, left_out(1.0)] = 1.0
     """μ λ_N of each cell over that of the friction ratio, where cells differ."""
+    friction_coefficient: Annotated[Positive, left_out(defaults.FRICTION_COEFFICIENT)] = defaults.FRICTION_COEFFICIENT
+    """μ, which enters the motion as a part of μ λ_N alone."""
 
     def chain(self, friction_ratio: Ratio, base_amplitude: float = defaults.BASE_AMPLITUDE) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""

@@ -13,9 +13,6 @@ from scenarios.runs.failures import CheckedSimulation, results_together
 from scenarios.runs.result import NamedNumbers, Result, ResultStatus
 from scenarios.runs.transient_task import TransientTask
 
-STRETCH = 4096
-"""Steps that are in memory at once."""
-
 AT_REST = 0.01
 """A contact has come to rest when the two masses stay this near to where they end, over F / k_i.
 
@@ -29,7 +26,7 @@ closed ones part by some 1e-5 for a step."""
 
 def run_transients(tasks: Sequence[TransientTask]) -> list[Result]:
     """Simulate motions of one variant and of chains of one length, in order; those with as many steps together."""
-    return results_together(tasks, lambda task: (task.steps, task.every), _results)
+    return results_together(tasks, lambda task: (task.steps, task.every, task.stretch), _results)
 
 
 def _results(tasks: Sequence[TransientTask]) -> list[Result]:
@@ -37,7 +34,7 @@ def _results(tasks: Sequence[TransientTask]) -> list[Result]:
     lanes = [task.lane() for task in tasks]
     records = [_Record(lane, task) for lane, task in zip(lanes, tasks, strict=True)]
     steps, every = tasks[0].steps, tasks[0].every
-    stretch = every * max(1, STRETCH // every)
+    stretch = every * max(1, tasks[0].stretch // every)
     simulation = CheckedSimulation(tasks[0].variant.build(lanes))
     try:
         state = State.stack([task.initial_state() for task in tasks])

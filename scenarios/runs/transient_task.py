@@ -37,6 +37,9 @@ SERIES = {
 
 RECORDED = tuple(SERIES)
 
+STRETCH = 4096
+"""Steps that are in memory at once."""
+
 
 _Base = Annotated[
     MovingBase | HarmonicForce | StillBase,
@@ -59,6 +62,8 @@ class TransientTask(ChainTask):
     """One row in so many steps is kept; it divides the steps."""
     shape: str = SHAPES[0]
     recorded: str = RECORDED[0]
+    stretch: Annotated[int, left_out(STRETCH)] = STRETCH
+    """Most steps of one run: the motion takes as many runs as it needs."""
 
     @property
     def series(self) -> tuple[str, ...]:
@@ -67,6 +72,7 @@ class TransientTask(ChainTask):
 
     def __post_init__(self) -> None:
         checked_choice("shape", self.shape, SHAPES)
+        checked_count("stretch", self.stretch)
         checked_choice("recorded", self.recorded, RECORDED)
         if checked_count("steps", self.steps) % checked_count("every", self.every):
             raise ParameterError(f"every = {self.every} does not divide steps = {self.steps}; allowed: divisors")

@@ -16,6 +16,7 @@ from pydantic import ConfigDict, TypeAdapter
 from engines.interface.presets import OfStep
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
+from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
@@ -296,6 +297,8 @@ _PARTS: dict[str, tuple[Callable[[Variant], str], str]] = {
 def _attributes(sweep: Sweep, store: Path | None) -> dict[str, Any]:
     """Give everything that a reader of the numbers needs to know, and the sweep itself."""
     ratios = {name: value for name, value in vars(sweep.ratios).items() if name not in sweep.axes}
+    if sweep.ratios.friction_coefficient == FRICTION_COEFFICIENT:
+        del ratios["friction_coefficient"]  # only a part of what friction_ratio says
     steps = {} if "steps_per_period" in sweep.axes else {"steps_per_period": sweep.steps_per_period}
     tolerance = {} if sweep.tolerance is None else {
         "tolerance_db": sweep.tolerance.transmittance_db, "baseline": str(sweep.tolerance.baseline),

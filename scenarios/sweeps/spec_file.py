@@ -50,6 +50,8 @@ inner_damping_ratio = 0.0    # c_i / (2 sqrt(k_i m_i)), >= 0
 # outer_mass_ratio = [1.0, 0.9, 1.1, 1.0, 1.2, 0.8, 1.0]    # outer mass over the unit of mass, > 0
 # chain_stiffness_ratio = 1.0                               # chain stiffness over its unit, > 0
 # friction_profile = 1.0                                    # friction bound over that of friction_ratio, >= 0
+# Which coefficient makes up that bound, with a normal force for it:
+# friction_coefficient = 0.5                                # μ, > 0
 
 [drive]
 kind = "base"                # the base moves; "force": a force acts on the outer mass of cell 1

@@ -10,6 +10,7 @@ from engines.interface.variant import Variant
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import TimedTransition
 from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
 from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
@@ -70,6 +71,8 @@ class SteadyCase:
     """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     modulation: Modulation | None = None
     """How the normal force changes over the period; ``None`` where it is constant."""
+    steps: int = MINIMUM_STEPS_PER_PERIOD
+    """Steps a period, at least."""
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
@@ -84,6 +87,7 @@ class SteadyCase:
             ratios=self.ratios,
             inclination=self.inclination,
             modulation=self.modulation,
+            steps_per_period=self.steps,
         )
         steps = steps_per_period_for(*fewest.setting(), fewest.steps_per_period)
         return replace(fewest, steps_per_period=steps * refinement)

@@ -21,6 +21,7 @@ from scenarios.tables import print_table, text_table
 from tests.mutations.catalogue import MUTANTS
 from tests.mutations.gates import ContractGate, Gate, ReportGate, ScenarioGate
 from tests.mutations.mutant import Mutant
+from tests.mutations.scenes import scene_rows
 from tests.mutations.search import (
     MutationRow,
     detections,
@@ -62,7 +63,7 @@ def write_mutations(rows: Sequence[MutationRow], out: Path | None, command: str)
     """Print the table, and write it."""
     print_table(text_table(mutation_columns(gates_of(rows)), rows))
     if out is not None:
-        write_whole(out, mutation_document(rows, command) if out.suffix == ".md" else mutation_csv(rows))
+        write_whole(out, mutation_document(rows, scene_rows(), command) if out.suffix == ".md" else mutation_csv(rows))
 
 
 def options(arguments: Sequence[str]) -> argparse.Namespace:

@@ -8,12 +8,14 @@ from engines.interface.engine import Engine
 from engines.reference import Reference
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import checked_scalar
+from tests.mutations.abilities import ABILITIES
 from tests.mutations.errors import CONSTANTS, DRIVES, PARAMETERS, RECORDS
 from tests.mutations.mutant import FAMILY, Mutant, MutantEngine
+from tests.mutations.ranges import RANGES
 from tests.mutations.steps import STEPS
 
 MUTANTS: Mapping[str, Mutant] = MappingProxyType(
-    {mutant.name: mutant for mutant in (*DRIVES, *PARAMETERS, *STEPS, *RECORDS, *CONSTANTS)}
+    {mutant.name: mutant for mutant in (*DRIVES, *PARAMETERS, *STEPS, *RECORDS, *RANGES, *ABILITIES, *CONSTANTS)}
 )
 """Every mutant by its name."""
 

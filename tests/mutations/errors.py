@@ -24,7 +24,7 @@ WHOLE = (1.0,)
 
 
 @dataclass(frozen=True)
-class _AlteredDrive:
+class AlteredDrive:
     """A drive whose load is another one: (1 + `gain`) times that of the time (1 + `drift`) t − `delay` [s]."""
 
     drive: Drive
@@ -43,7 +43,7 @@ class _AlteredDrive:
 
 
 @dataclass(frozen=True)
-class _StiffDashpotlessBase(_AlteredDrive):
+class _StiffDashpotlessBase(AlteredDrive):
     """A moving base that lacks a part of the force of its dashpot."""
 
     missing: float = 0.0
@@ -56,13 +56,13 @@ class _StiffDashpotlessBase(_AlteredDrive):
 
 
 def _driven(kind: type, **changes: Callable[[Lane, float], float]) -> Any:
-    """Alter the drives of a kind, by fields of `_AlteredDrive`."""
+    """Alter the drives of a kind, by fields of `AlteredDrive`."""
 
     def change(lane: Lane, size: float) -> Lane:
         if not isinstance(lane.drive, kind):
             return lane
         values = {name: value(lane, size) for name, value in changes.items()}
-        return replace(lane, drive=_AlteredDrive(lane.drive, **values))
+        return replace(lane, drive=AlteredDrive(lane.drive, **values))
 
     return of_lanes(change)
 
@@ -172,15 +172,15 @@ def _towards(name: str, other: Callable[[Chain], FloatArray]) -> Built:
 def _of_a_given_unit(lane: Lane, size: float) -> Lane:
     """Take the displacement scale of figure 3 for the lane's."""
     factor = BASE_AMPLITUDE / lane.drive.displacement_scale(lane.chain)
-    return _with_bound(lane, 1 + size * (factor - 1))
+    return with_bound(lane, 1 + size * (factor - 1))
 
 
 def _of_a_given_stiffness(lane: Lane, size: float) -> Lane:
     """Take the chain stiffness of figure 3 for the lane's."""
-    return _with_bound(lane, 1 + size * (CHAIN_STIFFNESS / lane.chain.chain_stiffness - 1))
+    return with_bound(lane, 1 + size * (CHAIN_STIFFNESS / lane.chain.chain_stiffness - 1))
 
 
-def _with_bound(lane: Lane, factor: float | FloatArray) -> Lane:
+def with_bound(lane: Lane, factor: float | FloatArray) -> Lane:
     chain = lane.chain
     return replace(lane, chain=replace(chain, friction_coefficient=factor * chain.friction_coefficient))
 

@@ -10,7 +10,7 @@ from engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
-from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.schemes.euler import euler_simulation
 
 FAMILY = "mutant"
 """Name of the family of engines: mutants are ``mutant@NAME@SIZE``."""
@@ -27,7 +27,7 @@ class Original:
 
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane."""
-        return CompiledSimulation(lanes) if self.law is None else self.law.build(lanes)
+        return euler_simulation(lanes) if self.law is None else self.law.build(lanes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,12 +46,19 @@ class Mutant:
     """The variant that it is a copy of, and whose law it claims."""
     normal_force: NormalForce = NormalForce.LIFTING
     """How it lets the normal force change, where that is less than the original does."""
+    contact: bool = False
+    """Whether it says that its friction is that of a contact, whose direction scenarios ask for, and not of a joint."""
+    inclines: bool = False
+    static_friction: bool = False
+    """Whether contacts may be inclined, or hold more at rest: only where the error is there, for these steps are slow,
+    by Lemke's method."""
     excuse: str = ""
     """A text that it states instead of a law."""
 
     def variant(self, size: float) -> Variant:
         """Give the mutant with an error of a size, to be run as any other variant."""
-        return replace(self.of, engine=f"{FAMILY}@{self.name}@{size:g}")
+        formulation = str(Formulation.CONTACT) if self.contact else self.of.formulation
+        return replace(self.of, engine=f"{FAMILY}@{self.name}@{size:g}", formulation=formulation)
 
 
 class MutantEngine(Engine):
@@ -99,10 +106,11 @@ def claimed_preset(mutant: Mutant) -> Preset:
     """Give the preset that a mutant claims to be."""
     if mutant.excuse:
         stated = NotModelled(mutant.excuse)
-        return replace(SCHEME.preset, shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
+        return replace(honest_preset(SCHEME), shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
     honest = honest_preset(mutant.of)
     represented = mutant.normal_force if honest.represents(mutant.normal_force) else honest.normal_force
-    return replace(honest, normal_force=represented)
+    abilities = {"inclines": mutant.inclines, "static_friction": mutant.static_friction}
+    return replace(honest, normal_force=represented, **(abilities if mutant.of == SCHEME else {}))
 
 
 def honest_preset(variant: Variant) -> Preset:
@@ -119,7 +127,7 @@ def _capabilities(mutant: Mutant, size: float, wrong: Preset) -> Capabilities:
     return replace(
         original.capabilities,
         title=f"{original.capabilities.title} with {mutant.error}, s = {size:g}",
-        presets={Formulation(original.formulation): {"tuned": tuned, original.preset_name: wrong}},
+        presets={Formulation(mutant.variant(size).formulation): {"tuned": tuned, original.preset_name: wrong}},
         batch_lanes=SCHEME.batch_lanes if law_of(wrong) is None else BATCH_LANES,
         precision="double",
         residual=DEFAULT_RESIDUAL,

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import pytest
 
 from engines.interface.variant import Variant
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.store import opened_store
 from tests.mutations.catalogue import MUTANTS
-from tests.mutations.gates import ContractGate, ReportGate, ScenarioGate, is_of
+from tests.mutations.gates import LEFT_OUT, NEEDED, SCENARIO_NAMES, ContractGate, ReportGate, ScenarioGate, is_of
 from tests.scenarios.in_process import evaluator
 
 Error = tuple[str, float]
@@ -45,8 +46,32 @@ CONTRACT: list[Error] = [
     ("bristles-forgotten", 1.0),
     ("preload-late", 1.0),
     ("implicit", 1.0),
+    ("static-ratio", 0.1),
+    ("static-kinetic", 0.1),
+    ("gap", 0.1),
+    ("flight-load", 0.1),
 ]
 """What the contract has to stop."""
+
+ELSEWHERE: list[Error] = [
+    ("coefficient-quarters", 0.1),
+    ("coefficient-high", 0.1),
+    ("drive-slow", 0.1),
+    ("dashpots-cut", 0.1),
+    ("steps-many", 0.1),
+    ("clock-single", 1.0),
+    ("start-leaks", 0.1),
+    ("steps-late", 0.1),
+]
+"""What contract and scenarios have to stop where the usual places show nothing."""
+
+ABILITIES: dict[str, list[Error]] = {
+    "static-above-kinetic": [("static-ratio", 0.1), ("static-kinetic", 0.1)],
+    "direction": [("direction-pyramid", 0.1)],
+    "inclined-chain": [("inclination", 0.1), ("inclined-bound", 0.1)],
+    "modulated-normal-force": [("flight-load", 0.1)],
+}
+"""What the scenario of an ability has to stop."""
 
 SCENARIOS: list[Error] = [
     ("excused", 10.0),
@@ -104,6 +129,29 @@ def test_contract_stops_the_engine_and_not_its_sound_twin(stopped_by_contract, e
 def test_contract_stops_what_a_single_unit_and_a_single_friction_cannot_show() -> None:
     errors = [("force-drive", 1.0), ("coefficient-ignored", 1.0), ("bound-of-amplitude", 1.0), ("siconos-bound", 0.01)]
     assert ContractGate().caught([*wrong(errors), *sound(errors)]) == set(wrong(errors))
+
+
+def test_contract_stops_what_is_wrong_elsewhere_in_the_ranges_or_after_long_use() -> None:
+    errors = [*ELSEWHERE, ("advance-short", 1.0)]
+    assert ContractGate().caught([*wrong(errors), *sound(errors)]) == set(wrong(errors))
+
+
+def test_scenarios_stop_what_is_wrong_elsewhere_in_the_ranges_or_after_long_use(running) -> None:
+    found = ScenarioGate(running, ["wide-range", "long-run"]).caught([*wrong(ELSEWHERE), *sound(ELSEWHERE)])
+    assert found == set(wrong(ELSEWHERE))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scenario", "errors"), ABILITIES.items())
+def test_scenario_of_an_ability_stops_what_is_wrong_there_alone(running, scenario: str, errors: list[Error]) -> None:
+    found = ScenarioGate(running, [scenario]).caught([*wrong(errors), *sound(errors)])
+    assert found == set(wrong(errors))
+
+
+def test_every_scenario_is_a_gate_or_has_a_reason_not_to_be() -> None:
+    assert {*SCENARIO_NAMES, *LEFT_OUT} == set(CATALOGUE)
+    assert not set(SCENARIO_NAMES) & set(LEFT_OUT)
+    assert set(NEEDED) <= set(SCENARIO_NAMES)
 
 
 def test_scenario_stops_what_no_law_predicts(running) -> None:

@@ -1,49 +1,78 @@
 """Engines with one error each: without it they are sound, with it they move or record something else."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from engines.contract.lanes import modulated_lane, random_lanes, scaled_state
+from engines.contract.lanes import lane_of, modulated_lane, random_lanes, scaled_state
 from engines.interface.presets import NormalForce
 from engines.interface.registry import default_engine_names, engine, engine_names, law_of, registered_names
 from engines.interface.tolerances import STEPS
 from engines.interface.variant import variants_named
+from engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.errors import ParameterError
+from tests.mutations.abilities import ABILITIES
 from tests.mutations.catalogue import MUTANTS
 from tests.mutations.mutant import Mutant, Original, claimed_preset
+from tests.mutations.ranges import RANGES
 
 ROUND_OFF = 1e-7
 """Of every number of two periods, over the largest of its kind: the friction of a stick is a difference of velocities
 over a time step, and two codes of the same steps round them differently."""
 
 
-def lanes_of(mutant: Mutant) -> list:
+def usual_lanes(mutant: Mutant) -> list[Lane]:
     """Random lanes, and one whose contacts open or press unequally where the mutant takes it."""
     represented = claimed_preset(mutant).normal_force
     modulation = {NormalForce.CONSTANT: [], NormalForce.MODULATED: [0.5], NormalForce.LIFTING: [0.5, 1.5]}
     return [*random_lanes(), *(modulated_lane(part) for part in modulation[represented])]
 
 
+def batches(mutant: Mutant) -> list[list[Lane]]:
+    """The usual lanes; for mutants that are wrong elsewhere, also lanes all over the ranges and of every ability."""
+    if mutant not in (*RANGES, *ABILITIES):
+        return [usual_lanes(mutant)]
+    preset, turned = claimed_preset(mutant), dataclasses.replace(DESIGN[2].lane, direction=0.5)
+    special = {
+        "turns": turned,
+        "inclines": dataclasses.replace(modulated_lane(0.5), inclination=0.2),
+        "static_friction": dataclasses.replace(lane_of(0.3, 0.6), static_ratio=1.5),
+    }
+    able = [lane for ability, lane in special.items() if getattr(preset, ability)]
+    return [usual_lanes(mutant), *([lane] for lane in (*(point.lane for point in DESIGN), *able))]
+
+
 def two_runs(mutant: Mutant, size: float) -> list[tuple[Trajectory, Trajectory]]:
-    """Two periods of every lane, of the original and of the mutant: in two runs, split in a flight if there is one."""
-    lanes = lanes_of(mutant)
-    original = Original(law_of(claimed_preset(mutant))).build(lanes)
-    return list(zip(split(original, lanes), split(mutant.variant(size).build(lanes), lanes), strict=True))
+    """Runs of every lane, of the original and of the mutant."""
+    original, wrong = Original(law_of(claimed_preset(mutant))), mutant.variant(size)
+    return [
+        pair
+        for lanes in batches(mutant)
+        for pair in zip(split(original.build(lanes), lanes), split(wrong.build(lanes), lanes), strict=True)
+    ]
 
 
 def split(simulation, lanes) -> list[Trajectory]:
+    """Two periods in two runs, split in a flight if there is one; the second again late, after many runs."""
     part, state = 3 * STEPS // 4, scaled_state(lanes)
     first = simulation.run(state, 0, part)
     ends = simulation.advance(state, 0, part)
     second = simulation.run(ends, part, 2 * STEPS - part)
-    return [one.joined(other) for one, other in zip(first, second, strict=True)]
+    for _ in range(MANY_RUNS):
+        simulation.advance(state, 0, 1)
+    late = simulation.run(ends, LONG_USE, STEPS)
+    return [*(one.joined(other) for one, other in zip(first, second, strict=True)), *late]
 
 
 def distance(pair: tuple[Trajectory, Trajectory]) -> float:
     """Largest difference of anything that is recorded, over the largest number of its kind."""
     own, other = pair
-    names = ("positions", "velocities", "friction", "normal_force")
+    parted = own.normal_gap is not None and other.normal_gap is not None and np.any(own.normal_gap)
+    gaps = ("normal_gap",) if parted else ()
+    names = ("positions", "velocities", "friction", "normal_force", *gaps)
     return max(
         float(np.max(np.abs(getattr(own, name) - getattr(other, name))) / np.max(np.abs(getattr(own, name))))
         for name in names

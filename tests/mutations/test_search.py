@@ -9,6 +9,7 @@ from engines.interface.variant import Variant
 from tests.mutations.__main__ import options, write_mutations
 from tests.mutations.catalogue import MUTANTS
 from tests.mutations.mutant import Mutant
+from tests.mutations.scenes import SCENE_ERRORS, SceneRow
 from tests.mutations.search import Detection, MutationRow, detections, mutation_csv, mutation_document, rounds
 from tests.test_table_widths import WIDTH, widest_rule
 
@@ -60,16 +61,27 @@ def rows() -> list[MutationRow]:
 
 
 def test_document_names_the_smallest_errors_and_what_passes() -> None:
-    text = mutation_document(rows(), "python -m tests.mutations")
-    assert "| bound | bound of friction × (1 + s) | reference | 1 | 1e-07 | 1e-07 | 0.001 | – |  |" in text
-    assert "| 0.001 | 0.1 | – | report |" in text
+    scenes = [SceneRow("slope-hold", {error: "creep" in error for error in SCENE_ERRORS})]
+    text = mutation_document(rows(), scenes, "python -m tests.mutations")
+    assert "| slope-hold | passes | passes | passes | detected | passes |" in text
+    assert "| bound | bound of friction × (1 + s) | reference | 1 | 1e-07 | 1e-07 | 0.001 | – |  |  |" in text
+    assert "| 0.001 | 0.1 | – |  | report |" in text
+    assert "tests/scenarios/catalogue/test_repeat.py has engines for it" in text
     assert "Passing these gates with the largest error: single." in text
     assert "Made by `python -m tests.mutations`." in text
 
 
+@pytest.mark.parametrize(
+    ("smallest", "alone"),
+    [((1e-7, None, None), "contract"), ((None, 0.1, None), "scenarios"), ((1.0, 0.1, None), ""), ((None,) * 3, "")],
+)
+def test_gate_that_alone_detects_a_mutant_is_named(smallest: tuple[float | None, ...], alone: str) -> None:
+    assert row(MANY, *map(Detection, smallest)).alone == alone
+
+
 def test_csv_has_a_row_a_mutant() -> None:
     lines = mutation_csv(rows()).splitlines()
-    assert lines[0] == "mutant,error,claims,largest,smallest,contract,scenarios,report,silent"
+    assert lines[0] == "mutant,error,claims,largest,smallest,contract,scenarios,report,alone,silent"
     assert len(lines) == 4
 
 

@@ -5,12 +5,16 @@ import sys
 import numpy as np
 import pytest
 
+from engines.contract.lanes import scaled_state
+from engines.interface.registry import law_of
 from engines.interface.scene import JointScene, SceneSetting
+from engines.interface.variant import Variant
 from engines.isolated.out_of_process import process_of
 from engines.isolated.process import EngineProcessError
 from engines.ode import ODE
 from engines.ode.presets import BOUNCE, JOINT_DEFAULT
 from engines.ode.scene import SERVER, STEP
+from engines.shared.wide_range import DESIGN
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (
@@ -97,3 +101,16 @@ def test_a_scene_whose_worker_is_lost_does_not_begin_anew_without_a_word() -> No
     process_of("ode", SERVER).close()
     with pytest.raises(EngineProcessError, match="lost"):
         world.run(1)
+
+
+@pytest.mark.parametrize(("coefficient", "claimed"), [(0.9, True), (1.5, False)])
+def test_box_tips_over_its_edge_where_friction_passes_the_normal_force(coefficient: float, claimed: bool) -> None:
+    """Its law claims chains up to there, and holds for them."""
+    lane = DESIGN[3]._replace(friction_coefficient=coefficient).lane
+    law = law_of(Variant("ode", "contact", "default").preset)
+    assert law is not None
+    state = scaled_state([lane])
+    own = run(lane, state, STEPS, "contact", "default").positions
+    off = np.max(np.abs(own - law.build([lane]).run(state, 0, STEPS)[0].positions)) / AMPLITUDE
+    assert (law.unclaimed_reason(lane) is None) == claimed
+    assert (off <= law.period_bound) == claimed

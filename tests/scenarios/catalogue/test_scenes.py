@@ -8,80 +8,24 @@ import numpy as np
 import pytest
 
 from engines.interface.registry import engine
-from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld, turned_about
-from engines.interface.variant import Variant
+from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
 from reference_lcp.errors import ParameterError
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes import base
 from scenarios.catalogue.scenes.base import COMMON_STEP, CREEP, SceneScenario
 from scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
 from scenarios.catalogue.scenes.joints import TURNING, arm
-from scenarios.catalogue.scenes.spin import CORNERS, TORQUE, UNIFORM, braking
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.scene import SceneTask, followed
-from scenarios.runs.store import opened_store
+from scenarios.catalogue.scenes.spin import CORNERS, TORQUE, UNIFORM
+from scenarios.runs.scene import SceneTask
 from scenarios.verdicts.finding import Finding, Verdict
 from tests.scenarios.in_process import findings
+from tests.scenarios.point_mass import CONTACT, JOINT, judged
 
 SCENES = [scenario for scenario in CATALOGUE.values() if isinstance(scenario, SceneScenario)]
 HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "joint-hold", "arm-hold")
 SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
 
-CONTACT, JOINT = Variant("mujoco", "contact", "default"), Variant("mujoco", "joint", "default")
-
 needs_mujoco = pytest.mark.needs("mujoco")
-
-
-class PointMass:
-    """The truth in semi-implicit Euler steps: Coulomb's law of one mass along and across its plane."""
-
-    def __init__(
-        self, task: SceneTask, *, friction: float = 1.0, normal: float = 1.0, creep: float = 0.0, fall: float = 0.0
-    ):
-        scene, self.step_size, self.creep = task.scene, task.time_step, creep
-        self.axes, self.load, self.bound, self.belt = np.eye(3), np.zeros(3), math.inf, 0.0
-        self.start = np.zeros(3)
-        if isinstance(scene, ContactScene):
-            self.axes = np.array([scene.downhill, (0.0, 1.0, 0.0), scene.normal])
-            self.start, self.belt = np.array(scene.places[-1]), scene.belt
-            if not scene.grip:
-                self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
-                self.bound = friction * normal * scene.friction * GRAVITY * math.cos(scene.slope)
-        self.links = scene.links if isinstance(scene, ArmScene) else 1
-        self.box = isinstance(scene, ContactScene)
-        self.way, self.velocity = np.full(3, fall), np.zeros(3)
-        self.angle = self.spin = 0.0
-        self.braking = friction * normal * braking(scene, CORNERS) if self.box else 0.0
-
-    def launch(self, velocity, spin) -> None:
-        self.velocity, self.spin = self.axes @ velocity, spin
-
-    def step(self) -> None:
-        carried = np.array([self.belt, 0.0, 0.0])
-        free = self.velocity - carried + self.step_size * self.load
-        speed = np.linalg.norm(free)
-        self.velocity = carried + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
-        self.way = self.way + self.step_size * (self.velocity + self.creep)
-        self.spin = max(0.0, self.spin - self.step_size * self.braking)
-        self.angle += self.step_size * self.spin
-
-    def state(self):
-        if not self.box:
-            return ([self.way[0]] * self.links,)
-        return self.start + self.way @ self.axes, turned_about(2, self.angle), self.velocity @ self.axes
-
-
-def judged(scenario: SceneScenario, **wrong: float) -> list[Finding]:
-    """Judge an engine whose worlds are point masses, wrong by factors, or creeping [m/s]."""
-
-    class Twin(Evaluator):
-        def evaluate(self, tasks):
-            worlds = [(task, PointMass(task, **wrong)) for task in tasks]
-            return [followed(task, SteppedWorld(one.step, one.state, one.launch)) for task, one in worlds]
-
-    with opened_store(None) as store, Twin(store, InProcessExecutor()) as twin:
-        return scenario.run([JOINT if scenario.formulation == "joint" else CONTACT], twin)
 
 
 def disagreeing(found: list[Finding]) -> list[Finding]:

@@ -19,7 +19,6 @@ from reference_lcp import (
 )
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.observables.transmittance import transient_transmissibility
-from scenarios.runs import transient as motion_answering
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import run_batch
 from scenarios.runs.local_processes import LocalExecutor
@@ -52,11 +51,10 @@ def test_response_is_the_motion_that_the_reference_simulates() -> None:
     assert asked.row_times() == pytest.approx(run.time[3::4])
 
 
-def test_motion_is_the_same_in_stretches_of_any_length(monkeypatch) -> None:
+def test_motion_is_the_same_in_stretches_of_any_length() -> None:
     asked = motion(base=StillBase(0.01), shape="stretched", recorded="decay")
     whole = run_transients([asked])[0]
-    monkeypatch.setattr(motion_answering, "STRETCH", 100)
-    parts = run_transients([asked])[0]
+    parts = run_transients([dataclasses.replace(asked, stretch=100)])[0]
     for name, numbers in whole.series.items():
         assert parts.series[name] == pytest.approx(numbers, rel=1e-12, abs=1e-15), name
 
@@ -75,7 +73,8 @@ def test_equal_motions_have_one_key_and_every_part_of_the_question_is_in_it() ->
         motion(), motion(base=RickerPulse(0.01, 31.6, 0.36)), motion(base=record), motion(base=other),
         motion(base=noise), motion(base=dataclasses.replace(noise, seed=1)), motion(shape="stretched"), motion(every=2),
         motion(steps=1204), motion(time_step=1.1e-3), motion(friction_ratio=0.2), motion(recorded="decay"),
-        motion(variant=Variant("mujoco")), motion(ratios=ChainRatios(cells=3)),
+        motion(variant=Variant("mujoco")), motion(ratios=ChainRatios(cells=3)), motion(stretch=100),
+        motion(ratios=ChainRatios(friction_coefficient=0.6)),
     ]  # fmt: skip
     assert len({one.key() for one in asked}) == len(asked)
     assert motion().key() == motion().key()
@@ -88,7 +87,7 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
     assert list(content) == ["format", "task", "version", "options", "sources"]
     plain = dataclasses.asdict(asked)
     del plain["excitation"], plain["modulation"], plain["start"], plain["recorded"], plain["inclination"]
-    for name in ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile"):
+    for name in ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile", "friction_coefficient"):
         del plain["ratios"][name]
     assert content["task"] == plain, "what older answers did not know is left out where it is usual"
     assert content["format"] == RESULT_FORMAT
