@@ -14,7 +14,7 @@ from reference_lcp.exact.proof.krawczyk import Solution, solve
 from reference_lcp.exact.proof.multipliers import multiplier_bound
 from reference_lcp.exact.proof.outcome import Deadline, NotProven
 from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
-from reference_lcp.exact.proof.repair import repaired
+from reference_lcp.exact.proof.repair import repaired, without_shortest
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN
 
 SPARE_BITS = 62
@@ -49,8 +49,17 @@ def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenStead
 def _proven(dynamics: Dynamics, guess: Candidate, deadline: Deadline) -> tuple[Solution, Observed, int]:
     """Prove a candidate, or others that follow from what refutes it."""
     end = guess.start + float(dynamics.length)
+    refuted: NotProven
     for repairs in range(MOST_REPAIRS + 1):
-        solution = solve(dynamics, guess, deadline)
+        try:
+            solution = solve(dynamics, guess, deadline)
+        except NotProven as problem:
+            deadline.check()
+            shorter, refuted = without_shortest(guess, float(dynamics.length)), problem
+            if shorter is None:
+                raise
+            guess = shorter
+            continue
         try:
             return solution, observe(dynamics, solution, deadline), repairs
         except (Violation, OutOfOrder) as problem:

@@ -13,21 +13,45 @@ SHORT_SLIP = 1.5
 """Length of a short slip over the time for which the force would pass its bound: with an excess like 1 − τ² on (−1, 1),
 ġ begins at τ = −1 and is zero again at τ = 2."""
 
+SHORTEST_PHASE = 0.02
+"""Part of the map's length below which a slip or a stick is dropped where the equations with it have no solution."""
+
 Timed = tuple[float, int, int]
 """Time, cell and new mode."""
 
 
 def repaired(candidate: Candidate, problem: Violation | OutOfOrder, end: float) -> Candidate:
     """Propose another order of events, up to the time `end`; raises the problem where there is none."""
-    events = [(_number(time), cell, new) for time, (cell, new) in zip(candidate.times, candidate.events, strict=True)]
+    events = listed(candidate)
     if isinstance(problem, OutOfOrder):
         events = _reordered(candidate, events, problem)
     else:
         borders = [candidate.start, *(time for time, _, _ in events), end]
         events = _corrected(candidate, events, problem, (borders[problem.stretch], borders[problem.stretch + 1]))
-    events = sorted(event for event in events)
     if any(not candidate.start < time < end for time, _, _ in events):
         raise problem
+    return _with_events(candidate, sorted(events))
+
+
+def without_shortest(candidate: Candidate, length: float) -> Candidate | None:
+    """Propose an order without the shortest slip or stick, if one is so short that it may not happen at all."""
+    events, shortest, pair = listed(candidate), SHORTEST_PHASE * length, None
+    for place, first in enumerate(events):
+        second = next((event for event in events[place + 1 :] if event[1] == first[1]), None)
+        if second is None or second[2] != candidate.modes[place][first[1]] or second[0] - first[0] > shortest:
+            continue
+        shortest, pair = second[0] - first[0], (first, second)
+    if pair is None:
+        return None
+    return _with_events(candidate, [event for event in events if event not in pair])
+
+
+def listed(candidate: Candidate) -> list[Timed]:
+    """Give the events with their times."""
+    return [(_number(time), cell, new) for time, (cell, new) in zip(candidate.times, candidate.events, strict=True)]
+
+
+def _with_events(candidate: Candidate, events: list[Timed]) -> Candidate:
     return dataclasses.replace(
         candidate,
         events=tuple((cell, new) for _, cell, new in events),
@@ -79,7 +103,9 @@ def _begun_wrongly(
     before = candidate.modes[problem.stretch - 1][cell]
     rest = _without(events, begun)
     if problem.test.slips:
-        if following is None or before != following[2]:
+        if before:  # it rests for a while before it turns round
+            return [*rest, (begun[0], cell, 0), (sum(problem.interval) / 2, cell, problem.test.side)]
+        if following is None or following[2] != 0:
             raise problem
         return _without(rest, following)  # it does not leave its stick
     new = -problem.test.side

@@ -11,7 +11,7 @@ from reference_lcp.exact.exact_orbit import exact_orbit
 pytest.importorskip("flint", reason="python-flint is not installed")
 pytest.importorskip("mpmath", reason="mpmath is not installed")
 
-from mpmath import iv
+from mpmath import iv, mp, nstr
 
 from tests.reference_lcp.exact.proof.interval_proof import Orbit, coulomb, proven_orbit
 
@@ -40,7 +40,7 @@ def test_both_proofs_enclose_the_same_transmittance(cells, friction, frequency) 
     level, tangent = coulomb(*proven_orbit(near(cells, friction, frequency)))
     proof = prove(ExactChain.from_ratios(cells=cells, friction_ratio=friction, frequency_ratio=frequency))
     assert len(proof.transitions) > 0
-    low, high = (Decimal(str(end)) for end in (level.a, level.b))
+    low, high = (Decimal(nstr(mp.make_mpf(end), 50)) for end in level._mpi_)
     assert high - low < Decimal("1e-10")
     enclosure = proof.transmittance_db
     assert enclosure.value - enclosure.radius <= high
