@@ -296,6 +296,7 @@ def proofs(
 ) -> None:
     """Prove the steady states of the standard grids, and compare their levels with the table that the suite has.
 
+    Levels on both sides of the edges of the band are proven too, unless it is a sample.
     Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written;
     130: interrupted.
 
@@ -316,9 +317,13 @@ def proofs(
             other = "" if proof.in_table else "not as in the table; "
             friction, eta = proof.point
             print(visible(f"friction {friction:g}, η_r {eta:g}: {other}{proof.reason or proof.level}"))
+    edges = study.edge_proofs() if sample is None else []
+    for edge in edges:
+        shown = f"between {edge.sides[0]:g} and {edge.sides[1]:g}" if edge.crosses else f"not at {edge.sides}"
+        print(f"friction {edge.friction_ratio:g}: an edge of the band is {shown}, proven")
     if out is not None:
         write_whole(out, study.table_text(found))
-    if not all(proof.in_table for proof in found):
+    if not all([*(proof.in_table for proof in found), *(edge.crosses for edge in edges)]):
         raise typer.Exit(ExitCode.FAILED)
 
 

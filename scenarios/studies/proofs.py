@@ -10,11 +10,10 @@ from decimal import ROUND_HALF_EVEN, Decimal
 
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.exact.exact_orbit import exact_orbit
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.outcome import NotProven
 from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
-from reference_lcp.observables.transmittance import decibel
+from reference_lcp.one_call import steady_state
 from reference_lcp.validation import checked_count
 from scenarios.runs.parameters import ChainRatios, OperatingPoint
 from scenarios.studies.accuracy import ACCURACY_POINTS
@@ -28,6 +27,14 @@ from scenarios.sweeps.proven import DIGITS, RADIUS, ProvenLevel, proven_levels
 from scenarios.tables import Column
 from scenarios.verdicts.finding import FLOOR_DB
 
+EDGES = (
+    (0.0, 0.8526), (0.0, 1.4142), (0.1, 0.7533), (0.3, 0.6373), (0.6, 0.7559), (1.0, 0.9988), (5.0, 1.1725)
+)  # fmt: skip
+"""Band edges of figure 3, friction and frequency ratio; all but the second are lower ones."""
+
+EDGE_WIDTH = 1e-4
+"""In η_r, within which an edge is proven: the last digit that is printed."""
+
 
 @dataclass(frozen=True)
 class Proof:
@@ -39,6 +46,9 @@ class Proof:
     """Why it is not proven; empty where it is."""
     float_db: float
     """Transmittance of the event-driven motion [dB]."""
+    scheme_db: float
+    bar_db: float
+    """That of the scheme, with its error bar [dB]."""
 
     @property
     def level(self) -> ProvenLevel | None:
@@ -60,9 +70,17 @@ class Proof:
     @property
     def float_error_db(self) -> float:
         """How far floating point is from what is proven [dB]; NaN below `FLOOR_DB`, where dB say nothing."""
+        return self._error_of(self.float_db)
+
+    @property
+    def part_of_bar(self) -> float:
+        """Error of the scheme over its error bar; NaN likewise."""
+        return self._error_of(self.scheme_db) / self.bar_db
+
+    def _error_of(self, level_db: float) -> float:
         if self.proven is None or self.proven.transmittance_db.value < FLOOR_DB:
             return math.nan
-        return float(abs(Decimal(self.float_db) - self.proven.transmittance_db.value))
+        return float(abs(Decimal(level_db) - self.proven.transmittance_db.value))
 
 
 def _kept(value: Decimal) -> Decimal:
@@ -91,13 +109,45 @@ def chosen_points(sample: int | None, seed: int) -> list[OperatingPoint]:
 def proof_of(point: OperatingPoint) -> Proof:
     """Prove one point, in the decimals as which its ratios are printed."""
     chain = Chain.from_ratios(friction_ratio=point.friction_ratio)
-    orbit, period = exact_orbit(chain, HarmonicBase.from_ratio(chain, point.frequency_ratio))
-    in_floats = decibel(period.transmittance) if orbit.converged else math.nan
+    drive = HarmonicBase.from_ratio(chain, point.frequency_ratio)
+    scheme = steady_state(chain, drive, with_exact_value=True)
+    bar = math.nan if scheme.error_bar is None else scheme.error_bar.transmittance_db
+    in_floats = math.nan if scheme.exact_db is None else scheme.exact_db
     exact = ExactChain.from_ratios(friction_ratio=point.friction_ratio, frequency_ratio=point.frequency_ratio)
     try:
-        return Proof(point, prove(exact, digits=DIGITS + 1), "", in_floats)
+        proven, reason = prove(exact, digits=DIGITS + 1), ""
     except NotProven as problem:
-        return Proof(point, None, str(problem), in_floats)
+        proven, reason = None, str(problem)
+    return Proof(point, proven, reason, in_floats, scheme.transmittance_db, bar)
+
+
+@dataclass(frozen=True)
+class EdgeProof:
+    """What is proven of a band edge: the levels on both sides of it."""
+
+    friction_ratio: float
+    sides: tuple[float, float]
+    """In η_r."""
+    levels_db: tuple[Decimal, Decimal]
+
+    @property
+    def crosses(self) -> bool:
+        """Whether the level crosses 0 dB in between: it is continuous, since the steady state is unique."""
+        return self.levels_db[0] * self.levels_db[1] < 0
+
+
+def edge_proofs() -> list[EdgeProof]:
+    """Prove the levels at both sides of every edge in `EDGES`."""
+    return [
+        EdgeProof(friction, sides, (_level(friction, sides[0]), _level(friction, sides[1])))
+        for friction, edge in EDGES
+        for sides in [(round(edge - EDGE_WIDTH / 2, 6), round(edge + EDGE_WIDTH / 2, 6))]
+    ]
+
+
+def _level(friction_ratio: float, frequency_ratio: float) -> Decimal:
+    exact = ExactChain.from_ratios(friction_ratio=friction_ratio, frequency_ratio=frequency_ratio)
+    return prove(exact).transmittance_db.value
 
 
 def table_text(proofs: Sequence[Proof]) -> str:
@@ -147,6 +197,12 @@ PROOF_COLUMNS: list[Column[list[Proof]]] = [
         lambda proofs: max((e for p in proofs if not math.isnan(e := p.float_error_db)), default=math.nan),
         "floats [dB]",
         "{:.1e}",
+    ),
+    Column(
+        "largest_part_of_bar",
+        lambda proofs: max((part for p in proofs if not math.isnan(part := p.part_of_bar)), default=math.nan),
+        "over bar",
+        "{:.2f}",
     ),
     Column("median_s", lambda proofs: _seconds(proofs)[len(_seconds(proofs)) // 2], "median [s]", "{:.2f}"),
     Column("largest_s", lambda proofs: _seconds(proofs)[-1], "largest [s]", "{:.2f}"),
