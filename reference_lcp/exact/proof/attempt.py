@@ -38,7 +38,7 @@ def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenStead
         with ctx.workprec(factor * (int(3.33 * digits) + SPARE_BITS)):
             try:
                 dynamics = Dynamics(exact)
-                solution, observed, repairs = _proven(dynamics, guess, deadline)
+                solution, observed, repairs = proven_or_repaired(dynamics, guess, deadline)
                 return _read(dynamics, solution, observed, repairs, digits, deadline)
             except NotProven as problem:
                 reason = problem
@@ -46,7 +46,7 @@ def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenStead
     raise reason
 
 
-def _proven(dynamics: Dynamics, guess: Candidate, deadline: Deadline) -> tuple[Solution, Observed, int]:
+def proven_or_repaired(dynamics: Dynamics, guess: Candidate, deadline: Deadline) -> tuple[Solution, Observed, int]:
     """Prove a candidate, or others that follow from what refutes it."""
     end = guess.start + float(dynamics.length)
     refuted: NotProven

@@ -13,6 +13,9 @@ SHORT_SLIP = 1.5
 """Length of a short slip over the time for which the force would pass its bound: with an excess like 1 − τ² on (−1, 1),
 ġ begins at τ = −1 and is zero again at τ = 2."""
 
+SHORT_REVERSAL = 2.0
+"""The same where a stick would begin beyond its bound: the excess falls linearly, and ġ like a parabola comes back."""
+
 SHORTEST_PHASE = 0.02
 """Part of the map's length below which a slip or a stick is dropped where the equations with it have no solution."""
 
@@ -85,7 +88,7 @@ def _corrected(
     own = problem.stretch > 0 and events[problem.stretch - 1][1] == cell
     following = next((event for event in events[problem.stretch :] if event[1] == cell), None)
     if begins and own:
-        return _begun_wrongly(candidate, events, problem, following)
+        return _begun_wrongly(candidate, events, problem, following, lasts=ends)
     if problem.test.slips:
         if ends and following is not None:
             return [*_without(events, following), (low, cell, following[2])]
@@ -96,9 +99,9 @@ def _corrected(
 
 
 def _begun_wrongly(
-    candidate: Candidate, events: list[Timed], problem: Violation, following: Timed | None
+    candidate: Candidate, events: list[Timed], problem: Violation, following: Timed | None, *, lasts: bool
 ) -> list[Timed]:
-    """Mend a mode that is wrong from its first instant on."""
+    """Mend a mode that is wrong from its first instant on, for a while or as long as it `lasts`."""
     begun, cell = events[problem.stretch - 1], problem.test.cell
     before = candidate.modes[problem.stretch - 1][cell]
     rest = _without(events, begun)
@@ -109,6 +112,8 @@ def _begun_wrongly(
             raise problem
         return _without(rest, following)  # it does not leave its stick
     new = -problem.test.side
+    if not lasts and new != before:  # it turns round for a while before it rests
+        return [*rest, (begun[0], cell, new), (begun[0] + SHORT_REVERSAL * (problem.interval[1] - begun[0]), cell, 0)]
     if following is not None and following[2] == new:
         rest = _without(rest, following)
     return rest if new == before else [*rest, (begun[0], cell, new)]
