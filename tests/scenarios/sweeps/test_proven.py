@@ -47,6 +47,15 @@ def test_the_whole_table_is_proven_again() -> None:
     check(proofs.standard_points())
 
 
+@pytest.mark.slow
+def test_edges_of_the_band_lie_between_proven_levels(monkeypatch) -> None:
+    """A band that began elsewhere would be noticed."""
+    pytest.importorskip("flint", reason="it needs python-flint")
+    assert all(edge.crosses for edge in proofs.edge_proofs())
+    monkeypatch.setattr(proofs, "EDGES", ((0.3, 0.6375),))
+    assert not proofs.edge_proofs()[0].crosses
+
+
 def test_all_standard_points_have_a_proven_level() -> None:
     assert set(proofs.standard_points()) - set(proven_levels()) == GRAZED
 
