@@ -90,7 +90,10 @@ def main(arguments: Sequence[str]) -> None:
     gates = list(dict.fromkeys(chosen.gate or GATES))
     with tempfile.TemporaryDirectory() as folder, Site(Path(folder), "mutations").visible():
         rows = mutation_rows(mutants, gates, chosen.store, executor_for(chosen.workers, chosen.time_limit, None))
-        made = [*(f"--mutant={name}" for name in chosen.mutant or ()), *(f"--gate={name}" for name in chosen.gate or ())]
+        made = [
+            *(f"--mutant={name}" for name in chosen.mutant or ()),
+            *(f"--gate={name}" for name in chosen.gate or ()),
+        ]
         write_mutations(rows, chosen.out, shlex.join(["python", "-m", "tests.mutations", *made]))
 
 
