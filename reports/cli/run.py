@@ -309,8 +309,9 @@ def proofs(
     from scenarios.studies import proofs as study
     from scenarios.sweeps.proven import DIGITS
 
+    points = study.chosen_points(sample, seed)
     check_request(DIGITS, PROOF_TIME_LIMIT)
-    found = [study.proof_of(point) for point in tracked(study.chosen_points(sample, seed), "points")]
+    found = [study.proof_of(point) for point in tracked(points, "points")]
     tables.print_table(tables.text_table(study.PROOF_COLUMNS, study.by_friction(found)))
     for proof in found:
         if proof.proven is None or not proof.in_table:

@@ -25,8 +25,8 @@ from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 JOINING = Style("#9aa4ae", width=2.0)
 PRESETS = {
     "as installed": Style("#D55E00", "circle", 7.0),
-    "recommended for any model": Style("#009E73", "square", 5.0),
-    "tuned to this chain": Style("#0072B2", "dot", 6.5),
+    "recommended": Style("#009E73", "square", 5.0),
+    "tuned": Style("#0072B2", "dot", 6.5),
     "other presets": Style("#8c8c8c", "diamond", 5.0),
 }
 NAMED = dict(zip(("default", "recommended", "tuned"), PRESETS, strict=False))

@@ -88,7 +88,7 @@ def test_options_are_general_where_the_recommended_preset_changes_them_too() -> 
     assert TUNED.reach("solref_friction") == "general"
     assert TUNED.reach("noslip_iterations") == TUNED.reach("solver") == "this chain only"
     assert Variant("mujoco", "joint", "recommended").reach("solimp_friction") == "general"
-    assert Variant("mjx").reach("solref_friction") == "this chain only", "nothing is recommended of MJX"
+    assert Variant("genesis").reach("noslip_iterations") == "this chain only", "nothing is recommended of Genesis"
     assert TUNED.description.endswith("not to be copied into other models.")
     assert "copied" not in DEFAULT.description
 
