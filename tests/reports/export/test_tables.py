@@ -188,7 +188,7 @@ def test_a_dataset_holds_the_truth_and_gives_it_back(report: Report, monkeypatch
     assert all(truth.exact for truth in read.values())
     off = data.error_db.sel(variant="mujoco", friction_ratio=0.0, frequency_ratio=0.9)
     assert float(off) == pytest.approx(0.03 + STEP_ERROR + CONVERGED_ERROR, abs=1e-12)
-    monkeypatch.setattr("scenarios.sweeps.truths.proven_level", lambda task: None)  # all numbers here are invented
+    monkeypatch.setattr("scenarios.sweeps.truths.proven_level", lambda _: None)  # all numbers here are invented
     assert not any(truth.exact for truth in with_recorded_truths(bare, report_dataset(bare), sweep).truths.values())
     with pytest.raises(ParameterError, match="truth_error_db"):
         with_recorded_truths(bare, data.drop_vars("truth_error_db"), sweep)
