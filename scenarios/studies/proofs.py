@@ -32,6 +32,16 @@ EDGES = (
 )  # fmt: skip
 """Band edges of figure 3, friction and frequency ratio; all but the second are lower ones."""
 
+RESOLVED = {
+    0.0: (0.85955,),
+    0.1: (0.7625, 0.775),
+    0.3: (0.63, 0.634, 0.64, 0.642, 0.66, 0.6625, 0.67, 0.675, 0.68, 0.6875, 0.69),
+    0.6: (0.7625, 0.775, 0.7875, 0.80675, 0.822625, 0.83175, 0.840875, 0.85955, 0.87645, 0.8843),
+    1.0: (0.92315, 0.925, 0.975, 0.9875, 1.0125, 1.025, 1.0375),
+    5.0: (1.1625, 1.175, 1.1875, 1.27095, 1.281425, 1.3125, 1.325),
+}
+"""Frequency ratios that both reports add near the threshold, by friction ratio: see `attenuation_band.unresolved`."""
+
 EDGE_WIDTH = 1e-4
 """In η_r, within which an edge is proven: the last digit that is printed."""
 
@@ -95,7 +105,8 @@ def standard_points() -> list[OperatingPoint]:
         (QUICK_FRICTION_RATIOS, quick_frequency_ratios(ratios)),
     )
     gridded = (OperatingPoint(friction, eta) for frictions, etas in grids for friction in frictions for eta in etas)
-    return sorted({*gridded, *ACCURACY_POINTS})
+    resolved = (OperatingPoint(friction, eta) for friction, etas in RESOLVED.items() for eta in etas)
+    return sorted({*gridded, *resolved, *ACCURACY_POINTS})
 
 
 def chosen_points(sample: int | None, seed: int) -> list[OperatingPoint]:

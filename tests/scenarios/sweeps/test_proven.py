@@ -14,9 +14,10 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
 from scenarios.runs.task import SteadyStateTask
 from scenarios.studies import proofs
-from scenarios.studies.figure3 import figure3
+from scenarios.studies.figure3 import FRICTION_RATIOS, QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
 from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.proven import ROUNDED_DB, proven_level, proven_levels
+from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.truths import with_truths
 from scenarios.verdicts.steady_case import EXACT
 from tests.scenarios.in_process import evaluator
@@ -45,6 +46,20 @@ def test_a_sample_of_the_table_is_proven_again() -> None:
 def test_the_whole_table_is_proven_again() -> None:
     pytest.importorskip("flint", reason="it needs python-flint")
     check(proofs.standard_points())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("frictions", "etas"),
+    [(FRICTION_RATIOS, None), (QUICK_FRICTION_RATIOS, quick_frequency_ratios(ChainRatios()))],
+    ids=["default", "quick"],
+)
+def test_every_point_of_a_report_is_a_standard_one(frictions, etas) -> None:
+    """Also those that are added where a curve runs close to the threshold."""
+    with opened_store(None) as store, evaluator(store) as running:
+        compared = compare_sweep(figure3([], frictions, etas), running)
+    truths = with_truths(compared).truths
+    assert {place for place, truth in truths.items() if not truth.proven} == {(Case.of(friction_ratio=0.0), 1.0)}
 
 
 @pytest.mark.slow
