@@ -105,7 +105,7 @@ def product_files() -> list[Path]:
 
 
 def tests_of(file: Path) -> list[str]:
-    """Give the tests of a file: its own or its engine's, golden answers, those that name its module, its folder's."""
+    """Give the tests of a file: its own or its engine's, those that name its module, golden answers, its folder's."""
     module = ".".join(file.with_suffix("").parts).removesuffix(".__init__")
     every = sorted((PROJECT / "tests").rglob("test_*.py"))
     own = [test for test in every if test.stem in (f"test_{file.stem}", f"test_{file.parent.name}")]
@@ -114,7 +114,7 @@ def tests_of(file: Path) -> list[str]:
     while not folder.is_dir():
         folder = folder.parent
     beside = sorted(naming, key=lambda test: folder not in test.parents)
-    return [str(test.relative_to(PROJECT)) for test in dict.fromkeys([*own, PROJECT / "tests/golden", *beside, folder])]
+    return [str(test.relative_to(PROJECT)) for test in dict.fromkeys([*own, *beside, PROJECT / "tests/golden", folder])]
 
 
 def outcome(change: Change, copy: Path) -> str:
