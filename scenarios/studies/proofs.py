@@ -3,10 +3,11 @@
 import io
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from csv import writer
 from dataclasses import dataclass
 from decimal import ROUND_HALF_EVEN, Decimal
+from statistics import median_high
 
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
@@ -187,7 +188,11 @@ def _title(proofs: Sequence[Proof]) -> str:
 
 
 def _seconds(proofs: Sequence[Proof]) -> list[float]:
-    return sorted(state.seconds for state in _proven(proofs)) or [math.nan]
+    return [state.seconds for state in _proven(proofs)] or [math.nan]
+
+
+def _largest(values: Iterable[float]) -> float:
+    return max((value for value in values if not math.isnan(value)), default=math.nan)
 
 
 PROOF_COLUMNS: list[Column[list[Proof]]] = [
@@ -199,22 +204,22 @@ PROOF_COLUMNS: list[Column[list[Proof]]] = [
     Column("events", lambda proofs: max((len(state.transitions) for state in _proven(proofs)), default=0)),
     Column(
         "largest_radius_db",
-        lambda proofs: max((float(state.transmittance_db.radius) for state in _proven(proofs)), default=math.nan),
+        lambda proofs: _largest(float(state.transmittance_db.radius) for state in _proven(proofs)),
         "radius [dB]",
         "{:.0e}",
     ),
     Column(
         "largest_float_error_db",
-        lambda proofs: max((e for p in proofs if not math.isnan(e := p.float_error_db)), default=math.nan),
+        lambda proofs: _largest(proof.float_error_db for proof in proofs),
         "floats [dB]",
         "{:.1e}",
     ),
     Column(
         "largest_part_of_bar",
-        lambda proofs: max((part for p in proofs if not math.isnan(part := p.part_of_bar)), default=math.nan),
+        lambda proofs: _largest(proof.part_of_bar for proof in proofs),
         "over bar",
         "{:.2f}",
     ),
-    Column("median_s", lambda proofs: _seconds(proofs)[len(_seconds(proofs)) // 2], "median [s]", "{:.2f}"),
-    Column("largest_s", lambda proofs: _seconds(proofs)[-1], "largest [s]", "{:.2f}"),
+    Column("median_s", lambda proofs: median_high(_seconds(proofs)), "median [s]", "{:.2f}"),
+    Column("largest_s", lambda proofs: _largest(_seconds(proofs)), "largest [s]", "{:.2f}"),
 ]

@@ -25,14 +25,14 @@ from tests.scenarios.in_process import evaluator
 FLOATS_DB = 1e-8
 """Largest distance of the event-driven motion from what is proven [dB], see docs/proof.md."""
 
-GRAZED = {OperatingPoint(0.0, 1.0)}
+STILL = {OperatingPoint(0.0, 1.0)}
 """The one standard point without a level: the last mass stands still."""
 
 
 def check(points) -> None:
     found = [proofs.proof_of(point) for point in points]
     assert [proof.point for proof in found if not proof.in_table] == []
-    assert {proof.point for proof in found if proof.proven is None} <= GRAZED
+    assert {proof.point for proof in found if proof.proven is None} <= STILL
     assert all(not proof.float_error_db > FLOATS_DB for proof in found)
 
 
@@ -72,7 +72,7 @@ def test_edges_of_the_band_lie_between_proven_levels(monkeypatch) -> None:
 
 
 def test_all_standard_points_have_a_proven_level() -> None:
-    assert set(proofs.standard_points()) - set(proven_levels()) == GRAZED
+    assert set(proofs.standard_points()) - set(proven_levels()) == STILL
 
 
 def test_a_digit_that_is_wrong_is_noticed(monkeypatch, capsys) -> None:
