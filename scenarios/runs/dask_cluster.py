@@ -1,11 +1,14 @@
 """Workers of a dask cluster that runs already, on this machine or on many."""
 
+import asyncio
+import contextlib
 import logging
 import sys
 import threading
 import time
 from collections.abc import Collection
 from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from functools import partial
 from typing import Any
 
 from reference_lcp.errors import ParameterError, shown, text_of
@@ -26,7 +29,18 @@ def run_on_cluster(batch: Batch, identity: str, limit: float) -> list[Result]:
     return executor.run_for_client(batch, identity, limit)
 
 
-NOISY = ("distributed", "distributed.client", "distributed.core", "distributed.utils", "tornado.application", "asyncio")
+LOST = (Exception, asyncio.CancelledError)
+"""What a client raises that has lost its scheduler: in short, anything, and what ends its own coroutines."""
+
+NOISY = (
+    "concurrent.futures",
+    "distributed",
+    "distributed.client",
+    "distributed.core",
+    "distributed.utils",
+    "tornado.application",
+    "asyncio",
+)
 """Loggers that print tracebacks where a scheduler is lost, which this module says in one line."""
 
 CONNECT_SECONDS = 15
@@ -87,15 +101,16 @@ class DaskExecutor(WorkerExecutor):
         self._last_worker = time.monotonic()
 
     def close(self) -> None:
-        """Cancel what is not begun, and disconnect; the cluster goes on."""
-        self._futures.shutdown(wait=False)
-        self._client.close(timeout=CLOSE_SECONDS)
+        """Cancel what is not begun, and disconnect; the cluster goes on, and one that is lost needs neither."""
+        for leave in (partial(self._futures.shutdown, wait=False), partial(self._client.close, timeout=CLOSE_SECONDS)):
+            with contextlib.suppress(*LOST):
+                leave()
 
     def _start(self, batch: Batch) -> Run:
         identity = identity_of(batch[0].variant)
         try:
             run: Run = self._futures.submit(run_on_cluster, batch, identity, self._limit)
-        except Exception as problem:  # the client is closed once it has lost its scheduler
+        except LOST as problem:  # the client is closed once it has lost its scheduler
             raise self._lost(text_of(problem)) from None
         return run
 
@@ -123,13 +138,14 @@ class DaskExecutor(WorkerExecutor):
 
     def _abandon(self, running: Collection[Run]) -> None:
         for run in running:
-            run.cancel()
+            with contextlib.suppress(*LOST):
+                run.cancel()
 
     def _workers(self) -> int:
         """Give the number of workers; 0 if the scheduler does not say."""
         try:
             identity = self._client.sync(self._client.scheduler.identity, n_workers=-1, callback_timeout=REPLY_SECONDS)
-        except Exception:  # it cannot be reached, or is about to be given up by the client
+        except LOST:  # it cannot be reached, or is about to be given up by the client
             return 0
         return len(identity["workers"])
 

@@ -1,5 +1,6 @@
 """The workers of a dask cluster, started by hand on a port of its own: the same answers, bit for bit."""
 
+import asyncio
 import contextlib
 import re
 import sqlite3
@@ -17,7 +18,7 @@ from scenarios.runs.local_processes import LocalExecutor
 from tests.scenarios.runs.builders import evaluated, eventually, numbers, statuses
 
 pytest.importorskip("distributed")
-from scenarios.runs.dask_cluster import DaskExecutor
+from scenarios.runs.dask_cluster import CLOSE_SECONDS, DaskExecutor
 
 
 @contextlib.contextmanager
@@ -89,6 +90,21 @@ def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
         DaskExecutor("nonsense:nonsense")
 
 
+@pytest.mark.parametrize("problem", [OSError, TimeoutError, asyncio.CancelledError])
+def test_leaving_a_lost_cluster_raises_nothing_that_hides_why_it_is_lost(scheduler, monkeypatch, problem) -> None:
+    executor, closed = DaskExecutor(scheduler), []
+
+    def lost(*_: object) -> None:
+        raise problem
+
+    monkeypatch.setattr(executor._client, "cancel", lost)
+    monkeypatch.setattr(executor._client, "close", lambda **how: closed.append(how))
+    monkeypatch.setattr(executor._client, "sync", lost)
+    assert executor._workers() == 0
+    executor.close()
+    assert closed == [{"timeout": CLOSE_SECONDS}]
+
+
 LARGE = """
 engines = ["mujoco:joint:tuned"]
 [grid]
@@ -119,7 +135,7 @@ def test_lost_cluster_ends_a_sweep_within_a_minute_with_one_line(tmp_path, lost)
         begin = time.monotonic()
         _, error = sweep.communicate(timeout=2 * LOST_WITHIN)
         assert time.monotonic() - begin < LOST_WITHIN
-    assert sweep.returncode == ExitCode.RUN_FAILED
+    assert sweep.returncode == ExitCode.RUN_FAILED, error
     lines = [line for line in error.splitlines() if line.startswith("error: ")]
     assert len(lines) == 1
     assert "is lost" in lines[0]
