@@ -11,8 +11,8 @@ from statistics import median_high
 
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
-from reference_lcp.exact.proof.outcome import NotProven
 from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
 from reference_lcp.one_call import steady_state
 from reference_lcp.validation import checked_count
