@@ -77,10 +77,8 @@ def periodic_orbits(
         The lanes; each has a time step of its drive's period over so many steps.
     start
         State that may be in the steady state; without it, the search starts from `harmonic_balance_start`.
-    tolerance
-        Residual to reach, see `PeriodicOrbit.residual`.
-    max_periods
-        Periods after which the search gives up, and gives the best orbit.
+    tolerance, max_periods
+        Residual to reach, see `PeriodicOrbit.residual`; periods after which the search gives the best orbit.
     longest_multiple
         Most periods of the drive after which a motion without a fixed point is searched for a repetition, on top of
         `max_periods`; 1 for no such search, and for none from rest.
@@ -93,8 +91,7 @@ def periodic_orbits(
     Raises
     ------
     ParameterError
-        If a number is outside its range, a lane's time step does not divide its drive's period, or that is no
-        period of its preload.
+        If a number is outside its range, or steps, period and preload do not fit together.
     NotProven
         Once the `deadline` is over.
     """
