@@ -1,32 +1,45 @@
-"""Proofs of the canonical chain's steady states on the standard grids: of the table of levels that is shipped."""
+"""Proofs of steady states, of the standard grids and the catalogue: of the table of levels that is shipped."""
 
 import io
+import json
 import math
 import random
 from collections.abc import Iterable, Sequence
 from csv import writer
 from dataclasses import dataclass
-from decimal import ROUND_HALF_EVEN, Decimal
+from decimal import Decimal
 from statistics import median_high
 
-from reference_lcp.chain.drives import HarmonicBase
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.deadline import NotProven
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
 from reference_lcp.one_call import steady_state
 from reference_lcp.validation import checked_count
+from scenarios.catalogue.registry import CATALOGUE
+from scenarios.catalogue.steady.base import SteadyScenario
+from scenarios.catalogue.steady.modulated_normal_force import CASE_STEPS, CASES
 from scenarios.runs.parameters import ChainRatios, OperatingPoint
-from scenarios.studies.accuracy import ACCURACY_POINTS
+from scenarios.runs.task import SteadyStateTask
+from scenarios.studies.accuracy import ACCURACY_POINTS, task_at
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
     default_frequency_ratios,
     quick_frequency_ratios,
 )
-from scenarios.sweeps.proven import DIGITS, RADIUS, ProvenLevel, proven_levels
 from scenarios.tables import Column
 from scenarios.verdicts.finding import FLOOR_DB
+from scenarios.verdicts.proven import (
+    DIGITS,
+    RADIUS,
+    ProvenLevel,
+    chain_text,
+    exact_chain,
+    proven_levels,
+    steady_state_of,
+)
+from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
 
 EDGES = (
     (0.0, 0.8526), (0.0, 1.4142), (0.1, 0.7533), (0.3, 0.6373), (0.6, 0.7559), (1.0, 0.9988), (5.0, 1.1725)
@@ -43,6 +56,9 @@ RESOLVED = {
 }
 """Frequency ratios that both reports add near the threshold, by friction ratio: see `attenuation_band.unresolved`."""
 
+LONGEST_PROOF = 1200.0
+"""Seconds after which a proof is given up: fifty cells take minutes."""
+
 EDGE_WIDTH = 1e-4
 """In η_r, within which an edge is proven: the last digit that is printed."""
 
@@ -51,28 +67,35 @@ EDGE_WIDTH = 1e-4
 class Proof:
     """What came of the proof of one point, beside the event-driven motion in floating point."""
 
-    point: OperatingPoint
+    task: SteadyStateTask
     proven: ProvenSteadyState | None
     reason: str
     """Why it is not proven; empty where it is."""
     float_db: float
-    """Transmittance of the event-driven motion [dB]."""
+    """Transmittance of the event-driven motion [dB]; NaN of modulated normal forces, and of long chains."""
     scheme_db: float
     bar_db: float
-    """That of the scheme, with its error bar [dB]."""
+    """That of the scheme, with its error bar [dB]; likewise."""
+
+    @property
+    def chain(self) -> str:
+        """What its chain has beside the canonical one, as JSON."""
+        return chain_text(self.task)
+
+    @property
+    def label(self) -> str:
+        """Its ratios, for people."""
+        return f"{self.chain} friction {self.task.friction_ratio}, η_r {self.task.frequency_ratio}".strip()
 
     @property
     def level(self) -> ProvenLevel | None:
         """The row of the table; ``None`` without a proof."""
-        if self.proven is None:
-            return None
-        level, phase = (_kept(each.value) for each in (self.proven.transmittance_db, self.proven.phase))
-        return ProvenLevel(level, phase, len(self.proven.transitions))
+        return None if self.proven is None else ProvenLevel.of(self.proven)
 
     @property
     def in_table(self) -> bool:
         """Whether the shipped table has just this: the same digits, or none where there is no proof."""
-        known, own = proven_levels().get(self.point), self.level
+        known, own = proven_levels().get(self.task), self.level
         if known is None or own is None:
             return known is own
         close = abs(known.transmittance_db - own.transmittance_db) <= RADIUS and abs(known.phase - own.phase) <= RADIUS
@@ -94,10 +117,6 @@ class Proof:
         return float(abs(Decimal(level_db) - self.proven.transmittance_db.value))
 
 
-def _kept(value: Decimal) -> Decimal:
-    return value.quantize(RADIUS, ROUND_HALF_EVEN)
-
-
 def standard_points() -> list[OperatingPoint]:
     """Give the points of the default and the quick report, and those of `studies.accuracy`."""
     ratios = ChainRatios()
@@ -110,27 +129,42 @@ def standard_points() -> list[OperatingPoint]:
     return sorted({*gridded, *resolved, *ACCURACY_POINTS})
 
 
-def chosen_points(sample: int | None, seed: int) -> list[OperatingPoint]:
-    """Give all standard points, or a random sample of so many."""
-    points = standard_points()
+def catalogue_tasks() -> list[SteadyStateTask]:
+    """Give the steady states of the catalogue whose normal forces are given, and contacts stay closed."""
+    steady = [each for each in CATALOGUE.values() if isinstance(each, SteadyScenario)]
+    tasks = [case.task(EXACT) for scenario in steady for case in scenario.cases if case.inclination == 0]
+    tasks = [task for task in tasks if task.modulation is None]
+    return tasks + [case.task(EXACT, CASE_STEPS[0]) for case in CASES if case.modulation <= 1]
+
+
+def standard_tasks() -> list[SteadyStateTask]:
+    """Give all steady states of the table, those of the canonical chain first."""
+    gridded = [task_at(EXACT, point, MINIMUM_STEPS_PER_PERIOD) for point in standard_points()]
+    tasks = dict.fromkeys(steady_state_of(task) for task in (*gridded, *catalogue_tasks()))
+    points = {task: (task.friction_ratio, task.frequency_ratio) for task in tasks if not chain_text(task)}
+    return [*sorted(points, key=points.__getitem__), *(task for task in tasks if task not in points)]
+
+
+def chosen_tasks(sample: int | None, seed: int) -> list[SteadyStateTask]:
+    """Give all standard tasks, or a random sample of so many."""
+    tasks = standard_tasks()
     if sample is None:
-        return points
-    return sorted(random.Random(seed).sample(points, checked_count("sample", sample, 1, len(points))))
+        return tasks
+    return random.Random(seed).sample(tasks, checked_count("sample", sample, 1, len(tasks)))
 
 
-def proof_of(point: OperatingPoint) -> Proof:
-    """Prove one point, in the decimals as which its ratios are printed."""
-    chain = Chain.from_ratios(friction_ratio=point.friction_ratio)
-    drive = HarmonicBase.from_ratio(chain, point.frequency_ratio)
-    scheme = steady_state(chain, drive, with_exact_value=True)
-    bar = math.nan if scheme.error_bar is None else scheme.error_bar.transmittance_db
-    in_floats = math.nan if scheme.exact_db is None else scheme.exact_db
-    exact = ExactChain.from_ratios(friction_ratio=point.friction_ratio, frequency_ratio=point.frequency_ratio)
+def proof_of(task: SteadyStateTask) -> Proof:
+    """Prove one steady state, in the decimals as which its ratios are printed."""
     try:
-        proven, reason = prove(exact, digits=DIGITS + 1), ""
+        proven, reason = prove(exact_chain(task), digits=DIGITS + 1, time_limit=LONGEST_PROOF), ""
     except NotProven as problem:
         proven, reason = None, str(problem)
-    return Proof(point, proven, reason, in_floats, scheme.transmittance_db, bar)
+    if task.modulation is not None or task.cells > MOST_EXACT_CELLS:
+        return Proof(task, proven, reason, math.nan, math.nan, math.nan)
+    scheme = steady_state(*task.setting(), with_exact_value=True)
+    bar = math.nan if scheme.error_bar is None else scheme.error_bar.transmittance_db
+    in_floats = math.nan if scheme.exact_db is None else scheme.exact_db
+    return Proof(task, proven, reason, in_floats, scheme.transmittance_db, bar)
 
 
 @dataclass(frozen=True)
@@ -166,15 +200,18 @@ def table_text(proofs: Sequence[Proof]) -> str:
     """Give the table as CSV."""
     file = io.StringIO()
     table = writer(file, lineterminator="\n")
-    table.writerow([*OperatingPoint._fields, *ProvenLevel._fields])
-    table.writerows([*proof.point, *proof.level] for proof in proofs if proof.level is not None)
+    table.writerow([*OperatingPoint._fields, "chain", *ProvenLevel._fields])
+    for proof in proofs:
+        if proof.level is not None:
+            ratios = (json.dumps(ratio) for ratio in (proof.task.friction_ratio, proof.task.frequency_ratio))
+            table.writerow([*ratios, proof.chain, *proof.level])
     return file.getvalue()
 
 
-def by_friction(proofs: Sequence[Proof]) -> list[list[Proof]]:
-    """Give the proofs of each friction ratio, and of all of them."""
-    ratios = sorted({proof.point.friction_ratio for proof in proofs})
-    parts = [[proof for proof in proofs if proof.point.friction_ratio == ratio] for ratio in ratios]
+def by_chain(proofs: Sequence[Proof]) -> list[list[Proof]]:
+    """Give the proofs of each friction ratio of the canonical chain, of other chains, and of all of them."""
+    titles = dict.fromkeys(_title([proof]) for proof in proofs)
+    parts = [[proof for proof in proofs if _title([proof]) == title] for title in titles]
     return [*parts, list(proofs)] if len(parts) > 1 else parts
 
 
@@ -183,8 +220,8 @@ def _proven(proofs: Sequence[Proof]) -> list[ProvenSteadyState]:
 
 
 def _title(proofs: Sequence[Proof]) -> str:
-    ratios = {proof.point.friction_ratio for proof in proofs}
-    return "all" if len(ratios) > 1 else f"{ratios.pop():g}"
+    titles = {"other chains" if proof.chain else f"{proof.task.friction_ratio:g}" for proof in proofs}
+    return "all" if len(titles) > 1 else titles.pop()
 
 
 def _seconds(proofs: Sequence[Proof]) -> list[float]:
