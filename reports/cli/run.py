@@ -319,8 +319,10 @@ def proofs(
             print(visible(f"{proof.label}: {other}{proof.reason or proof.level}"))
     edges = study.edge_proofs() if sample is None else []
     for edge in edges:
-        shown = f"between {edge.sides[0]:g} and {edge.sides[1]:g}" if edge.crosses else f"not at {edge.sides}"
-        print(f"friction {edge.friction_ratio:g}: an edge of the band is {shown}, proven")
+        print(edge)
+    for friction in dict.fromkeys(edge.friction_ratio for edge in edges):
+        known, steps = study.known_steps(friction)
+        print(f"friction {friction:g}: all crossings are known in {known} of {steps} steps of the grid: nothing slips")
     if out is not None:
         write_whole(out, study.table_text(found))
     if not all([*(proof.in_table for proof in found), *(edge.crosses for edge in edges)]):

@@ -8,6 +8,9 @@ from collections.abc import Iterable, Sequence
 from csv import writer
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
 from statistics import median_high
 
 from reference_lcp.deadline import NotProven
@@ -175,20 +178,57 @@ class EdgeProof:
     sides: tuple[float, float]
     """In η_r."""
     levels_db: tuple[Decimal, Decimal]
+    alone: tuple[float, float] | None
+    """Between which frequency ratios the level is nowhere else 0 dB; ``None`` where contacts slip: it is not shown."""
 
     @property
     def crosses(self) -> bool:
         """Whether the level crosses 0 dB in between: it is continuous, since the steady state is unique."""
         return self.levels_db[0] * self.levels_db[1] < 0
 
+    def __str__(self) -> str:
+        where = f"between {self.sides[0]:g} and {self.sides[1]:g}" if self.crosses else f"not at {self.sides}"
+        other = (
+            f"no other between {self.alone[0]:.5f} and {self.alone[1]:.5f}" if self.alone else "another is not excluded"
+        )
+        return f"friction {self.friction_ratio:g}: an edge of the band is {where}, proven; {other}"
+
 
 def edge_proofs() -> list[EdgeProof]:
     """Prove the levels at both sides of every edge in `EDGES`."""
     return [
-        EdgeProof(friction, sides, (_level(friction, sides[0]), _level(friction, sides[1])))
+        EdgeProof(friction, sides, (_level(friction, sides[0]), _level(friction, sides[1])), _alone(friction, sides))
         for friction, edge in EDGES
         for sides in [(round(edge - EDGE_WIDTH / 2, 6), round(edge + EDGE_WIDTH / 2, 6))]
     ]
+
+
+def _alone(friction_ratio: float, sides: tuple[float, float]) -> tuple[float, float] | None:
+    """Give the ratios around both sides between which the linear motion crosses 0 dB once, and no contact slips."""
+    for low, high, crossings in _linear(friction_ratio):
+        within = [place for place in crossings if sides[0] < place < sides[1]]
+        if low < sides[0] and sides[1] < high and len(within) == 1:
+            before, after = ([p for p in crossings if p < sides[0]], [p for p in crossings if p > sides[1]])
+            return max([low, *before]), min([high, *after])
+    return None
+
+
+def known_steps(friction_ratio: float) -> tuple[int, int]:
+    """Give in how many steps of the default grid no contact slips, so that all crossings are known; of how many."""
+    steps = list(pairwise(default_frequency_ratios(ChainRatios())))
+    ranges = _linear(friction_ratio)
+    return sum(any(low <= a and b <= high for low, high, _ in ranges) for a, b in steps), len(steps)
+
+
+@cache
+def _linear(friction_ratio: float) -> list[tuple[float, float, list[float]]]:
+    """Give the ranges of the default grid without slip, and the crossings in them, as doubles."""
+    from reference_lcp.exact.proof.linear import linear_ranges
+
+    ends = default_frequency_ratios(ChainRatios())
+    exact = ExactChain.from_ratios(friction_ratio=friction_ratio, frequency_ratio=1)
+    ranges = linear_ranges(exact, Fraction(str(ends[0])), Fraction(str(ends[-1])))
+    return [(float(each.low), float(each.high), [float(place) for place in each.crossings]) for each in ranges]
 
 
 def _level(friction_ratio: float, frequency_ratio: float) -> Decimal:
