@@ -87,7 +87,9 @@ def test_every_point_of_a_report_is_a_standard_one(frictions, etas) -> None:
 def test_edges_of_the_band_lie_between_proven_levels(monkeypatch) -> None:
     """A band that began elsewhere would be noticed."""
     pytest.importorskip("flint", reason="it needs python-flint")
-    assert all(edge.crosses for edge in proofs.edge_proofs())
+    edges = proofs.edge_proofs()
+    assert all(edge.crosses for edge in edges)
+    assert [edge.friction_ratio for edge in edges if edge.alone] == [0, 0, 5]
     monkeypatch.setattr(proofs, "EDGES", ((0.3, 0.6375),))
     assert not proofs.edge_proofs()[0].crosses
 
