@@ -110,6 +110,13 @@ class Proof:
         return self._error_of(self.float_db)
 
     @property
+    def float_error(self) -> float:
+        """The same in amplitude, over that of the drive, at every level: round-off is that of the drive."""
+        if self.proven is None:
+            return math.nan
+        return float(abs(Decimal(10 ** (self.float_db / 20)) - self.proven.transmittance.value))
+
+    @property
     def part_of_bar(self) -> float:
         """Error of the scheme over its error bar; NaN likewise."""
         return self._error_of(self.scheme_db) / self.bar_db
@@ -291,6 +298,7 @@ PROOF_COLUMNS: list[Column[list[Proof]]] = [
         "floats [dB]",
         "{:.1e}",
     ),
+    Column("largest_float_error", lambda proofs: _largest(proof.float_error for proof in proofs), "in U0", "{:.0e}"),
     Column(
         "largest_part_of_bar",
         lambda proofs: _largest(proof.part_of_bar for proof in proofs),
