@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,17 @@ from reference_lcp.validation import FloatArray
 class _Coordinates:
     absolute: Callable[..., FloatArray]
 
+    def count(self, cells: int) -> int:
+        """Give how many coordinates so many cells have."""
+        return 2 * cells
+
     def force_matrix(self, chain: Chain) -> FloatArray:
-        """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
+        """Give the matrix that turns coordinates and velocities into generalised forces, shape (count, 2 count).
 
         The force of a joint acts on its own mass and back on the one that carries it.
         """
         # A column has the absolute positions for one unit of a coordinate.
-        columns = self.absolute(np.eye(2 * chain.cells)).T
+        columns = self.absolute(np.eye(self.count(chain.cells))).T
         return -np.hstack([columns.T @ matrix @ columns for matrix in (chain.stiffness_matrix, chain.damping_matrix)])
 
 
@@ -118,6 +122,26 @@ def absolute_coordinates(coordinates: FloatArray, joints: int) -> FloatArray:
     """Turn (u_1, v_1 - u_1, ..., u_2, ...), `joints` a cell, into (u, v); velocities likewise."""
     outer, relative = coordinates[..., 0::joints], coordinates[..., 1::joints]
     return np.concatenate([outer, outer + relative], axis=-1)
+
+
+@dataclass(frozen=True)
+class JointCoordinates(_Coordinates):
+    """(u_1, v_1 - u_1, ..., u_2, ...), so many `joints` a cell; what goes across the row has no forces of the chain."""
+
+    joints: int
+    loaded: ClassVar[int] = 0
+
+    def count(self, cells: int) -> int:
+        """Give how many coordinates so many cells have."""
+        return self.joints * cells
+
+    def of(self, absolute: FloatArray) -> FloatArray:
+        """Turn (u, v) into these coordinates; see `joint_coordinates`."""
+        return joint_coordinates(absolute, self.joints)
+
+    def absolute(self, coordinates: FloatArray) -> FloatArray:
+        """Turn these coordinates into (u, v); see `absolute_coordinates`."""
+        return absolute_coordinates(coordinates, self.joints)
 
 
 ROUNDINGS = 16
