@@ -40,10 +40,13 @@ soft that no coefficient comes near `LEAST_COEFFICIENT`: by Signorini's law, not
 def share_a_scene(lanes: Sequence[Lane], preset: Preset) -> bool:
     """Whether one scene can hold these lanes.
 
-    It has one time step, one time constant of contacts, and a contact in the same cells of all environments.
+    It has one time step, one time constant of contacts, and a contact in the same cells of all environments, of one
+    size. In SI units, the contacts of spheres that are held differ by what presses them.
     """
     in_steps = preset["units"] == "lane" and isinstance(preset["constraint_timeconst"], OfStep)
-    return len(lanes) == 1 or (in_steps and rub_alike(lanes))
+    sizes = {(lane.time_step, power_of_two(lane.drive.displacement_scale(lane.chain))) for lane in lanes}
+    alike = in_steps or (preset.is_free and len(sizes) == 1)
+    return len(lanes) == 1 or (alike and rub_alike(lanes))
 
 
 class ContactSimulation(GenesisSimulation):
@@ -151,7 +154,8 @@ class FreeContactSimulation(LanesOfJoints, ContactSimulation):
     def _trajectory(self, index: int, start: int, motions: FloatArray, read: FloatArray) -> Trajectory:
         trajectory = super()._trajectory(index, start, motions, read)
         gap = self._gaps(motions[:, : motions.shape[1] // 2], self.lanes[index]) * self._units[index].length
-        return replace(trajectory, internal_state=self._state(index, motions).internal_state[0], normal_gap=gap)
+        end = self._state(index, motions).internal_state
+        return replace(trajectory, internal_state=None if end is None else end[0], normal_gap=gap)
 
 
 def _check_coefficients(coefficients: FloatArray) -> None:

@@ -54,7 +54,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def add(morph: Any, **mass: float) -> Any:
         return world.add_entity(morph, material=genesis.materials.Rigid(**rub, **mass))
 
-    slides = None
+    slides: Any = None
     if scene.grip:
         reach, height = scene.finger
         sides = tuple(2 * half for half in FINGER)

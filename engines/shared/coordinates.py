@@ -38,7 +38,6 @@ class ChainCoordinates(_Coordinates, Enum):
 
     ABSOLUTE = "(u_i, v_i): bodies of their own"
     CELLS = "(u_i, v_i - u_i): joints on the ground carry the outer masses, and these the inner ones"
-    PAIRS = "(u_1, v_1 - u_1, u_2, ...): the same, cell by cell"
     ROW = "(u_i - u_(i-1), v_i - u_i): every outer mass has its joint on its left neighbour"
 
     @property
@@ -54,15 +53,11 @@ class ChainCoordinates(_Coordinates, Enum):
             second = inner - outer
         if self is ChainCoordinates.ROW:
             first = np.diff(outer, axis=-1, prepend=0.0)
-        if self is ChainCoordinates.PAIRS:
-            return np.stack([first, second], axis=-1).reshape(absolute.shape)
         return np.concatenate([first, second], axis=-1)
 
     def absolute(self, coordinates: FloatArray) -> FloatArray:
         """Turn these coordinates into (u, v), shape (..., 2n)."""
         outer, inner = np.split(coordinates, 2, axis=-1)
-        if self is ChainCoordinates.PAIRS:
-            outer, inner = coordinates[..., 0::2], coordinates[..., 1::2]
         if self is ChainCoordinates.ROW:
             outer = np.cumsum(outer, axis=-1)
         if self is not ChainCoordinates.ABSOLUTE:
@@ -128,7 +123,7 @@ def absolute_coordinates(coordinates: FloatArray, joints: int) -> FloatArray:
 class JointCoordinates(_Coordinates):
     """(u_1, v_1 - u_1, ..., u_2, ...), so many `joints` a cell; what goes across the row has no forces of the chain."""
 
-    joints: int
+    joints: int = 2
     loaded: ClassVar[int] = 0
 
     def count(self, cells: int) -> int:
