@@ -57,8 +57,8 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
         return PlannedReport(stored, scope, command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
     beside = _beside(planned)
-    whole = replace(_scope(planned.variants, beside), scenarios=SCENARIOS)
-    scope = replace(QUICK, beside=beside, recommended=whole.recommended) if quick else whole
+    whole = replace(_scope(planned.variants, beside), claims=True, scenarios=SCENARIOS)
+    scope = replace(QUICK, beside=beside, recommended=whole.recommended, claims=True) if quick else whole
     return PlannedReport(planned, scope, command_of((), quick, None))
 
 

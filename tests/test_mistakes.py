@@ -63,6 +63,7 @@ COMMAND_LINES = [
     ("run unit-cell --engine mujocko", r"engine = 'mujocko' is unknown"),
     ("run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
     ("run figure3 --no-run", r"--store"),
+    ("run figure3 --widest -0.01", r"widest = -0.01.*>= 0"),
     ("run cost --seconds 0", r"seconds = 0.*> 0"),
     ("run cost --lanes 0", r"lanes = 0.*>= 1"),
     ("run cost --lanes 64 --lanes 70000", r"lanes = 70000.*1 to 65536"),

@@ -21,7 +21,10 @@ from scenarios.studies import COST_SECONDS
 if TYPE_CHECKING:
     from engines.interface.variant import Variant
     from scenarios.catalogue.verdict_table import Results
+    from scenarios.runs.evaluator import Evaluator
+    from scenarios.studies.claims import Conclusions
     from scenarios.studies.cost import CostRow
+    from scenarios.studies.widest_band import WidestBand
     from scenarios.tables import Column, Row
 
 BATCH_SAMPLES = 3
@@ -32,6 +35,9 @@ MOST_LANES = 65536
 
 RECORD = "record"
 """The scenario whose base follows a file."""
+
+FIGURE3 = "figure3"
+"""The scenario that answers the paper's claims."""
 
 ENDINGS, TABLE_ENDINGS = (".md", ".json", ".xml", ".csv"), (".md", ".csv")
 """Formats of verdicts, and of tables."""
@@ -115,6 +121,35 @@ def follow(
     _judge([RECORD], engines, verdicts, work, record)
 
 
+@grouped
+def answer(
+    context: typer.Context,
+    others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
+    *,
+    engines: Engines,
+    claims: Annotated[
+        bool,
+        typer.Option(help="Also answer the paper's claims with every variant, by some 200 steady states each."),
+    ] = True,
+    widest: Annotated[
+        list[float] | None,
+        typer.Option(
+            metavar="ZETA",
+            help="Also find, by the reference, the friction ratio of the lowest edge with this damping ratio; may be "
+            "repeated.",
+        ),
+    ] = None,
+    verdicts: Verdicts,
+    work: Work,
+) -> None:
+    """Run the scenario of the paper's figure, and others; then answer the claims of the paper."""
+    from reference_lcp.validation import checked_scalar
+
+    dampings = [checked_scalar("widest", value, ">= 0") for value in widest or ()]
+    names = [str(context.info_name), *(checked_choice("scenario", name, list(DESCRIPTIONS)) for name in others or ())]
+    _judge(names, engines, verdicts, work, claims=claims, dampings=dampings)
+
+
 def _add_scenarios() -> None:
     """Add the command of each scenario, and of all: the physical question, the exit codes, an example."""
     summaries = {name: f"{own.question} Compared with: {own.expects}." for name, own in DESCRIPTIONS.items()}
@@ -128,13 +163,22 @@ def _add_scenarios() -> None:
             f"Example: multibody-xval run {name}{' --record quake.csv' if name == RECORD else ''} --engine mujoco "
             "--out verdicts.md"
         )
-        app.command(name, help=text)(follow if name == RECORD else named)
+        app.command(name, help=text)({RECORD: follow, FIGURE3: answer}.get(name, named))
 
 
 _add_scenarios()
 
 
-def _judge(names: Sequence[str], engines: Engines, verdicts: Verdicts, work: Work, record: Path | None = None) -> None:
+def _judge(
+    names: Sequence[str],
+    engines: Engines,
+    verdicts: Verdicts,
+    work: Work,
+    record: Path | None = None,
+    *,
+    claims: bool = False,
+    dampings: Sequence[float] = (),
+) -> None:
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
     outs = check_outs(verdicts.out, ENDINGS, verdicts.store, record)
@@ -142,6 +186,7 @@ def _judge(names: Sequence[str], engines: Engines, verdicts: Verdicts, work: Wor
     from scenarios.catalogue.registry import CATALOGUE
     from scenarios.catalogue.transient.record import Record
     from scenarios.catalogue.verdict_table import VERDICT_FORMATS
+    from scenarios.studies.widest_band import widest_band
     from scenarios.verdicts.finding import failures
 
     asked = list(CATALOGUE.values()) if ALL_SCENARIOS in names else [CATALOGUE[name] for name in dict.fromkeys(names)]
@@ -154,7 +199,10 @@ def _judge(names: Sequence[str], engines: Engines, verdicts: Verdicts, work: Wor
     shown = list(dict.fromkeys(variant for own in variants.values() for variant in own))
     with work.evaluator(verdicts.store, shown, run=verdicts.run) as evaluator:
         results = {each: run_with_predictions(each, own, evaluator) for each, own in variants.items()}
+        concluded = _concluded(shown, evaluator) if claims else []
+        bands = [widest_band(damping, evaluator) for damping in dampings]
     print_results(results)
+    print_claims(concluded, bands)
     for out in outs:
         write_whole(out, VERDICT_FORMATS[out.suffix](results, engines.command(" ".join(names), options)))
     if any(failures(findings) for findings in results.values()):
@@ -188,6 +236,35 @@ def print_results(results: Results) -> None:
     for scenario, own in results.items():
         for line in (*engine_failures(own), *failures(own)):
             console.print(tables.plain(f"{scenario.name}: {line}"), soft_wrap=True)
+
+
+def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclusions]:
+    """Answer the paper's claims for the reference and variants."""
+    from scenarios.studies.claims import evaluated_conclusions
+    from scenarios.studies.figure3 import figure3
+
+    evaluator.stage("the paper's claims")
+    return evaluated_conclusions(figure3(), variants, evaluator)
+
+
+def print_claims(concluded: Sequence[Conclusions], bands: Sequence[WidestBand]) -> None:
+    """Print the answers to the paper's claims, what decides them, and where bands begin lowest."""
+    from scenarios import tables
+    from scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
+    from scenarios.studies.widest_band import WIDEST_COLUMNS
+
+    if concluded:
+        print("\nThe paper's claims, and lower edges η_r by friction ratio:")
+        for name, text in STATED.items():
+            print(f"  {name}: {text}")
+        tables.print_table(tables.text_table(CLAIM_COLUMNS, concluded))
+        for claim in concluded[0].claims:
+            print(visible(f"{claim.name}, {concluded[0].variant}: {claim.answer}; {claim.numbers}"))
+        for own in concluded:
+            print(visible(sentence(own, concluded[0])))
+    if bands:
+        print("\nWhere the band begins lowest, by the reference:")
+        tables.print_table(tables.text_table(WIDEST_COLUMNS, bands))
 
 
 @app.command()

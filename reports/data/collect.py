@@ -16,6 +16,7 @@ from scenarios.runs.parameters import ChainRatios, OperatingPoint
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Recorded, SteadyStateTask
+from scenarios.studies.claims import Conclusions, compared_conclusions, evaluated_conclusions
 from scenarios.studies.few_points import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
@@ -33,7 +34,7 @@ from scenarios.studies.work_precision import (
     step_tasks,
     thrifty_step_study,
 )
-from scenarios.sweeps.compared import compare_sweep, judged_points
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
 from scenarios.sweeps.point import tasks_of
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
@@ -74,6 +75,9 @@ class Scope:
     """Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too."""
     scaled: tuple[Variant, ...] = ()
     """Variants that are simulated in softer and stiffer chains too, see `scale_study`."""
+    claims: bool = False
+    """Whether the paper's claims are answered on points of their own, also for recommended variants; without, by the
+    points and edges that there are."""
     scenarios: tuple[str, ...] = ()
     """Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown."""
     proof: bool = False
@@ -111,10 +115,12 @@ def collect(
     if _is_canonical(sweep):
         stored = StoredResults(store)
         steps = tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
+    evaluator.stage("the paper's claims")
     return Report(
         result,
         command,
         periods,
+        conclusions=_conclusions(result, scope, evaluator),
         steps=steps,
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
@@ -125,6 +131,16 @@ def collect(
         catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),
         scenes=scene_numbers(store),
     )
+
+
+def _conclusions(result: ComparedSweep, scope: Scope, evaluator: Evaluator) -> tuple[Conclusions, ...]:
+    """Answer the paper's claims, which are about the canonical chain on a moving base."""
+    sweep = result.sweep
+    if not _is_canonical(sweep) or sweep.excitation.kind != "base":
+        return ()
+    if not scope.claims:
+        return tuple(compared_conclusions(result))
+    return tuple(evaluated_conclusions(sweep, (*sweep.variants, *scope.recommended), evaluator))
 
 
 def collect_dataset(data: xr.Dataset, command: str) -> Report:

@@ -18,6 +18,7 @@ from reports.data.variants import Errors, deviations, error_table, errors_of, ve
 from reports.data.versions import version_pairs
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
+from scenarios.studies.claims import Conclusions
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
@@ -57,6 +58,8 @@ class Report:
     """What is known of the scenarios of the catalogue."""
     scenes: pd.DataFrame = field(default_factory=pd.DataFrame)
     """What is known of scenes, of any engine, see `scene_numbers`; empty where that is nothing."""
+    conclusions: tuple[Conclusions, ...] = ()
+    """The paper's claims, answered for the reference and then every variant; none where they are not asked."""
     scale: tuple[ScalePoint, ...] = ()
     """Errors in softer and stiffer chains; none if they are no part of the report."""
 

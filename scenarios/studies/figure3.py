@@ -61,6 +61,11 @@ def quick_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
     return _grid(uniform, free_resonances(ratios)[max(cells - 2, 0) : cells + 1])
 
 
+def claim_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
+    """The fewest points of the default grid on which the edges of all friction ratios are found: all resonances."""
+    return _grid(np.array([0.3, 0.65, 0.8, 0.9, 1.0, 1.1, 1.2, 1.6, 2.1, 2.5, 3.0]), resonances(ratios))
+
+
 def _grid(uniform: FloatArray, peaks: FloatArray) -> tuple[float, ...]:
     inside = peaks[(peaks > uniform.min()) & (peaks < uniform.max())]
     return tuple(float(eta) for eta in np.unique(np.round(np.concatenate([uniform, inside]), 4)))

@@ -1,5 +1,6 @@
 """Sections of reports, one class and one template each."""
 
+from reports.page.sections.claims import Claims
 from reports.page.sections.errors import ErrorMaps, OptionCurves, ScaleCurves, WorkPrecision
 from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
 from reports.page.sections.scenes import Scenes
@@ -7,7 +8,7 @@ from reports.page.sections.summary import Provenance, Summary
 from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts, Versions
 
 FIRST_SECTIONS = (
-    Summary, Verdicts, Versions, DeviationsSection, BandEdges, Transmittance, Catalogue, Scenes, ErrorMaps,
+    Summary, Verdicts, Versions, DeviationsSection, Claims, BandEdges, Transmittance, Catalogue, Scenes, ErrorMaps,
     ScaleCurves, FrictionMapSection, StickSlip, WorkPrecision, OptionCurves, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)

@@ -1,0 +1,39 @@
+"""What the paper claims, and what each engine would conclude."""
+
+from typing import Any
+
+from reports.page.section import Section
+from scenarios.studies.claims import LOCKED, MOVED, RANGE, RESONATOR, STATED, called, edge_text, sentence
+from scenarios.studies.figure3 import FRICTION_RATIOS
+
+
+class Claims(Section):
+    """The answers of the reference with their numbers, then a row and a sentence a variant."""
+
+    title = "What the paper claims, and what each engine would conclude"
+    template = "claims"
+
+    @property
+    def shown(self) -> bool:
+        return bool(self.report.conclusions)
+
+    def context(self) -> dict[str, Any]:
+        reference = self.report.conclusions[0]
+        return {
+            "stated": STATED,
+            "reference": reference.claims,
+            "frictions": FRICTION_RATIOS,
+            "rows": [
+                {
+                    "name": called(own.variant),
+                    "answers": own.claims,
+                    "edges": [edge_text(own.bands[f].lower) if f in own.bands else "–" for f in FRICTION_RATIOS],
+                    "sentence": sentence(own, reference),
+                }
+                for own in self.report.conclusions
+            ],
+            "range": RANGE,
+            "resonator": RESONATOR,
+            "locked": LOCKED,
+            "moved": MOVED,
+        }
