@@ -21,14 +21,15 @@ DAMPING_RATIOS = (0.01, 0.03)
 
 INTRODUCTION = f"""# What the paper claims
 
-The extended abstract makes three claims about [the attenuation band](physics.md#the-attenuation-band). This page answers them
-with the reference, and says what one would conclude with each engine. `multibody-xval run figure3 --engine NAME` prints the
-same.
+The extended abstract makes three claims about [the attenuation band](physics.md#the-attenuation-band). This page
+answers them with the reference, and says what one would conclude with each engine.
+`multibody-xval run figure3 --engine NAME` prints the same.
 
-A claim on the width is read twice: by the lower edge, and by the share of $\\eta_r$ {RANGE[0]:g} to {RANGE[1]:g} that the
-band covers, which is always finite. It *holds* if both say so, and *holds as read here* if one does. An edge has moved if it
-has by more than {MOVED:g}. Locking is read at $\\eta_r = 1$, where a free inner mass moves most: a stuck fraction of {LOCKED:g}
-or more, as the mean of the cells, at friction ratios of 1 and 5. At resonances cells slip even then.
+A claim on the width is read twice: by the lower edge, and by the share of $\\eta_r$ {RANGE[0]:g} to {RANGE[1]:g}
+that the band covers, which is always finite. It *holds* if both say so, and *holds as read here* if one does. An
+edge has moved if it has by more than {MOVED:g}. Locking is read at $\\eta_r = 1$, where a free inner mass moves
+most: a stuck fraction of {LOCKED:g} or more, as the mean of the cells, at friction ratios of 1 and 5. At resonances
+cells slip even then.
 """
 
 ENGINES = """
@@ -40,13 +41,13 @@ The numbers are lower edges $\\eta_r$ by friction ratio. A dash is an edge witho
 LOWEST = """
 ## The widest band
 
-With the reference alone, between the friction ratios of the figure. The edge is extrapolated to a time step of zero, its
-error is what halving the step changes. `multibody-xval run figure3 --engine reference --widest 0.01 --widest 0.03` prints:
+With the reference alone, between the friction ratios of the figure. The edge is extrapolated to a time step of
+zero, its error is what halving the step changes.
+`multibody-xval run figure3 --engine reference --widest 0.01 --widest 0.03` prints:
 """
 
 FLAT = """
-The lower edge hardly depends on friction near its lowest: the columns *within 0.001* say how far. With more damping the band
-is widest at less friction.
+The columns *within 0.001* give the friction ratios whose edge is at most 0.001 higher.
 """
 
 
