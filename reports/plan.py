@@ -57,8 +57,12 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
         return PlannedReport(stored, scope, command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
     beside = _beside(planned)
-    whole = replace(_scope(planned.variants, beside), claims=True, scenarios=SCENARIOS)
-    scope = replace(QUICK, beside=beside, recommended=whole.recommended, claims=True) if quick else whole
+    scope = _scope(planned.variants, beside)
+    if quick:
+        installed = tuple(variant for variant in planned.variants if variant.preset_name == "default")
+        scope = replace(QUICK, beside=beside, recommended=scope.recommended, claims=installed)
+    else:
+        scope = replace(scope, claims=(*planned.variants, *scope.recommended), scenarios=SCENARIOS)
     return PlannedReport(planned, scope, command_of((), quick, None))
 
 

@@ -75,9 +75,8 @@ class Scope:
     """Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too."""
     scaled: tuple[Variant, ...] = ()
     """Variants that are simulated in softer and stiffer chains too, see `scale_study`."""
-    claims: bool = False
-    """Whether the paper's claims are answered on points of their own, also for recommended variants; without, by the
-    points and edges that there are."""
+    claims: tuple[Variant, ...] = ()
+    """Variants that answer the paper's claims on points of their own; without any, all answer by those of the grid."""
     scenarios: tuple[str, ...] = ()
     """Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown."""
     proof: bool = False
@@ -109,18 +108,19 @@ def collect(
     evaluator.stage("exact motions")
     # before steps that are read from the store: these compare with the exact motion
     result = with_truths(result, evaluator, proof=scope.proof)
+    evaluator.stage("the paper's claims")
+    concluded = _conclusions(result, scope, evaluator)
     evaluator.stage("other steps, friction map and further variants")
     steps = None
     scale = scale_study(scope.scaled, evaluator) if _is_canonical(sweep) else ()
     if _is_canonical(sweep):
         stored = StoredResults(store)
         steps = tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
-    evaluator.stage("the paper's claims")
     return Report(
         result,
         command,
         periods,
-        conclusions=_conclusions(result, scope, evaluator),
+        conclusions=concluded,
         steps=steps,
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
@@ -140,7 +140,7 @@ def _conclusions(result: ComparedSweep, scope: Scope, evaluator: Evaluator) -> t
         return ()
     if not scope.claims:
         return tuple(compared_conclusions(result))
-    return tuple(evaluated_conclusions(sweep, (*sweep.variants, *scope.recommended), evaluator))
+    return tuple(evaluated_conclusions(sweep, scope.claims, evaluator))
 
 
 def collect_dataset(data: xr.Dataset, command: str) -> Report:

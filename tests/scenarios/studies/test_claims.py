@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from scipy.optimize import brentq
@@ -13,6 +14,7 @@ from scenarios.runs.evaluator import StoredResults
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.store import opened_store
 from scenarios.studies.claims import (
+    CLAIM_COLUMNS,
     MOVED,
     Answer,
     Band,
@@ -22,8 +24,11 @@ from scenarios.studies.claims import (
     sentence,
 )
 from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios, default_frequency_ratios, figure3
+from scenarios.tables import markdown_lines, text_table
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator, rub_harder
+
+ROOT = Path(__file__).parents[3]
 
 LOWER = {0.0: 0.8526, 0.1: 0.7532, 0.3: 0.6373, 0.6: 0.7560, 1.0: 0.9988, 5.0: 1.1726}
 STUCK = {0.0: 0.0, 0.1: 0.48, 0.3: 0.48, 0.6: 0.52, 1.0: 0.99, 5.0: 1.0}
@@ -162,3 +167,14 @@ def test_a_sentence_says_how_far_the_lower_edge_is_off() -> None:
         "0.01 (friction ratio 0.1: 0.7632 instead of 0.7532)."
     )
     assert sentence(off, of(REFERENCE, MADE)) == expected
+
+
+def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(reference: Conclusions) -> None:
+    page = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
+    assert markdown_lines(text_table(CLAIM_COLUMNS, [reference]))[2] in page
+    assert all(claim.numbers in page for claim in reference.claims)
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    low, lowest, high = (reference.bands[f].lower for f in (0.0, 0.3, 5.0))
+    assert f"its lower edge falls from {low:.3f} to {lowest:.3f}" in readme
+    installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-2]
+    assert f"with {float(installed):.2f} instead of {high:.2f}" in readme
