@@ -319,7 +319,7 @@ def sentence(own: Conclusions, reference: Conclusions) -> str:
 
 def _joined(parts: Sequence[str]) -> str:
     *first, last = parts
-    return f"{', that '.join(first)} and that {last}" if first else last
+    return f"{', that '.join(first)}, and that {last}" if first else last
 
 
 def _farthest(own: Conclusions, reference: Conclusions) -> str:
