@@ -52,6 +52,14 @@ function asCards(table) {
 
 document.querySelectorAll("main table").forEach(asCards);
 
+// On paper nothing is folded.
+const folds = () => document.querySelectorAll("details:not([open])");
+addEventListener("beforeprint", () => folds().forEach((fold) => { fold.open = fold.dataset.printed = true; }));
+addEventListener("afterprint", () => document.querySelectorAll("details[data-printed]").forEach((fold) => {
+  fold.open = false;
+  delete fold.dataset.printed;
+}));
+
 // One of several figures at a time.
 for (const choice of document.querySelectorAll(".choice")) {
   const figures = [...document.getElementById(choice.dataset.of).querySelectorAll("figure")];
@@ -161,9 +169,11 @@ function traces(plot, width) {
   return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
 }
 
-// All buttons by name: those that plotly adds in other versions may send a figure away.
-const BUTTONS = ["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"];
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtons: [BUTTONS] };
+// Every button by its name: what plotly adds of its own accord, such as an upload, has no place here.
+const CONFIG = {
+  responsive: true, displaylogo: false, plotlyServerURL: "", showSendToCloud: false, showEditInChartStudio: false,
+  modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
+};
 let library = null;
 
 // Anew, also where it was drawn: plotly does not move a scale of colours from the side to the foot of panels.
@@ -214,11 +224,3 @@ if ("DecompressionStream" in window) {
     }
   });
 }
-
-// On paper nothing can be opened.
-addEventListener("beforeprint", () => {
-  document.querySelectorAll("details:not([open])").forEach((fold) => {
-    fold.open = true;
-    addEventListener("afterprint", () => { fold.open = false; }, { once: true });
-  });
-});

@@ -1,6 +1,7 @@
 """The page: complete, self-contained, escaped, honest about what is missing."""
 
 import base64
+import gzip
 import math
 import re
 from dataclasses import replace
@@ -280,6 +281,15 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     assert "unknown" in page
     assert "2 cells, mass ratio (1, 0.5), stiffness ratio 1," in page
     assert "outer mass ratio (1, 2)" in page
+
+
+def test_no_address_stands_on_the_page(files: dict[str, bytes]) -> None:
+    """Neither in its text nor in its figures: it is complete, and asks nobody for anything."""
+    html = files["index.html"].decode()
+    packed = re.search(r'id="plots">([^<]*)<', html)
+    assert packed is not None
+    for text in (html, gzip.decompress(base64.b64decode(packed[1])).decode()):
+        assert re.findall(r".{40}https?:.{40}", text) == []
 
 
 def test_page_holds_no_text_of_an_object_of_the_program(markup: str) -> None:
