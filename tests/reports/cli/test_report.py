@@ -29,6 +29,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep
+from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import compared_points, save_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
@@ -294,6 +295,34 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     assert "driven by a harmonic force on the outer mass of cell 1 (P<sub>0</sub> = 10 N" in page
     assert "0.1 dB of transmittance from reference, the tolerance of the sweep" in page
     assert "on a base that moves" not in page
+
+
+TWO_CELLS = """\
+engines = ["reference:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.9]
+[chain]
+cells = 2
+"""
+
+
+@pytest.mark.slow
+def test_truths_of_other_points_are_proven_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two cells, which the table of proven levels does not have."""
+    pytest.importorskip("flint", reason="python-flint is not installed")
+    monkeypatch.setattr(plan, "Scope", lambda: Scope((), (0.3,), (0.6, 0.9), steps=(), starts=0))
+    (tmp_path / "sweep.toml").write_text(TWO_CELLS)
+    command = ["--sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "out"), "--workers", "1"]
+    for options, proven in (([], 0), (["--proof"], 1)):
+        assert run_command(app, [*command, *options]) == 0
+        data = read_dataset(tmp_path / "out" / "report.nc")
+        assert set(data.truth_proven.values.ravel().tolist()) == {proven}
+    at = data.truth_db.sel(friction_ratio=0.3, frequency_ratio=0.6)
+    assert float(at) == pytest.approx(1.69877440905827, abs=1e-13)
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert f"of which {data.truth_db.size} are <b>proven</b>" in page
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["provenance"]["command"].endswith(" --proof")
 
 
 def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:
