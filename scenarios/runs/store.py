@@ -301,8 +301,9 @@ def _misfit(task: Task, result: Result) -> str | None:
     missing = ", ".join(name for name in task.series if name not in result.series)
     if missing:
         return f"no series {missing}; allowed: all of {', '.join(task.series)}"
-    others = dict.fromkeys(result.series, next(iter(task.series.values())))  # such as every joint of an arm
-    return _wrong_length(result.series, {**others, **task.series})
+    others = (name for name in result.series if name.startswith(("joint", "gain")))  # which not every result has
+    lengths = dict.fromkeys(others, next(iter(task.series.values())))
+    return _wrong_length(result.series, {**lengths, **task.series})
 
 
 def _steady_lengths(task: Task, result: Result) -> Mapping[str, int]:
