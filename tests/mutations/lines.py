@@ -58,7 +58,7 @@ class Watch:
         if time.monotonic() > self._end:
             pytest.skip("time is up")
 
-    def pytest_unconfigure(self) -> None:
+    def pytest_sessionfinish(self) -> None:
         self._lines.stop()
         data = self._lines.get_data()
         files = {str(Path(file).relative_to(Path.cwd())): file for file in data.measured_files()}

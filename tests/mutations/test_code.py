@@ -23,7 +23,7 @@ def project(monkeypatch, tmp_path: Path) -> Path:
         "tests/golden/test_golden.py": "def test_golden():\n    pass\n",
         "tests/__init__.py": "",
         "tests/mutations/lines.py": Path(lines.__file__).read_text(),
-        "pytest.ini": "[pytest]\npythonpath = .\naddopts = --import-mode=importlib\n",
+        "pytest.ini": "[pytest]\npythonpath = .\naddopts = --import-mode=importlib -n 2 --dist loadscope\n",
     }.items():
         (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / file).write_text(text)
