@@ -22,14 +22,27 @@ def fixed(value: float, digits: int) -> str:
     return _minus(text.removeprefix("-") if float(text) == 0 else text)
 
 
-def signed(value: float, digits: int) -> str:
-    """Give a difference with its sign; one that rounds to zero but is not, as a power of ten."""
+RESIDUE = 1e-9
+"""Sizes below it are shown as zero: round-off, in every unit that a page has."""
+
+
+def significant(value: float, sign: str = "") -> str:
+    """Give two significant digits: plain from a thousandth on, as a power of ten below, zero below `RESIDUE`.
+
+    With ``+`` as `sign` it stands before positive numbers too.
+    """
     if not math.isfinite(value):
         return MISSING
-    text = f"{value:+.{digits}f}"
-    if float(text) == 0:
-        return _minus(f"{value:+.0e}") if value else "0"
-    return _minus(text)
+    if abs(value) < RESIDUE:
+        return "0"
+    rounded = float(f"{value:.1e}")
+    decimals = max(0, 1 - math.floor(math.log10(abs(rounded))))
+    return _minus(f"{rounded:{sign},.{decimals}f}" if abs(rounded) >= 1e-3 else f"{value:{sign}.1e}")
+
+
+def signed(value: float) -> str:
+    """Give a difference in two digits with its sign."""
+    return significant(value, "+")
 
 
 def scientific(value: float) -> str:
@@ -99,6 +112,6 @@ def environment(*packages: str, markup: bool = True) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=not markup,
     )
-    for display in (fixed, signed, scientific, card_number, ratio, per_cell, span, typeset):
+    for display in (fixed, significant, signed, scientific, card_number, ratio, per_cell, span, typeset):
         templates.filters[display.__name__] = display
     return templates

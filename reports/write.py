@@ -26,18 +26,16 @@ from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import save_sweep, saved_sweeps
 from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.finding import Finding
 
 STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
 
 
 class Written(NamedTuple):
-    """The page of a report, what its comparison came to, and why it fails, a line each."""
+    """The page of a report, and what it is made of."""
 
     page: Path
-    findings: Sequence[Finding]
-    failures: list[str]
+    report: Report
 
 
 def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
@@ -109,7 +107,7 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 def _written(report: Report, folder: Path) -> Written:
     write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
-    return Written(folder / PAGE, report.result.findings, report.failures)
+    return Written(folder / PAGE, report)
 
 
 def check_loses_nothing(folder: Path, report: Report) -> None:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from engines.interface.variant import Variant
 from reports.data.catalogue import Outcomes
-from reports.data.options import SingleOption, option_curves, single_options
+from reports.data.options import Headline, SingleOption, headlines, option_curves, single_options
 from reports.data.points import by_variant, edge_table, point_table
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
@@ -26,7 +26,7 @@ from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.start_check import StartCheck
 from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import failures
+from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
 from scenarios.verdicts.steady_case import REFERENCE
 
 
@@ -165,6 +165,11 @@ class Report:
         return single_options(self.few_errors, self.creeps)
 
     @cached_property
+    def headlines(self) -> list[Headline]:
+        """How far each engine is off as installed, as recommended and tuned, and what decides it."""
+        return headlines(self.errors, self.single_options)
+
+    @cached_property
     def option_curves(self) -> list[pd.DataFrame]:
         """Errors over one option of an engine, where variants differ in that alone: over the grid, or a few points."""
         wide, few = option_curves(self.errors, self._wide), option_curves(self.few_errors, self._few)
@@ -182,6 +187,18 @@ class Report:
         """Why the comparison fails, a line each: unmodelled disagreements, variants with too little certified."""
         return failures(self.result.findings)
 
+    @property
+    def compared(self) -> list[Finding]:
+        """Every number that is compared, but for those of the reference with itself."""
+        return [finding for finding in self.result.findings if finding.variant.engine != REFERENCE.engine]
+
+    @cached_property
+    def status(self) -> str:
+        """Whether the comparison passes, and what its numbers come to, in one line."""
+        counts = counted(self.compared)
+        numbers = ", ".join(f"{count:,} {what}" for what, count in counts.items() if count or what == "agree")
+        return f"{'failed' if self.failures else 'passed'}: {numbers}"
+
     @cached_property
     def stick_slip(self) -> list[dict[str, Any]]:
         """Modes of every variant beside the reference's, see `stick_slip_rows`."""
@@ -191,3 +208,12 @@ class Report:
     def provenance(self) -> dict[str, Any]:
         """Everything that a reader needs to reproduce the numbers, as plain data."""
         return provenance(self)
+
+
+def counted(findings: Sequence[Finding]) -> dict[str, int]:
+    """Count numbers by what their comparison comes to; each stands in one count."""
+    agree = sum(finding.comparison.verdict is Verdict.AGREE for finding in findings)
+    unexplained = len(unmodelled(findings))
+    predicted = sum(finding.comparison.verdict is Verdict.DISAGREE and finding.modelled for finding in findings)
+    rest = len(findings) - agree - unexplained - predicted
+    return {"agree": agree, "as predicted": predicted, "unexplained": unexplained, "not judged": rest}

@@ -158,7 +158,7 @@ def error_map_figure(maps: Mapping[Variant, pd.DataFrame], lost: pd.DataFrame, r
 def _panel(variant: Variant, errors: pd.DataFrame, lost: pd.DataFrame) -> Panel:
     etas, places = errors.columns.to_numpy(), {case: float(row) for row, case in enumerate(errors.index)}
     notes = [
-        [f"{case.numbers}: {signed(error, 4)} dB" for error in row]
+        [f"{case.numbers}: {signed(error)} dB" for error in row]
         for case, row in zip(places, errors.to_numpy(), strict=True)
     ]
     size = np.maximum(errors.abs().to_numpy(), LOWEST_DB)

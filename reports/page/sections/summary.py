@@ -1,15 +1,18 @@
 """Summary: what is compared and how far every variant is from the truth; and how the numbers were made."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
+from engines.interface.registry import engine
 from reports.data.descriptions import axis_name, drive_description
-from reports.data.options import sentences
+from reports.data.options import Headline
 from reports.drawing.figure import Figure
 from reports.figures.chain_drawing import chain_drawing
 from reports.figures.errors import installed_figure
-from reports.formatting import ratio
+from reports.formatting import ratio, significant
 from reports.page.section import Section
+from reports.reproducers.recipe import has_recipe
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
 
@@ -31,7 +34,8 @@ class Summary(Section):
         chain = sweep.ratios.chain(0.0)
         return {
             "errors": list(self.report.errors.values()),
-            "sentences": sentences(self.report.errors, self.report.single_options, len(shown)),
+            "finding": finding(self.report.headlines),
+            "rows": [(row, _recipe(row)) for row in self.report.headlines],
             "few": self._few(),
             "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
             "points": len(shown),
@@ -65,6 +69,33 @@ class Summary(Section):
             "variants": list(dict.fromkeys(point.variant.title for point in beside)),
             "points": list(dict.fromkeys(places)),
         }
+
+
+def finding(rows: Sequence[Headline]) -> str:
+    """Say in two sentences how far engines are off as installed, and what is left with options."""
+    installed = [row for row in rows if not math.isnan(row.installed)]
+    best = [min(row.recommended, row.tuned, key=_or_infinite) for row in rows]
+    left = max((size for size in best if not math.isnan(size)), default=math.nan)
+    said = []
+    if installed:
+        worst = max(installed, key=lambda row: row.installed)
+        wrong = sum(row.installed >= WRONG_DB for row in installed)
+        said.append(
+            f"As installed, {wrong} of {len(installed)} engines are wrong by {significant(WRONG_DB)} dB or more; the "
+            f"farthest from the exact motion is {worst.variant.title}, by {significant(worst.installed)} dB."
+        )
+    if not math.isnan(left):
+        said.append(f"With options set, none is farther than {significant(left)} dB from the exact motion.")
+    return " ".join(said)
+
+
+def _or_infinite(size: float) -> float:
+    return math.inf if math.isnan(size) else size
+
+
+def _recipe(row: Headline) -> str:
+    """Give the command that prints what to paste; empty without a recipe."""
+    return f"multibody-xval recipe {row.variant.engine}" if has_recipe(engine(row.variant.engine)) else ""
 
 
 class Provenance(Section):

@@ -8,8 +8,9 @@ from typing import Any
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.catalogue import SIGNS, cell_of
-from reports.data.descriptions import axis_name, compared_with
+from reports.data.descriptions import axis_name
 from reports.data.points import outcome
+from reports.data.report import counted
 from reports.drawing.style import compared_variants
 from reports.page.section import Section
 from reports.reproducers.script import has_reproducer
@@ -17,7 +18,7 @@ from scenarios.catalogue.registry import CATALOGUE
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import FLOOR_DB, Comparison, Finding, Metric, Prediction, Verdict
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from scenarios.verdicts.steady_case import REFERENCE
 
 
 class Verdicts(Section):
@@ -28,48 +29,31 @@ class Verdicts(Section):
 
     def context(self) -> dict[str, Any]:
         sweep = self.result.sweep
-        rows = [self._row(variant) for variant in sweep.variants]
-        compared = [row for row in rows if row["variant"].engine != REFERENCE.engine]
-        verdicts = [str(verdict) for verdict in Verdict]
+        rows = [self._row(variant) for variant in sweep.variants if variant.engine != REFERENCE.engine]
         return {
             "rows": rows,
-            "headline": {
-                verdict: sum(row["findings"]["verdicts"][verdict] for row in compared) for verdict in verdicts
-            },
+            "counts": list(counted(())),
+            "status": self.report.status,
             "failures": self.report.failures,
             "missing": sum(row["missing"] for row in rows),
-            "sentences": self._sentences(compared),
+            "nothing": [row["variant"].title for row in rows if row["nothing"]],
             "floor": FLOOR_DB,
             "axes_of_points": ", ".join(axis_name(name) for name in sweep.case_axes),
-            "verdicts": verdicts,
         }
 
     def _row(self, variant: Variant) -> dict[str, Any]:
-        findings, points = self.report.verdicts[variant], len(self.result.points_of(variant))
-        worst = findings["worst_edge"]
+        found, points = self.report.verdicts[variant], len(self.result.points_of(variant))
+        worst, missing = found["worst_edge"], self.report.missing.get(variant, 0)
         return {
             "variant": variant,
-            "findings": findings,
+            "counted": counted([finding for finding in self.report.compared if finding.variant == variant]),
+            "findings": found,
             "worst_at": ", ".join(f"{worst.get(axis, math.nan):.6g}" for axis in self.result.sweep.case_axes),
-            "points": points,
-            "seconds": findings["seconds"] / points if points else math.nan,
-            "missing": self.report.missing.get(variant, 0),
-            "blocked": variant in self.report.blocked,
+            "seconds": found["seconds"] / points if points else math.nan,
+            "missing": missing,
+            "nothing": variant in self.report.blocked or points == missing,
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
-            "compared_with": compared_with(variant, self.result.sweep.tolerance),
-            "is_baseline": variant == CONVERGED,
         }
-
-    @staticmethod
-    def _sentences(rows: list[dict[str, Any]]) -> dict[str, list[str]]:
-        """Group variants: all points agree, some do, or there is nothing that could be compared."""
-        groups: dict[str, list[str]] = {"all": [], "some": [], "nothing": []}
-        for row in rows:
-            title, agreed, points = row["variant"].title, row["findings"]["verdicts"]["agree"], row["points"]
-            nothing = row["blocked"] or points == row["missing"]
-            group = "nothing" if nothing else "all" if agreed == points else "some"
-            groups[group].append(title if group != "some" else f"{title} ({agreed} of {points})")
-        return groups
 
 
 class Versions(Section):
@@ -148,7 +132,7 @@ class OpenPoints(Section):
     def context(self) -> dict[str, Any]:
         shown = []
         for variant in self.result.sweep.variants:
-            rows = self._rows(variant)
+            rows = [] if variant.engine == REFERENCE.engine else self._rows(variant)
             if rows:
                 of = engine(variant.engine)
                 known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation

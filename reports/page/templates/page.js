@@ -39,9 +39,16 @@ for (const heading of document.querySelectorAll("table.sortable thead th")) {
   });
 }
 
+// Also of a folded table, of which the browser knows no lines.
+function headingText(cell) {
+  const copy = cell.cloneNode(true);
+  copy.querySelectorAll("br, .unit").forEach((part) => part.before(" "));
+  return copy.textContent.replace(/\s+/g, " ").trim();
+}
+
 // On a telephone a row becomes a card: every number stands beside the heading of its column.
 function asCards(table) {
-  const names = [...table.tHead.rows[0].cells].map((cell) => cell.innerText.replace(/\s+/g, " "));
+  const names = [...table.tHead.rows[0].cells].map(headingText);
   for (const row of table.tBodies[0].rows) {
     [...row.cells].forEach((cell, column) => {
       if (cell.colSpan === 1) cell.dataset.label = names[column];

@@ -115,7 +115,7 @@ def test_hover_tells_the_values_of_a_point(drawn: Page) -> None:
 
 
 SORTED = """(() => {
-    const table = document.querySelector('#%s table');
+    const table = document.querySelector('#%s table.sortable');
     const heading = [...table.tHead.rows[0].cells].find((cell) => cell.textContent.startsWith('%s'));
     const index = [...heading.parentNode.children].indexOf(heading);
     const texts = () => [...table.tBodies[0].rows].map((row) => row.cells[index].textContent.trim());
@@ -224,10 +224,10 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
     assert page.evaluate(drawn) > 900
 
 
-def test_the_first_screen_holds_sentence_drawing_and_picture(drawn: Page) -> None:
+def test_the_first_screen_holds_finding_table_and_picture(drawn: Page) -> None:
     """At 1440 x 900, and the way to every section stays in sight."""
     bottom = "document.querySelector('%s').getBoundingClientRect().bottom"
-    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".chain") < 900
+    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".headline") < 900
     assert drawn.evaluate(bottom % "[data-plot=installed] .main-svg") < 900
     drawn.evaluate("document.querySelector('#provenance').scrollIntoView()")
     top, last = drawn.evaluate(
@@ -256,7 +256,9 @@ def test_tables_fit_a_telephone(browser: Browser, address: str) -> None:
     assert len(widths) > 6
     assert all(inside <= room for inside, room in widths)
     label = "getComputedStyle(document.querySelector('#summary td.n'), '::before').content"
-    assert "error to truth" in page.evaluate(label)
+    assert "as installed" in page.evaluate(label)
+    named = "[...document.querySelectorAll('.cards td.n:not([colspan])')].every((one) => one.dataset.label)"
+    assert page.evaluate(named), "folded ones too"
     page.close()
 
 
