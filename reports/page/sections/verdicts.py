@@ -132,7 +132,9 @@ class OpenPoints(Section):
     def context(self) -> dict[str, Any]:
         shown = []
         for variant in self.result.sweep.variants:
-            rows = [] if variant.engine == REFERENCE.engine else self._rows(variant)
+            rows = self._rows(variant)
+            if variant.engine == REFERENCE.engine:  # beside itself only what has no number says anything
+                rows = [row for row in rows if math.isnan(row["difference"])]
             if rows:
                 of = engine(variant.engine)
                 known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
