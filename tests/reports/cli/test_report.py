@@ -1,6 +1,7 @@
 """``multibody-xval report``: what it refuses, what it writes, what it keeps."""
 
 import errno
+import importlib
 import json
 import os
 import sqlite3
@@ -75,6 +76,7 @@ def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
     def asked(variants: list[Variant], quick: bool) -> Sweep:
         return figure3(tuple(variants), **SMALL)
 
+    importlib.import_module("reports.write")  # it says of arguments that they are a `Scope`: before that is another one
     monkeypatch.setattr(plan, "_figure3", asked)
     monkeypatch.setattr(collect, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), steps=()))
 
