@@ -25,7 +25,7 @@ from engines.interface.scene import (
 STEP = 0.01
 """Genesis's own time step [s]."""
 
-SOLVER_OPTIONS = ("constraint_timeconst", "noslip_iterations", "friction_cone", "impratio")
+RECIPE_OPTIONS = ("constraint_timeconst", "noslip_iterations", "friction_cone", "impratio")
 """Options of recipes, under the names that the rigid solver has for them."""
 
 BELT_MASS = 1e6
@@ -35,7 +35,7 @@ BELT_MASS = 1e6
 def _scene(setting: SceneSetting, gravity: float) -> Any:
     """Make an empty scene, with the options that the preset changes."""
     genesis = import_genesis()
-    changed = {name: setting.changed(name) for name in SOLVER_OPTIONS}
+    changed = {name: setting.changed(name) for name in RECIPE_OPTIONS}
     options = {name: value for name, value in changed.items() if value is not None}
     for name in set(CHOICES) & set(options):
         options[name] = getattr(getattr(genesis, name), options[name])

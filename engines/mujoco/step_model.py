@@ -238,7 +238,7 @@ def _solved(coupling: Any, aim: Any, pressing: Any) -> Any:
         for j in range(count):
             if pressing[j]:
                 matrix[i, j] = -coupling[i, j]
-    return np.linalg.inv(matrix) @ aim
+    return np.linalg.solve(matrix, aim)
 
 
 @Kernel

@@ -141,7 +141,7 @@ def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
 
 def beside(adapter: Engine, name: str) -> Traversable:
     """Give a file beside an adapter, which need not be there."""
-    return files(import_module(type(adapter).__module__)).joinpath(name)
+    return files(str(import_module(type(adapter).__module__).__package__)).joinpath(name)
 
 
 def _header(shown: Reproduction, number: Number) -> str:

@@ -163,7 +163,7 @@ def _connected(address: str) -> Any:
     for name in NOISY:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        return Client(address, timeout=CONNECT_SECONDS)  # type: ignore[no-untyped-call]
+        return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:
         raise ParameterError(
             f"scheduler = {address!r} cannot be reached: {problem}; allowed: the address of a dask scheduler"

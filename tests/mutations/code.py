@@ -173,7 +173,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=DECIDED_IN, help="that the tests of one change may take")
     chosen = parser.parse_args(arguments)
     if find_spec("coverage") is None:
-        print("coverage is not installed: tests are chosen by file; allowed: pip install -e '.[check]'")
+        print("coverage is not installed: tests are chosen by file; allowed: pip install -e '.[test]'")
     every = [change for file in product_files() for change in changes_of(file)]
     drawn = random.Random(chosen.seed).sample(every, min(chosen.count, len(every)))
     outcomes: Counter[str] = Counter()

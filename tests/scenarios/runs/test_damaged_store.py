@@ -10,16 +10,15 @@ from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.process import run_command
 from reports.cli.console_script import app
-from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.store_check import check_store, salvage
 from scenarios.verdicts.stored import read_all
-from tests.scenarios.runs.builders import files_up_to, steady
+from tests.scenarios.runs.builders import certified, files_up_to, steady
 
-TASKS = [steady(0.5 + k / 10) for k in range(12)]
+TASKS = [steady(0.5 + k / 10, cells=7) for k in range(12)]
 RESULTS = [
-    Result(
-        status="converged", transmittance_db=-k / 3, residual=1e-9, periods=30 + k, steps_per_period=400, period=0.25,
+    certified(
+        cells=7, transmittance_db=-k / 3, residual=1e-9, periods=30 + k, steps_per_period=400, period=0.25,
         stuck_fraction=tuple(k / 100 + cell / 10 for cell in range(7)), seconds=0.1,
     )
     for k in range(12)

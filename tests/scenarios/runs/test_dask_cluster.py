@@ -18,6 +18,8 @@ from scenarios.runs.local_processes import LocalExecutor
 from tests.scenarios.runs.builders import evaluated, eventually, numbers, statuses
 
 pytest.importorskip("distributed")
+from distributed import default_client
+
 from scenarios.runs.dask_cluster import CLOSE_SECONDS, DaskExecutor
 
 
@@ -88,6 +90,8 @@ def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
         DaskExecutor("tcp://127.0.0.1:9")
     with pytest.raises(ParameterError, match="scheduler = 'nonsense:nonsense' cannot be reached"):
         DaskExecutor("nonsense:nonsense")
+    with pytest.raises(ValueError, match="No client"):  # what else uses dask in this process does not meet it
+        default_client()
 
 
 @pytest.mark.parametrize("problem", [OSError, TimeoutError, asyncio.CancelledError])

@@ -24,9 +24,10 @@ from scenarios.studies.work_precision import (
     thrifty_step_study,
 )
 from scenarios.verdicts.proven import proven_level
+from tests.scenarios.runs.builders import certified
 
 REFERENCE = Variant("reference")
-EXACT = Result(status="converged", transmittance_db=-5.0)
+EXACT = certified(cells=7, transmittance_db=-5.0)
 
 
 def with_exact(store: ResultStore) -> ResultStore:
@@ -47,8 +48,8 @@ def nothing_proven(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def answer(steps: int, **more: object) -> Result:
-    result = {"status": "converged", "transmittance_db": -5.0 + 4 / steps, "residual": 1e-9, "periods": 20}
-    return Result(**{**result, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
+    result = {"transmittance_db": -5.0 + 4 / steps, "residual": 1e-9, "periods": 20}
+    return certified(cells=7, **{**result, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
 
 
 @pytest.mark.usefixtures("nothing_proven")
