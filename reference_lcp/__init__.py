@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from reference_lcp.chain.transient import RecordedBase as RecordedBase
     from reference_lcp.chain.transient import RickerPulse as RickerPulse
     from reference_lcp.chain.transient import SweptSine as SweptSine
+    from reference_lcp.deadline import NotProven as NotProven
     from reference_lcp.errors import ParameterError as ParameterError
     from reference_lcp.exact.event_driven_system import EventDrivenSystem as EventDrivenSystem
     from reference_lcp.exact.proof.exact_chain import ExactChain as ExactChain
-    from reference_lcp.exact.proof.outcome import NotProven as NotProven
     from reference_lcp.exact.proof.prove import ProvenSteadyState as ProvenSteadyState
     from reference_lcp.exact.proof.prove import prove as prove
     from reference_lcp.exact.proof.prove import prove_steady_state as prove_steady_state
@@ -69,7 +69,7 @@ _NAMES = {
     "errors": ["ParameterError"],
     "exact.event_driven_system": ["EventDrivenSystem"],
     "exact.proof.exact_chain": ["ExactChain"],
-    "exact.proof.outcome": ["NotProven"],
+    "deadline": ["NotProven"],
     "exact.proof.prove": ["ProvenSteadyState", "prove", "prove_steady_state"],
     "lcp.lemke": ["lemke"],
     "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],

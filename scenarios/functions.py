@@ -62,29 +62,18 @@ def sweep(
     Parameters
     ----------
     engines
-        Names ``ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]``, joint and tuned without; ``all`` for every one.
-        With ``reference`` among them its converged preset takes part too: verdicts need both.
-    friction_ratio
-        μ λ_N / (k_c U0), >= 0: a number, several, or (first, last, how many) with an integer as its last part.
-    frequency_ratio
-        η_r = ω / ω_r, > 0: likewise, or ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}``, an adaptive grid.
-    vary
-        Other axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio,
-        damping_ratio, inner_damping_ratio, steps_per_period.
-    chain
-        What is not varied, as in `Chain.from_ratios`: a number, or one a cell; the paper's chain without it.
+        Names ``ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]``, or ``all``; verdicts need ``reference`` among them.
+    friction_ratio, frequency_ratio
+        μ λ_N / (k_c U0) >= 0 and η_r = ω / ω_r > 0: a number, several, or (first, last, how many). η_r may be an
+        adaptive grid: ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}``.
+    vary, chain
+        Other axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``; what is not varied, as in `Chain.from_ratios`.
     drive, amplitude
         ``"base"`` with U0 [m], or ``"force"`` on the outer mass of cell 1 with P0 [N].
-    steps_per_period
-        Fewest steps a period.
-    tolerance_db
-        Largest difference from the reference that counts as agreement [dB]; derived at every point without it.
-    store
-        File that keeps every result, so that the same call goes on where it stopped; none is kept without it.
-    workers, time_limit, scheduler
-        Worker processes, one a processor without it; seconds a batch may take; a dask scheduler in their place.
-    retry_blocked, yes
-        Run points again at which, by the store, their engine has failed; run more than a million points.
+    steps_per_period, tolerance_db
+        Fewest steps a period; the largest difference that counts as agreement [dB], derived at every point without.
+    store, workers, time_limit, scheduler, retry_blocked, yes
+        As the options of ``multibody-xval sweep``; without a store, no result is kept.
 
     Returns
     -------
@@ -94,15 +83,14 @@ def sweep(
     Raises
     ------
     ParameterError
-        If something is outside its range; before anything is computed.
+        If something is outside its range.
     """
     axes = {"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})}
     planned = _validated({
-        "engines": _names(engines),
+        "engines": _names(engines), "steps_per_period": steps_per_period,
         "grid": {name: _axis(values) for name, values in axes.items()},
         "chain": {name: _numbers(value) for name, value in (chain or {}).items()},
         "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
-        "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     })  # fmt: skip
     check_size(planned, yes=yes, how="yes=True")

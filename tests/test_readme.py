@@ -98,10 +98,6 @@ def test_links_lead_to_files() -> None:
     assert [link for link in links if not link.startswith("http") and not (ROOT / link).is_file()] == []
 
 
-HELD = {(name, "contact", "default"): "†" for name in ("genesis",)}
-"""The mark of contacts that are held at a fixed depth."""
-
-
 def measured_errors() -> dict[tuple[str, str], str]:
     """Give the text of each cell of the README's table by engine and formulation, from the measured table."""
     cells: dict[tuple[str, str, str], str] = {}
@@ -111,7 +107,7 @@ def measured_errors() -> dict[tuple[str, str], str]:
             certified, points = row[-3].split("/")
             error = row[5] + ("" if certified == points else r"\*")
             steady = 2 * int(certified) >= int(points)
-            cells[row[0], row[1], row[2]] = f"{error}{HELD.get((row[0], row[1], row[2]), '')}" if steady else "unsteady"
+            cells[row[0], row[1], row[2]] = error if steady else "unsteady"
     pairs = {name[:2] for name in cells}
     presets = ("default", "recommended", "tuned")
     return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in presets) for pair in pairs}

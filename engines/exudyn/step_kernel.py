@@ -3,6 +3,7 @@
 `numbers`, shape (3, n), are μ λ_N, and `first` and `second` of `GeneralisedAlphaLane`. `workspace`, shape (n + 2, n),
 is kept from one substep to the next: the regime of every contact, the right-hand sides of the equations in it, and the
 inverse of their matrix. Arrays are handed on one by one: to unpack a tuple of them costs as much as the equations.
+Loops stand where expressions of arrays would take as long again to compile.
 """
 
 from typing import Any
@@ -21,6 +22,15 @@ _UNKNOWN = 9.0
 def _in_zone(slip: Any, bound: Any, width: Any) -> Any:
     """Give φ of a zone."""
     return bound * min(max(slip / width, -1.0), 1.0)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _invert(matrix: Any, workspace: Any) -> None:
+    """Keep the inverse of the matrix of the equations."""
+    inverse = np.linalg.inv(matrix)
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[0]):
+            workspace[2 + i, j] = inverse[i, j]
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -66,16 +76,19 @@ def _regime_holds(slip: Any, mobility: Any, numbers: Any, workspace: Any, force:
 @numba.njit(cache=True, error_model="numpy")
 def _find_regime(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> None:
     """Solve zones by sweeps, and keep the regime that they find, where the last one does not hold."""
-    bound, softness, none = numbers[0], numbers[1] / numbers[0], np.zeros(slip.size)
+    bound, softness, none = numbers[0], np.empty(slip.size), np.zeros(slip.size)
+    for i in range(slip.size):
+        softness[i] = numbers[1, i] / bound[i]
     solve_contacts(slip, mobility, bound, (softness, none, none), force)
     matrix = np.zeros(mobility.shape)
     for i in range(slip.size):
         workspace[0, i], matrix[i, i] = -1.0 if force[i] < 0 else 1.0, 1.0
         if abs(force[i]) < bound[i]:
             workspace[0, i] = 0.0
-            matrix[i] = mobility[i]
+            for j in range(slip.size):
+                matrix[i, j] = mobility[i, j]
             matrix[i, i] += softness[i]
-    workspace[2:] = np.linalg.inv(matrix)
+    _invert(matrix, workspace)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -96,7 +109,7 @@ def _correct_discs(
             for j in range(free.size):
                 matrix[i, j] = rate * mobility[i, j]
             matrix[i, i] += 1.0
-        workspace[2:] = np.linalg.inv(matrix)
+        _invert(matrix, workspace)
         _multiply(workspace, force)
         error = 0.0
         for i in range(free.size):
@@ -131,7 +144,7 @@ def _hold_bristles(
             for j in range(slip.size):
                 matrix[i, j] = spring * compliance[i, j] + dashpot * mobility[i, j]
             matrix[i, i] += 1.0
-        workspace[2:] = np.linalg.inv(matrix)
+        _invert(matrix, workspace)
     _multiply(workspace, force)
 
 
@@ -240,6 +253,14 @@ def advance(
             v[i] += speed * acceleration[i]
             algorithmic[i] += current_part * acceleration[i]
         if record.shape[0] > 0 and index % parts == 0:
-            row = record[index // parts - 1]
-            row[: 2 * cells], row[2 * cells : 4 * cells] = q, v
-            row[4 * cells :] = -forces(motion, contacts, kind, numbers)
+            _keep(motion, forces(motion, contacts, kind, numbers), record[index // parts - 1])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _keep(motion: Any, friction: Any, row: Any) -> None:
+    """Write positions, velocities and friction of a step."""
+    count = motion.shape[1]
+    for i in range(count):
+        row[i], row[count + i] = motion[0, i], motion[1, i]
+    for i in range(friction.size):
+        row[2 * count + i] = -friction[i]

@@ -2,8 +2,16 @@
 
 from typing import ClassVar
 
-from engines.genesis.contact import ContactSimulation, share_a_scene
-from engines.genesis.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.genesis.contact import ContactSimulation, FreeContactSimulation, share_a_scene
+from engines.genesis.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_RECOMMENDED,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_RECOMMENDED,
+    JOINT_TUNED,
+)
+from engines.genesis.scene import STEP, contacts, joints
 from engines.genesis.simulation import JointSimulation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from engines.shared.pip_engine import PipEngine
@@ -30,8 +38,12 @@ class Genesis(PipEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "recommended": CONTACT_RECOMMENDED,
+                "default": CONTACT_DEFAULT,
+            },
         },
         batch_lanes=64,
         notes=(
@@ -42,9 +54,13 @@ class Genesis(PipEngine):
         ),
     )
 
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
+
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if formulation is Formulation.JOINT:
             return JointSimulation(lanes, preset)
+        kind = ContactSimulation if lanes[0].preload is None else FreeContactSimulation
         if share_a_scene(lanes, preset):
-            return ContactSimulation(lanes, preset)
-        return SequentialSimulation([LaneAlone(ContactSimulation([lane], preset)) for lane in lanes])
+            return kind(lanes, preset)
+        return SequentialSimulation([LaneAlone(kind([lane], preset)) for lane in lanes])

@@ -1,7 +1,8 @@
-"""Genesis's contact formulation: in every cell a sphere, the inner mass, that dips into a plate, the outer one.
+"""Genesis's contact formulation: in every cell a sphere, the inner mass, on a plate, the outer one.
 
-As in MuJoCo's, the depth is fixed, and nothing moves across the plate: the normal force is what the constraint makes of
-the depth.
+As in MuJoCo's, a sphere that is held dips into its plate, at a fixed depth: nothing moves across, and the normal force
+is what the constraint makes of the depth. One that is free rests on its plate, and a force presses it on, or pulls it
+off.
 """
 
 from collections.abc import Sequence
@@ -11,13 +12,14 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.scene import Scene, chain_model, constraint_parameters
+from engines.genesis.chains import FREE_STRIDE, Scene, chain_model, constraint_parameters
 from engines.genesis.simulation import GenesisSimulation
 from engines.interface.presets import OfStep, Preset
-from engines.mujoco.contact import DEPTH, PLATE, RADIUS
+from engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
 from engines.shared.units import Units, power_of_two
-from engines.shared.worlds_simulation import rub_alike
+from engines.shared.worlds_simulation import LanesOfJoints, rub_alike
 from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
@@ -38,10 +40,13 @@ soft that no coefficient comes near `LEAST_COEFFICIENT`: by Signorini's law, not
 def share_a_scene(lanes: Sequence[Lane], preset: Preset) -> bool:
     """Whether one scene can hold these lanes.
 
-    It has one time step, one time constant of contacts, and a contact in the same cells of all environments.
+    It has one time step, one time constant of contacts, and a contact in the same cells of all environments, of one
+    size. In SI units, the contacts of spheres that are held differ by what presses them.
     """
-    in_steps = preset["units"] == "lane" and isinstance(preset["time constant"], OfStep)
-    return len(lanes) == 1 or (in_steps and rub_alike(lanes))
+    in_steps = preset["units"] == "lane" and isinstance(preset["constraint_timeconst"], OfStep)
+    sizes = {(lane.time_step, power_of_two(lane.drive.displacement_scale(lane.chain))) for lane in lanes}
+    alike = in_steps or (preset.is_free and len(sizes) == 1)
+    return len(lanes) == 1 or (alike and rub_alike(lanes))
 
 
 class ContactSimulation(GenesisSimulation):
@@ -52,14 +57,17 @@ class ContactSimulation(GenesisSimulation):
         return units if self._preset["units"] == "SI" else replace(units, length=units.length / FINENESS)
 
     def _new_scene(self) -> Scene:
-        lane, units, own = self.lanes[0], self._units[0], self._preset["units"] == "lane"
+        lane, own = self.lanes[0], self._preset["units"] == "lane"
         self._rubs = lane.chain.friction_bound > 0
         # In units of their own, all lanes have the same sizes.
         scale = FINENESS if own else power_of_two(lane.drive.displacement_scale(lane.chain))
-        scene = Scene(_model(self._rubs, scale), self._masses(), lane.time_step / units.time, self._preset)
+        scene = self._scene_of(_model(self._rubs, scale))
         if self._rubs.any():
             self._press(scene)
         return scene
+
+    def _scene_of(self, model: ElementTree.Element) -> Scene:
+        return Scene(model, self._masses(), self.lanes[0].time_step / self._units[0].time, self._preset)
 
     def _press(self, scene: Scene) -> None:
         """Choose how hard contacts are: in SI units they press with λ_N, in others friction has its bound."""
@@ -69,10 +77,7 @@ class ContactSimulation(GenesisSimulation):
         scene.native_steps(1)
         pressed, given = np.where(self._rubs, scene.normal_force(), 1.0), self._of_chains("normal_force")
         hardness, coefficients = self._hardness(pressed)
-        least = np.min(coefficients[:, self._rubs])
-        if least < LEAST_COEFFICIENT:
-            allowed = f"at least {LEAST_COEFFICIENT:g} in Genesis"
-            raise ParameterError(f"friction_coefficient = {least:g}; allowed: {allowed}")
+        _check_coefficients(coefficients[:, self._rubs])
         scene.set_contact_constraints(self._constraints(hardness))
         scene.set_coefficients(coefficients)
         # What is pressed in the lane, over what is pressed in the scene.
@@ -91,10 +96,10 @@ class ContactSimulation(GenesisSimulation):
     def _constraints(self, hardness: FloatArray) -> FloatArray:
         """Give the parameters of contacts that press so many times as hard as with a damping ratio of one."""
         preset = self._preset
-        own, unit = preset["time constant"], self._units[0].time
+        own, unit = preset["constraint_timeconst"], self._units[0].time
         time_constant = own.at(self.lanes[0].time_step / unit) if isinstance(own, OfStep) else own / unit
         return np.stack(
-            [constraint_parameters(time_constant, float(each) ** -0.5, preset["impedance"]) for each in hardness]
+            [constraint_parameters(time_constant, float(each) ** -0.5, preset["solimp"]) for each in hardness]
         )
 
     def _set_bounds(self, bounds: FloatArray) -> None:
@@ -111,14 +116,63 @@ class ContactSimulation(GenesisSimulation):
         return friction, np.where(self._rubs, measured, given)
 
 
-def _model(rubs: NDArray[np.bool_], scale: float) -> ElementTree.Element:
-    """Give a chain with a sphere in a plate in every cell that rubs, side by side."""
-    root, bodies = chain_model(rubs.size)
+class FreeContactSimulation(LanesOfJoints, ContactSimulation):
+    """Lanes with a sphere that rests on its plate in every cell that rubs, pressed by a force; in SI units."""
+
+    _joints, _opens = FREE_STRIDE, True
+
+    def _new_scene(self) -> Scene:
+        lane = self.lanes[0]
+        self._rubs = lane.chain.friction_bound > 0
+        coefficients = self._of_chains("friction_coefficient")
+        self._share = np.ones(coefficients.shape)
+        _check_coefficients(coefficients if lane.opens else coefficients[:, self._rubs])
+        scale = power_of_two(lane.drive.displacement_scale(lane.chain))
+        scene = self._scene_of(_model(self._rubs, scale, free=True))
+        if self._rubs.any():
+            scene.set_contact_constraints(self._constraints(np.ones(self._rubs.size)))
+            scene.set_coefficients(np.where(self._rubs, coefficients, 1.0))
+        return scene
+
+    def _bounds(self, start: int, steps: int) -> FloatArray:
+        """Give what presses spheres in every step; where nothing rubs, nothing carries them."""
+        return np.where(self._rubs, self._preloads(start, steps), 0.0)
+
+    def _set_bounds(self, bounds: FloatArray) -> None:
+        self._scene.press(bounds)
+
+    def _motion(self, state: State) -> FloatArray:
+        motion = super()._motion(state)
+        self._set_heights(state, *np.split(motion, 2, axis=1))
+        return motion
+
+    def _state(self, index: int, motions: FloatArray) -> State:
+        end, units, lane = super()._state(index, motions), self._units[index], self.lanes[index]
+        gap, speed = (self._gaps(half, lane) for half in np.split(motions[-1], 2))
+        return replace(end, internal_state=units.normal_state(gap, speed)[None])
+
+    def _trajectory(self, index: int, start: int, motions: FloatArray, read: FloatArray) -> Trajectory:
+        trajectory = super()._trajectory(index, start, motions, read)
+        gap = self._gaps(motions[:, : motions.shape[1] // 2], self.lanes[index]) * self._units[index].length
+        end = self._state(index, motions).internal_state
+        return replace(trajectory, internal_state=None if end is None else end[0], normal_gap=gap)
+
+
+def _check_coefficients(coefficients: FloatArray) -> None:
+    least = np.min(coefficients, initial=np.inf)
+    if least < LEAST_COEFFICIENT:
+        allowed = f"at least {LEAST_COEFFICIENT:g} in Genesis"
+        raise ParameterError(f"friction_coefficient = {least:g}; allowed: {allowed}")
+
+
+def _model(rubs: NDArray[np.bool_], scale: float, *, free: bool = False) -> ElementTree.Element:
+    """Give a chain with a sphere in a plate, or `free` to leave it, in every cell that rubs, side by side."""
+    root, bodies = chain_model(rubs.size, free=free)
     radius = RADIUS * scale
     for cell in np.flatnonzero(rubs).tolist():
         outer, inner = bodies[cell]
         outer.set("pos", f"0 {4 * radius * cell!r} 0")
         ElementTree.SubElement(outer, "geom", type="box", size=f"{PLATE * scale!r} {radius!r} {radius!r}", friction="1")
-        height = 2 * radius - DEPTH * scale
+        height = 2 * radius - (TOUCH if free else DEPTH) * scale
         ElementTree.SubElement(inner, "geom", type="sphere", size=f"{radius!r}", pos=f"0 0 {height!r}", friction="1")
     return root

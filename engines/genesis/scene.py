@@ -1,146 +1,135 @@
-"""Scenes of Genesis: environments with one chain each, which take their steps together, each with its own numbers."""
+"""Scenes as users of Genesis write them: a plane and boxes as entities, joints and what slides as MJCF models."""
 
-import functools
-import importlib
+from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree
 
-import numpy as np
+from engines.genesis.chains import import_genesis
+from engines.genesis.presets import CHOICES
+from engines.interface.scene import (
+    BELT,
+    FINGER,
+    FINGER_MASS,
+    GRAVITY,
+    LINK_INERTIA,
+    LINK_LENGTH,
+    LINK_MASS,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    SceneSetting,
+    SteppedWorld,
+    Vector,
+)
 
-from engines.genesis.presets import OPTIONS
-from engines.interface.presets import Preset
-from engines.mujoco.step_model import WIDTH
-from reference_lcp.validation import FloatArray
+STEP = 0.01
+"""Genesis's own time step [s]."""
 
-SOLVER_OPTIONS = (
-    "integrator", "iterations", "tolerance", "noslip_iterations", "friction_cone", "contact_resolution", "impratio",
-    "enable_adjacent_collision", "enable_neutral_collision",
-)  # fmt: skip
-"""Options of presets that Genesis's rigid solver takes under the same name."""
+SOLVER_OPTIONS = ("constraint_timeconst", "noslip_iterations", "friction_cone", "impratio")
+"""Options of recipes, under the names that the rigid solver has for them."""
 
-CHOICES = ("integrator", "friction_cone", "contact_resolution")
-"""Those of which the value is the name of a choice of Genesis's."""
-
-CANDIDATES = 150
-"""Of contacts in a scene, Genesis's own; more where the chain has more cells."""
-
-REST = (WIDTH, 0.5, 2.0)
-"""Width [m], midpoint and power of Genesis's constraints, behind d_0 and d_max: MuJoCo's `solimp`."""
-
-
-class Scene:
-    """Environments that hold one chain each, with a time step that they share.
-
-    Coordinates are those of `ChainCoordinates.PAIRS`: in each cell the outer mass, then the inner one relative to it.
-    `model` is the chain as an MJCF model of unit masses, with bodies and joints ``outer 0``, ``inner 0``, ``outer 1``,
-    …; `masses`, shape (environments, 2n), are those of all bodies.
-    """
-
-    def __init__(self, model: ElementTree.Element, masses: FloatArray, time_step: float, preset: Preset):
-        genesis = import_genesis()
-        environments, self._bodies = masses.shape
-        options = {name: preset[name] for name in SOLVER_OPTIONS if name in preset.options}
-        for name in CHOICES:
-            if options.get(name) is not None:
-                options[name] = getattr(getattr(genesis, name), options[name])
-        self._scene = genesis.Scene(
-            show_viewer=False,
-            sim_options=genesis.options.SimOptions(dt=time_step, substeps=1, gravity=(0, 0, 0)),
-            rigid_options=genesis.options.RigidOptions(
-                batch_links_info=True, batch_joints_info=True, batch_dofs_info=True, enable_joint_limit=False,
-                max_collision_pairs=max(CANDIDATES, self._bodies), **options,
-            ),
-        )  # fmt: skip
-        self._chain = self._scene.add_entity(genesis.morphs.MJCF(file=model))
-        self._scene.build(n_envs=environments)
-        names = [f"{kind} {cell}" for cell in range(self._bodies // 2) for kind in ("outer", "inner")]
-        self._joints = [self._chain.get_joint(name) for name in names]
-        self._links = [self._chain.get_link(name).idx_local for name in names]
-        assert [joint.dofs_idx_local[0] for joint in self._joints] == list(range(self._bodies)), "joints in this order"
-        self._chain.set_dofs_armature(_tensor(np.zeros(masses.shape)))
-        self._chain.set_links_mass(_tensor(masses), self._links)
-
-    def close(self) -> None:
-        """Free its memory."""
-        self._scene.destroy()
-
-    def set_joint_constraints(self, parameters: FloatArray) -> None:
-        """Set the parameters of the constraints that the frictions of joints are, shape (environments, 7)."""
-        for joint in self._joints:
-            joint.set_sol_params(_tensor(parameters)[:, None])
-
-    def set_bounds(self, bounds: FloatArray) -> None:
-        """Set the bound of the friction of every joint of an inner mass, shape (environments, n)."""
-        frictionloss = np.zeros((len(bounds), self._bodies))
-        frictionloss[:, 1::2] = bounds
-        self._chain.set_dofs_frictionloss(_tensor(frictionloss))
-
-    def set_contact_constraints(self, parameters: FloatArray) -> None:
-        """Set the parameters of the contact of every cell, those of all environments, shape (n, 7)."""
-        for body, link in enumerate(self._links):
-            for geometry in self._chain.links[link].geoms:
-                geometry.set_sol_params(_tensor(parameters[body // 2]))
-
-    def set_coefficients(self, coefficients: FloatArray) -> None:
-        """Set the coefficient of friction of every contact, shape (environments, n); at least `LEAST_COEFFICIENT`."""
-        self._chain.set_friction_ratio(_tensor(np.repeat(coefficients, 2, axis=1)), self._links)
-
-    def set_motion(self, coordinates: FloatArray, velocities: FloatArray) -> None:
-        """Give every environment a motion, shape (environments, 2n) each, and nothing that it had before."""
-        self._chain.set_dofs_position(_tensor(coordinates), zero_velocity=False)
-        self._chain.set_dofs_velocity(_tensor(velocities))
-
-    def step(self, forces: FloatArray) -> FloatArray:
-        """Take a step under generalised forces, shape (environments, 2n); gives coordinates, then velocities."""
-        self._chain.control_dofs_force(_tensor(forces))
-        self._scene.step()
-        return np.concatenate([self._chain.get_dofs_position(), self._chain.get_dofs_velocity()], axis=1)
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of Genesis alone."""
-        for _ in range(steps):
-            self._scene.step()
-
-    def friction(self, forces: FloatArray) -> FloatArray:
-        """Give the friction on the inner masses in the step that was taken under these forces."""
-        return (self._chain.get_dofs_force().numpy() - forces)[:, 1::2]
-
-    def normal_force(self) -> FloatArray:
-        """Give the normal force on the inner masses in the step that was taken."""
-        return self._chain.get_links_net_contact_force().numpy()[:, self._links[1::2], 2]
+BELT_MASS = 1e6
+"""Of a belt that moves on a slide, whatever acts on it [kg]."""
 
 
-def constraint_parameters(time_constant: float, ratio: float, impedance: tuple[float, float]) -> FloatArray:
-    """Give the seven parameters of a constraint: MuJoCo's `solref`, then its `solimp`."""
-    return np.array([time_constant, ratio, *impedance, *REST])
+def _scene(setting: SceneSetting, gravity: float) -> Any:
+    """Make an empty scene, with the options that the preset changes."""
+    genesis = import_genesis()
+    changed = {name: setting.changed(name) for name in SOLVER_OPTIONS}
+    options = {name: value for name, value in changed.items() if value is not None}
+    for name in set(CHOICES) & set(options):
+        options[name] = getattr(getattr(genesis, name), options[name])
+    return genesis.Scene(
+        show_viewer=False,
+        sim_options=genesis.options.SimOptions(dt=setting.time_step, gravity=(0, 0, -gravity)),
+        rigid_options=genesis.options.RigidOptions(use_hibernation=setting.sleeping, **options),
+    )
 
 
-def chain_model(cells: int) -> tuple[ElementTree.Element, list[tuple[ElementTree.Element, ElementTree.Element]]]:
-    """Give an MJCF model of a chain of unit masses without springs, and the bodies of its cells."""
+def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with contacts."""
+    genesis, world = import_genesis(), _scene(setting, GRAVITY)
+    rub = {"friction": scene.friction}
+
+    def add(morph: Any, **mass: float) -> Any:
+        return world.add_entity(morph, material=genesis.materials.Rigid(**rub, **mass))
+
+    slides: Any = None
+    if scene.grip:
+        reach, height = scene.finger
+        sides = tuple(2 * half for half in FINGER)
+        add(genesis.morphs.Box(size=sides, pos=(-reach, 0, height), fixed=True))
+        slides = add(genesis.morphs.MJCF(file=_sliding_box(FINGER, FINGER_MASS, (reach, 0, height))))
+    elif scene.belt:
+        slides = add(genesis.morphs.MJCF(file=_sliding_box(BELT, BELT_MASS, (0, 0, -BELT[2]))))
+    else:
+        add(genesis.morphs.Plane(normal=scene.normal))
+    for box, place in zip(scene.boxes, scene.places, strict=True):
+        morph = genesis.morphs.Box(size=(box.side,) * 3, pos=place, quat=scene.orientation)
+        followed = add(morph, rho=box.mass / box.side**3)
+    world.build()
+    if scene.belt:
+        slides.set_dofs_velocity([scene.belt])
+    if scene.grip:
+        slides.control_dofs_force([-scene.grip])
+
+    def launch(velocity: Vector, spin: float) -> None:
+        followed.set_dofs_velocity([*velocity, 0.0, 0.0, spin])
+
+    def state() -> Any:
+        return followed.get_pos().numpy(), followed.get_quat().numpy(), followed.get_vel().numpy()
+
+    return SteppedWorld(world.step, state, launch, world.destroy)
+
+
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
+    """Build a scene with joints."""
+    single = isinstance(scene, JointScene)
+    world = _scene(setting, 0.0 if single else GRAVITY)
+    model = _joint_model(scene)
+    hardness = setting.changed("solimplimit")
+    for joint in model.iter("joint") if hardness else ():
+        joint.set("solimplimit", _text(hardness))
+    arm = world.add_entity(import_genesis().morphs.MJCF(file=model))
+    world.build()
+    if isinstance(scene, JointScene):
+        arm.control_dofs_force([scene.load])
+    return SteppedWorld(world.step, lambda: (arm.get_dofs_position().numpy(),), close=world.destroy)
+
+
+def _joint_model(scene: JointScene | ArmScene) -> ElementTree.Element:
     root = ElementTree.Element("mujoco")
     world = ElementTree.SubElement(root, "worldbody")
-    bodies = []
-    for cell in range(cells):
-        outer = _add_slider(world, f"outer {cell}")
-        bodies.append((outer, _add_slider(outer, f"inner {cell}")))
-    return root, bodies
+    if isinstance(scene, JointScene):
+        axis = "0 0 1" if scene.kind == "hinge" else "1 0 0"
+        _add_link(world, (0, 0, 0), (0, 0, 0), 1.0, (1, 1, 1)).append(_joint(scene.kind, axis, scene.friction))
+        return root
+    carrier = world
+    for link, bound in enumerate(scene.friction):
+        place = (LINK_LENGTH if link else 0, 0, 0)
+        carrier = _add_link(carrier, place, (LINK_LENGTH / 2, 0, 0), LINK_MASS, LINK_INERTIA)
+        carrier.append(_joint("hinge", "0 1 0", bound))
+    return root
 
 
-def _add_slider(parent: ElementTree.Element, name: str) -> ElementTree.Element:
-    body = ElementTree.SubElement(parent, "body", name=name)
-    ElementTree.SubElement(body, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
-    ElementTree.SubElement(body, "joint", name=name, type="slide", axis="1 0 0")
+def _add_link(carrier: Any, place: Vector, centre: Vector, mass: float, inertia: Vector) -> ElementTree.Element:
+    body = ElementTree.SubElement(carrier, "body", pos=_text(place))
+    ElementTree.SubElement(body, "inertial", pos=_text(centre), mass=repr(mass), diaginertia=_text(inertia))
     return body
 
 
-def _tensor(values: FloatArray) -> Any:
-    return importlib.import_module("torch").from_numpy(np.ascontiguousarray(values, np.float64))
+def _joint(kind: str, axis: str, friction: float) -> ElementTree.Element:
+    return ElementTree.Element("joint", type=kind, axis=axis, frictionloss=repr(friction))
 
 
-@functools.cache
-def import_genesis() -> Any:
-    """Import Genesis, and start it once in this process: on the processor, one thread, in double precision."""
-    importlib.import_module("torch").set_num_threads(1)
-    genesis = importlib.import_module("genesis")
-    genesis.init(backend=genesis.cpu, precision=OPTIONS["precision"].value, logging_level="error")
-    return genesis
+def _sliding_box(half: Vector, mass: float, place: Vector) -> ElementTree.Element:
+    """Give an MJCF model of a box on a slide along x."""
+    root = ElementTree.Element("mujoco")
+    body = ElementTree.SubElement(ElementTree.SubElement(root, "worldbody"), "body", pos=_text(place))
+    body.append(_joint("slide", "1 0 0", 0.0))
+    ElementTree.SubElement(body, "geom", type="box", size=_text(half), mass=repr(mass))
+    return root
+
+
+def _text(numbers: Iterable[float]) -> str:
+    return " ".join(map(repr, numbers))

@@ -7,10 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.scene import Scene, chain_model, constraint_parameters
+from engines.genesis.chains import Scene, chain_model, constraint_parameters
 from engines.interface.presets import OfStep, Preset
-from engines.mujoco.presets import SOLIMP
-from engines.shared.coordinates import ChainCoordinates
+from engines.shared.coordinates import JointCoordinates
 from engines.shared.forced_lanes import ForcedLanes
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -20,9 +19,13 @@ from reference_lcp.validation import FloatArray
 class GenesisSimulation(ForcedLanes):
     """Lanes as environments of one scene."""
 
+    _joints: int = 2
+    """Of a cell."""
+
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
         self._preset = preset
-        super().__init__(lanes, [self._units_of(lane) for lane in lanes], [ChainCoordinates.PAIRS] * len(lanes))
+        own = JointCoordinates(self._joints)
+        super().__init__(lanes, [self._units_of(lane) for lane in lanes], [own] * len(lanes))
 
     @abstractmethod
     def _units_of(self, lane: Lane) -> Units:
@@ -61,7 +64,12 @@ class JointSimulation(GenesisSimulation):
     def _new_scene(self) -> Scene:
         scene = Scene(chain_model(self.lanes[0].chain.cells)[0], self._masses(), 1.0, self._preset)
         scene.set_joint_constraints(
-            np.stack([constraint_parameters(self._time_constant(lane), 1.0, SOLIMP) for lane in self.lanes])
+            np.stack(
+                [
+                    constraint_parameters(self._time_constant(lane), 1.0, self._preset["solimplimit"])
+                    for lane in self.lanes
+                ]
+            )
         )
         scene.set_bounds(self._of_chains("friction_bound"))
         return scene
@@ -71,5 +79,5 @@ class JointSimulation(GenesisSimulation):
 
     def _time_constant(self, lane: Lane) -> float:
         """Give the time constant of friction in time steps; Genesis takes at least two."""
-        own = self._preset["time constant"]
+        own = self._preset["constraint_timeconst"]
         return max(2.0, own.at(1.0) if isinstance(own, OfStep) else own / lane.time_step)

@@ -231,12 +231,24 @@ MOST_CORRECTIONS = 20
 @Kernel
 def _solved(coupling: Any, aim: Any, pressing: Any) -> Any:
     """Give p of the edges that press, (E A Eᵀ + R) p = −(E y_free + o), and (E A Eᵀ) p + E y_free + o of the others."""
-    matrix, right = coupling.copy(), -aim
-    for edge in range(aim.size):
-        if not pressing[edge]:
-            matrix[:, edge] = 0.0
-            matrix[edge, edge] = -1.0
-    return np.linalg.solve(matrix, right)
+    count = aim.size
+    matrix = np.zeros((count, count))
+    for i in range(count):
+        matrix[i, i] = 1.0
+        for j in range(count):
+            if pressing[j]:
+                matrix[i, j] = -coupling[i, j]
+    return np.linalg.inv(matrix) @ aim
+
+
+@Kernel
+def _settled(pressing: Any, solution: Any) -> Any:
+    """Let go of edges that would pull, and press those that would pass: whether there were none, changed in place."""
+    settled = True
+    for i in range(solution.size):
+        if solution[i] < 0:
+            pressing[i], settled = not pressing[i], False
+    return settled
 
 
 @Kernel
@@ -246,23 +258,38 @@ def edge_impulses(free: Any, inverse_mass: Any, edges: Any, softness: Any, offse
     Newton's iteration over the sets of edges that press; where it cycles, all sets are tried.
     """
     count = edges.shape[0]
-    coupling = (edges * inverse_mass) @ edges.T + softness * np.eye(count)
-    aim = edges @ free + offset
+    weighted, aim = np.empty(edges.shape), edges @ free
+    for i in range(count):
+        aim[i] += offset
+        for k in range(inverse_mass.size):
+            weighted[i, k] = edges[i, k] * inverse_mass[k]
+    coupling = weighted @ edges.T
+    for i in range(count):
+        coupling[i, i] += softness
     pressing = np.ones(count, np.bool_)
     for _ in range(MOST_CORRECTIONS):
         solution = _solved(coupling, aim, pressing)
-        following = np.where(solution < 0, ~pressing, pressing)
-        if np.all(following == pressing):
-            return np.where(pressing, solution, 0.0)
-        pressing = following
+        if _settled(pressing, solution):
+            return _pressed(pressing, solution)
     best, least = np.zeros(count), np.inf
     for number in range(2**count):
         for edge in range(count):
             pressing[edge] = (number >> edge) & 1
         solution = _solved(coupling, aim, pressing)
-        if np.max(-solution) < least:
-            best, least = np.where(pressing, np.maximum(solution, 0.0), 0.0), np.max(-solution)
+        worst = -np.min(solution)
+        if worst < least:
+            best, least = _pressed(pressing, solution), worst
     return best
+
+
+@Kernel
+def _pressed(pressing: Any, solution: Any) -> Any:
+    """Give the impulses of the edges that press, none of which pulls."""
+    impulses = np.zeros(solution.size)
+    for i in range(solution.size):
+        if pressing[i]:
+            impulses[i] = max(solution[i], 0.0)
+    return impulses
 
 
 @Kernel
@@ -308,30 +335,49 @@ def advance(
     length, rate, touch = numbers
     contact, normal, tangent, edges, constraint = contacts
     cells, size = contact.shape[0], motion.shape[1]
-    state = np.concatenate((motion[1], motion[0]))
-    free, seen, held = np.empty(3), np.empty(size + cells), constraint[0] == 0
+    state, seen = np.empty(2 * size), np.empty(size + cells)
+    for i in range(size):
+        state[i], state[size + i] = motion[1, i], motion[0, i]
+    free, impulse, held = np.empty(3), np.empty(3), constraint[0] == 0
     for step in range(loads.size):
-        seen[:] = state_matrix @ state + load * loads[step]
+        moved = state_matrix @ state
+        for i in range(size + cells):
+            seen[i] = moved[i] + load[i] * loads[step]
         for i in range(cells):
             gap = normal[2] * aside[i, 1] + normal[0] * (state[size + cells + i] - state[size + i])
-            impulse = np.zeros(3) if held else -length * presses[step, i] * normal
             free[0], free[1], free[2] = seen[size + i], length * rate * aside[i, 0], length * rate * aside[i, 2]
-            free += contact[i, :3] * impulse
+            for k in range(3):
+                impulse[k] = 0.0 if held else -length * presses[step, i] * normal[k]
+                free[k] += contact[i, k] * impulse[k]
             parts = _contact_impulses(free, length * presses[step, i], touch[i] - gap, contact[i], edges[i], constraint)
             pressed = parts @ edges[i]
-            impulse += pressed
+            for k in range(3):
+                impulse[k] += pressed[k]
             if record.shape[0] > 0:
                 record[step, 2 * size + i] = pressed @ tangent / length
                 record[step, 2 * size + cells + i] = np.sum(parts) / length
             aside[i, 0] += contact[i, 1] * impulse[1]
             aside[i, 2] += contact[i, 2] * impulse[2]
             aside[i, 1] += length * aside[i, 2]
-            seen[:size] += response[:, i] * impulse[0]
-        state[:size] = seen[:size]
-        state[size:] += length * state[:size]
+            for k in range(size):
+                seen[k] += response[k, i] * impulse[0]
+        for i in range(size):
+            state[i] = seen[i]
+            state[size + i] += length * state[i]
         if record.shape[0] > 0:
-            record[step, :size], record[step, size : 2 * size] = state[size:], state[:size]
-            for i in range(cells):
-                gap = normal[2] * aside[i, 1] + normal[0] * (state[size + cells + i] - state[size + i])
-                record[step, 2 * size + 2 * cells + i] = gap
-    motion[0], motion[1] = state[size:], state[:size]
+            _keep(state, aside, normal, record[step])
+    for i in range(size):
+        motion[0, i], motion[1, i] = state[size + i], state[i]
+
+
+@Kernel
+def _keep(state: Any, aside: Any, normal: Any, row: Any) -> None:
+    """Write positions, velocities and gaps of a step."""
+    cells = aside.shape[0]
+    size = 2 * cells
+    for i in range(size):
+        row[i], row[size + i] = state[size + i], state[i]
+    for i in range(cells):
+        row[2 * size + 2 * cells + i] = normal[2] * aside[i, 1] + normal[0] * (
+            state[size + cells + i] - state[size + i]
+        )

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
+from engines.shared.coordinates import JointCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -15,7 +15,7 @@ from reference_lcp.validation import FloatArray
 class PinocchioJointLane(ExplicitForcesLane):
     """One chain; data and solver are made anew for a run, so that nothing is left of earlier ones."""
 
-    coordinates = ChainCoordinates.PAIRS
+    coordinates = JointCoordinates()
 
     def __init__(self, lane: Lane, preset: Preset):
         super().__init__(lane, preset)

@@ -8,7 +8,7 @@ import numpy as np
 from engines.interface.presets import Preset
 from engines.interface.tolerances import SINGLE
 from engines.shared.claims import check_mass_ratio
-from engines.shared.coordinates import ChainCoordinates
+from engines.shared.coordinates import JointCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -41,7 +41,7 @@ def model_of(chain: Chain) -> str:
 class RapierNativeLane(ExplicitForcesLane):
     """One chain as a multibody; a run makes its world anew. Its coordinates are those of its joints, cell by cell."""
 
-    coordinates = ChainCoordinates.PAIRS
+    coordinates = JointCoordinates()
 
     def __init__(self, lane: Lane, preset: Preset):
         check_mass_ratio([lane], LARGEST_MASS_RATIO, "a multibody of Rapier")

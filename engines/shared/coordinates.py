@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,17 @@ from reference_lcp.validation import FloatArray
 class _Coordinates:
     absolute: Callable[..., FloatArray]
 
+    def count(self, cells: int) -> int:
+        """Give how many coordinates so many cells have."""
+        return 2 * cells
+
     def force_matrix(self, chain: Chain) -> FloatArray:
-        """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
+        """Give the matrix that turns coordinates and velocities into generalised forces, shape (count, 2 count).
 
         The force of a joint acts on its own mass and back on the one that carries it.
         """
         # A column has the absolute positions for one unit of a coordinate.
-        columns = self.absolute(np.eye(2 * chain.cells)).T
+        columns = self.absolute(np.eye(self.count(chain.cells))).T
         return -np.hstack([columns.T @ matrix @ columns for matrix in (chain.stiffness_matrix, chain.damping_matrix)])
 
 
@@ -34,7 +38,6 @@ class ChainCoordinates(_Coordinates, Enum):
 
     ABSOLUTE = "(u_i, v_i): bodies of their own"
     CELLS = "(u_i, v_i - u_i): joints on the ground carry the outer masses, and these the inner ones"
-    PAIRS = "(u_1, v_1 - u_1, u_2, ...): the same, cell by cell"
     ROW = "(u_i - u_(i-1), v_i - u_i): every outer mass has its joint on its left neighbour"
 
     @property
@@ -50,15 +53,11 @@ class ChainCoordinates(_Coordinates, Enum):
             second = inner - outer
         if self is ChainCoordinates.ROW:
             first = np.diff(outer, axis=-1, prepend=0.0)
-        if self is ChainCoordinates.PAIRS:
-            return np.stack([first, second], axis=-1).reshape(absolute.shape)
         return np.concatenate([first, second], axis=-1)
 
     def absolute(self, coordinates: FloatArray) -> FloatArray:
         """Turn these coordinates into (u, v), shape (..., 2n)."""
         outer, inner = np.split(coordinates, 2, axis=-1)
-        if self is ChainCoordinates.PAIRS:
-            outer, inner = coordinates[..., 0::2], coordinates[..., 1::2]
         if self is ChainCoordinates.ROW:
             outer = np.cumsum(outer, axis=-1)
         if self is not ChainCoordinates.ABSOLUTE:
@@ -118,6 +117,26 @@ def absolute_coordinates(coordinates: FloatArray, joints: int) -> FloatArray:
     """Turn (u_1, v_1 - u_1, ..., u_2, ...), `joints` a cell, into (u, v); velocities likewise."""
     outer, relative = coordinates[..., 0::joints], coordinates[..., 1::joints]
     return np.concatenate([outer, outer + relative], axis=-1)
+
+
+@dataclass(frozen=True)
+class JointCoordinates(_Coordinates):
+    """(u_1, v_1 - u_1, ..., u_2, ...), so many `joints` a cell; what goes across the row has no forces of the chain."""
+
+    joints: int = 2
+    loaded: ClassVar[int] = 0
+
+    def count(self, cells: int) -> int:
+        """Give how many coordinates so many cells have."""
+        return self.joints * cells
+
+    def of(self, absolute: FloatArray) -> FloatArray:
+        """Turn (u, v) into these coordinates; see `joint_coordinates`."""
+        return joint_coordinates(absolute, self.joints)
+
+    def absolute(self, coordinates: FloatArray) -> FloatArray:
+        """Turn these coordinates into (u, v); see `absolute_coordinates`."""
+        return absolute_coordinates(coordinates, self.joints)
 
 
 ROUNDINGS = 16

@@ -13,7 +13,7 @@ import numpy as np
 
 from engines.interface.presets import Preset
 from engines.shared.box_geometry import PLATE, SPACING, PressedBoxes
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
+from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -38,7 +38,7 @@ class ExplicitForcesLane(LaneModel):
     velocities, shape (4n,); the loop owns it, and the engine writes what it reads into it.
     """
 
-    coordinates: ChainCoordinates | CarriedCoordinates = ChainCoordinates.ABSOLUTE
+    coordinates: ChainCoordinates | CarriedCoordinates | JointCoordinates = ChainCoordinates.ABSOLUTE
     units_of = staticmethod(Units.named)
     """Gives the units that a preset names, in a lane."""
     _own_springs = False

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
+from engines.shared.coordinates import CarriedCoordinates, JointCoordinates
 from engines.shared.force_loop import LARGEST_MOTION
 from engines.shared.units import Units
 from engines.shared.worlds_simulation import LanesInUnits
@@ -20,7 +20,7 @@ from reference_lcp.validation import FloatArray, checked_count
 class ForcedLanes(LanesInUnits, ABC):
     """Lanes of one scene, each in units of its own, under forces that are computed at the start of each step.
 
-    A motion of all lanes, shape (lanes, 4n), holds coordinates, then their velocities. The scene of an engine has
+    A motion of all lanes, a row each, holds coordinates, then their velocities. The scene of an engine has
     ``set_motion(coordinates, velocities)``, ``step(forces)``, which gives the motion after it, ``native_steps(steps)``
     and ``close()``.
     """
@@ -29,7 +29,7 @@ class ForcedLanes(LanesInUnits, ABC):
         self,
         lanes: Sequence[Lane],
         units: Sequence[Units],
-        coordinates: Sequence[ChainCoordinates | CarriedCoordinates],
+        coordinates: Sequence[CarriedCoordinates | JointCoordinates],
     ):
         super().__init__(lanes, units)
         self._coordinates = tuple(coordinates)

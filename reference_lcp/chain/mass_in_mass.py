@@ -87,10 +87,8 @@ class Chain:
 
         Parameters
         ----------
-        cells
-            Number of cells.
-        mass_ratio, stiffness_ratio
-            m_i / m_o and k_i / k_c, of the cell's own outer mass and chain spring.
+        cells, mass_ratio, stiffness_ratio
+            Number of cells; m_i / m_o and k_i / k_c, of the cell's own outer mass and chain spring.
         damping_ratio, inner_damping_ratio
             c_c / (2 √(k_c m_o)) and c_i / (2 √(k_i m_i)), of the cell's own masses and springs.
         friction_ratio

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, BoolArray, PiecewiseLinearChain, Segment
 from reference_lcp.exact.polynomial_roots import first_roots
@@ -63,8 +64,8 @@ class _Start:
 class EventDrivenChain(LaneModel):
     """One chain under one harmonic or still drive, advanced from event to event; the time step sets the rows only."""
 
-    def __init__(self, lane: Lane):
-        self.lane = lane
+    def __init__(self, lane: Lane, deadline: Deadline = UNLIMITED):
+        self.lane, self.deadline = lane, deadline
         self.system = PiecewiseLinearChain(lane.chain, lane.drive)
         chain = lane.chain
         self._bound = chain.friction_bound
@@ -93,6 +94,7 @@ class EventDrivenChain(LaneModel):
         modes = np.where(self._rubbing, np.sign(self._slip(z)), 1).astype(np.int8)
         time, events, counted_from = start, 0, start
         while time < end:
+            self.deadline.check()
             z[4 * n : 4 * n + 2] = self.system.phase(time)
             begin = self._consistent(z, modes)
             segment, stopped = self._segment(begin, time, end)
@@ -199,9 +201,9 @@ class EventDrivenChain(LaneModel):
 class EventDrivenSimulation(SequentialSimulation):
     """The motion between events in closed form, and every event; a `Simulation` without a time-step error."""
 
-    def __init__(self, lanes: Sequence[Lane]):
+    def __init__(self, lanes: Sequence[Lane], deadline: Deadline = UNLIMITED):
         common_cells(lanes)
         check_one_coefficient(lanes, "the event-driven chain")
         if any(lane.preload is not None for lane in lanes):
             raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
-        super().__init__([EventDrivenChain(lane) for lane in lanes])
+        super().__init__([EventDrivenChain(lane, deadline) for lane in lanes])

@@ -21,6 +21,7 @@ from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, steps_per_period_for
 from reference_lcp.chain.trajectory import State
+from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation
 from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment
@@ -62,9 +63,9 @@ class ExactPeriod:
     segments: list[Segment]
 
     @classmethod
-    def following(cls, orbit: PeriodicOrbit, period: float) -> "ExactPeriod":
+    def following(cls, orbit: PeriodicOrbit, period: float, deadline: Deadline = UNLIMITED) -> "ExactPeriod":
         """Go through the period [s] that follows the recorded one, at whose end sticking contacts are at rest."""
-        return cls(orbit.lane, list(EventDrivenChain(orbit.lane).segments(orbit.trajectory.end, 0.0, period)))
+        return cls(orbit.lane, list(EventDrivenChain(orbit.lane, deadline).segments(orbit.trajectory.end, 0.0, period)))
 
     @property
     def period(self) -> float:
@@ -173,6 +174,7 @@ def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatA
     total[outer] = total[inner] = share * total[outer] + (1 - share) * total[inner]
     total = chain.system.propagator(stuck, segments[0].duration) @ total
     for before, after in pairwise(segments):
+        chain.deadline.check()
         total = _saltation(chain.system, before, after) @ total
         total = chain.system.propagator(after.modes == 0, after.duration) @ total
     return total
@@ -196,15 +198,17 @@ def _saltation(system: PiecewiseLinearChain, before: Segment, after: Segment) ->
     return matrix
 
 
-def polished(orbit: PeriodicOrbit, steps_per_period: int, tolerance: float) -> PeriodicOrbit:
+def polished(
+    orbit: PeriodicOrbit, steps_per_period: int, tolerance: float, deadline: Deadline = UNLIMITED
+) -> PeriodicOrbit:
     """Improve an orbit by Newton's method while its residual falls; `tolerance` decides the status."""
     if orbit.status is OrbitStatus.DIVERGED:
         return orbit
-    simulation = EventDrivenSimulation([orbit.lane])
+    simulation = EventDrivenSimulation([orbit.lane], deadline)
     periods = orbit.periods
     best, state = orbit, orbit.trajectory.end
     for _ in range(NEWTON_STEPS):
-        state = _newton_step(EventDrivenChain(orbit.lane), state, steps_per_period * orbit.lane.time_step)
+        state = _newton_step(EventDrivenChain(orbit.lane, deadline), state, steps_per_period * orbit.lane.time_step)
         candidate = periodic_orbits(
             simulation, steps_per_period, start=state, tolerance=tolerance, max_periods=1, longest_multiple=1
         )[0]
@@ -241,29 +245,35 @@ def exact_orbit(
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
     tolerance: float = EXACT_RESIDUAL,
     max_periods: int = DEFAULT_PERIODS,
+    deadline: Deadline = UNLIMITED,
 ) -> tuple[PeriodicOrbit, ExactPeriod]:
-    """Find the periodic orbit, and its segments between events; arguments are those of `exact_steady_state`."""
-    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
+    """Find the periodic orbit, and its segments between events; arguments are those of `exact_steady_state`.
+
+    A search that passes its deadline raises `NotProven`.
+    """
+    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)], deadline)
     search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
     steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
     if steps <= MOST_SCHEME_STEPS:
-        scheme = periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, longest_multiple=1)[0]
+        euler = CompiledSimulation([Lane.periodic(chain, drive, steps)])
+        scheme = periodic_orbits(euler, steps, longest_multiple=1, deadline=deadline)[0]
         if scheme.converged:
             near = search(start=scheme.trajectory.end, tolerance=tolerance, max_periods=1)[0]
-            orbit = polished(near, steps_per_period, tolerance)
+            orbit = polished(near, steps_per_period, tolerance, deadline)
             if orbit.converged:
-                return _judged(orbit, drive.period)
-    orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
+                return _judged(orbit, drive.period, deadline)
+    near = search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0]
+    orbit = polished(near, steps_per_period, tolerance, deadline)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
-    return _judged(orbit, drive.period)
+    return _judged(orbit, drive.period, deadline)
 
 
-def _judged(orbit: PeriodicOrbit, period: float) -> tuple[PeriodicOrbit, ExactPeriod]:
+def _judged(orbit: PeriodicOrbit, period: float, deadline: Deadline) -> tuple[PeriodicOrbit, ExactPeriod]:
     """Give an orbit with the period [s] that follows; without dashpots, its multipliers say whether it is reached."""
-    exact, chain = ExactPeriod.following(orbit, period), orbit.lane.chain
+    exact, chain = ExactPeriod.following(orbit, period, deadline), orbit.lane.chain
     if not orbit.converged or attracts_all(orbit.lane):
         return orbit, exact
-    jacobian = _scaled_monodromy(EventDrivenChain(orbit.lane), exact.segments, period)
+    jacobian = _scaled_monodromy(EventDrivenChain(orbit.lane, deadline), exact.segments, period)
     return without_dashpots(orbit, largest_moving(jacobian, chain.cells)), exact

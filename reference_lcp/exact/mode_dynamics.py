@@ -49,7 +49,8 @@ class _Matrices:
 def _series(entries: Any, columns: Any, starts: Any, z: Any) -> Any:
     """Coefficients of exp(A s) z in powers of s, A in compressed rows; written out, since BLAS uses threads for it."""
     coefficients = np.empty((SERIES_ORDER + 1, z.size))
-    coefficients[0] = z
+    for row in range(z.size):
+        coefficients[0, row] = z[row]
     for k in range(1, SERIES_ORDER + 1):
         for row in range(z.size):
             total = 0.0

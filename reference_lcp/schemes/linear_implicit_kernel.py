@@ -70,17 +70,22 @@ def solve_contacts(free: Any, coupling: Any, bound: Any, law: Any, impulses: Any
 
 @numba.njit(cache=True, error_model="numpy")
 def advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, law: Any, record: Any) -> None:
-    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept."""
+    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
+
+    Loops stand where expressions of arrays would take twice as long to compile.
+    """
     state_matrix, load_matrix, response, coupling, drag = matrices
     length, weight = numbers
     cells = coupling.shape[0]
     count = 2 * cells
     drags = np.any(drag)
-    impulses, state = np.zeros(cells), np.empty(2 * count)
-    state[:count], state[count:] = motion[1], motion[0]
-    before = np.empty(count)
+    impulses, state, free = np.zeros(cells), np.empty(2 * count), np.empty(count + cells)
+    for i in range(count):
+        state[i], state[count + i] = motion[1, i], motion[0, i]
     for step in range(bounds.shape[0]):
-        free = state_matrix @ state + load_matrix[:, 0] * loads[step] + load_matrix[:, 1] * loads[step + 1]
+        moved = state_matrix @ state
+        for i in range(count + cells):
+            free[i] = moved[i] + load_matrix[i, 0] * loads[step] + load_matrix[i, 1] * loads[step + 1]
         if drags:
             for i in range(cells):
                 outer = length * drag[i] * state[i] * abs(state[i])
@@ -89,11 +94,21 @@ def advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, l
                 free[cells + i] -= inner
                 free[count + i] -= inner - outer
         solve_contacts(free[count:], coupling, bounds[step], law, impulses)
-        before[:] = state[:count]
-        state[:count] = free[:count] + response @ impulses
-        state[count:] += length * (weight * state[:count] + (1 - weight) * before)
+        added = response @ impulses
+        for i in range(count):
+            before, state[i] = state[i], free[i] + added[i]
+            state[count + i] += length * (weight * state[i] + (1 - weight) * before)
         if record.shape[0] > 0:
-            record[step, :count] = state[count:]
-            record[step, count : 2 * count] = state[:count]
-            record[step, 2 * count :] = impulses / length
-    motion[0], motion[1] = state[count:], state[:count]
+            _keep(state, impulses, length, record[step])
+    for i in range(count):
+        motion[0, i], motion[1, i] = state[count + i], state[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _keep(state: Any, impulses: Any, length: Any, row: Any) -> None:
+    """Write positions, velocities and friction of a step."""
+    count = 2 * impulses.size
+    for i in range(count):
+        row[i], row[count + i] = state[count + i], state[i]
+    for i in range(impulses.size):
+        row[2 * count + i] = impulses[i] / length

@@ -17,6 +17,7 @@ import numpy as np
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation, steps_per_period_for
 from reference_lcp.chain.trajectory import State
+from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, FEWEST_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
 from reference_lcp.observables.transmittance import decibel, transmittance
@@ -62,42 +63,37 @@ def periodic_orbits(
     tolerance: float = DEFAULT_RESIDUAL,
     max_periods: int = DEFAULT_PERIODS,
     longest_multiple: int = LONGEST_MULTIPLE,
+    deadline: Deadline = UNLIMITED,
 ) -> list[PeriodicOrbit]:
     """Find the periodic orbit of every lane of a simulation.
 
-    Coulomb friction with a given normal force is monotone: the energy norm of the difference of two
-    motions under the same drive never grows. A fixed point of the period map is therefore the
-    attractor, unique up to the offsets of cells that stay stuck, if every cell has a chain dashpot. Without, free
-    oscillations may last; where normal forces depend on the motion, a fixed point may repel, and there may be several.
-    So the motion from rest is followed there: what it reaches is given, and `PeriodicOrbit.reason` names the other.
+    Where every cell has a chain dashpot and normal forces are given, the fixed point of the period map is the
+    attractor. Where normal forces depend on the motion, it may repel: the motion from rest is followed, what it reaches
+    is given, and `PeriodicOrbit.reason` names the other.
 
     Parameters
     ----------
-    simulation
-        The lanes; each has a time step of its drive's period over `steps_per_period`.
-    steps_per_period
-        Number of steps that make one period.
+    simulation, steps_per_period
+        The lanes; each has a time step of its drive's period over so many steps.
     start
-        State that may be in the steady state: lanes whose first period from it repeats are done with it, and the
-        search of the others goes on from its end. Without it, the search starts from `harmonic_balance_start`.
-    tolerance
-        Residual to reach, see `PeriodicOrbit.residual`.
-    max_periods
-        Periods after which the search gives up, if its residual has been halved at times; it gives the best orbit then.
+        State that may be in the steady state; without it, the search starts from `harmonic_balance_start`.
+    tolerance, max_periods
+        Residual to reach, see `PeriodicOrbit.residual`; periods after which the search gives the best orbit.
     longest_multiple
-        Most periods of the drive after which a motion without a fixed point is searched for a repetition; 1 for
-        no such search, and for none from rest. See `repetitions`, whose periods come on top of `max_periods`.
+        Most periods of the drive after which a motion without a fixed point is searched for a repetition, on top of
+        `max_periods`; 1 for no such search, and for none from rest.
 
     Returns
     -------
     list of PeriodicOrbit
-        One a lane, in order. Whether an orbit converged is its status.
+        One a lane; whether it converged is its status.
 
     Raises
     ------
     ParameterError
-        If a number is outside its range, a lane's time step does not divide its drive's period, or that is no
-        period of its preload.
+        If a number is outside its range, or steps, period and preload do not fit together.
+    NotProven
+        Once the `deadline` is over.
     """
     checked_scalar("tolerance", tolerance, "> 0")
     checked_count("max_periods", max_periods)
@@ -106,14 +102,16 @@ def periodic_orbits(
         _check_period(lane, steps_per_period)
     if start is None:
         balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
-        found = searched(simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple)
+        found = searched(
+            simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline
+        )
         return found if longest_multiple == 1 else _judged(found, simulation, tolerance, max_periods, longest_multiple)
     orbits = _first_periods(simulation, start, steps_per_period, tolerance)
     late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
     if late and max_periods > 1:
         ends = State.stack([orbits[lane].trajectory.end for lane in late])
         part = part_of(simulation, late)
-        later = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
+        later = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple, deadline=deadline)
         for number, orbit in zip(late, later, strict=True):
             orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
     return orbits
@@ -132,10 +130,11 @@ def searched(
     max_periods: int,
     longest_multiple: int,
     newton: FloatArray | None = None,
+    deadline: Deadline = UNLIMITED,
 ) -> list[PeriodicOrbit]:
     """Search every lane from a start; arguments as for `periodic_orbits`, `newton` as for `FixedPointSearch`."""
     search = FixedPointSearch(simulation, StateScales(simulation.lanes, steps), steps, tolerance, newton)
-    search.run(start, max_periods)
+    search.run(start, max_periods, deadline)
     starts = search.starts(np.arange(len(simulation.lanes)))
     trajectories = simulation.run(starts, 0, steps)
     residuals = search.residuals(starts, State.stack([trajectory.end for trajectory in trajectories])).tolist()

@@ -65,9 +65,9 @@ def compare(
     """Compare two stores point by point: two versions of an engine, two sets of options.
 
     Points are matched by their tasks. Versions and options may differ; their differences are printed. Each changed
-    point has improved, regressed, or is as far from the truth as before. The truth is the exact motion, or the
-    converged reference of either store; for a transient motion, also the reference with finer steps. A point that was
-    blocked before cannot fail.
+    point has improved, regressed, or is as far from the truth as before. The truth is the proven level, the
+    exact motion, or the converged reference of either store; for a transient motion, also the reference with finer
+    steps. A point that was blocked before cannot fail.
     Exit code 0: nothing has changed for the worse; 1: a point has regressed, is missing, blocked now, no longer
     finite, or changed where the truth is not known; 2: wrong input, no point in common, or results of different
     formats; 3: --out could not be written at the end; 130: interrupted.

@@ -93,7 +93,7 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Proof:
+class ProofOptions:
     """Whether and how the steady state is proven."""
 
     proof: Annotated[
@@ -120,7 +120,7 @@ class Proof:
 
     def answer(self, question: ExactChain | None) -> dict[str, Any]:
         """Prove, and give the numbers under the key ``proof``, or the reason why there are none."""
-        from reference_lcp.exact.proof.outcome import NotProven
+        from reference_lcp.deadline import NotProven
         from reference_lcp.exact.proof.prove import prove
 
         if question is None:
@@ -143,7 +143,7 @@ def run(
     frequency_ratio: Annotated[float, Ratio(help="Frequency ratio ω / ω_r.")] = 0.9,
     parameters: Parameters,
     search: Search,
-    proof: Proof,
+    proof: ProofOptions,
     error_bar: Annotated[
         bool, typer.Option("--error-bar", help="Also estimate the error of the step, with finer steps.")
     ] = False,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import shlex
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,6 +50,13 @@ class Shown:
     data: Annotated[
         Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
     ] = None
+    proof: Annotated[
+        bool,
+        typer.Option(
+            "--proof",
+            help="Prove the truth of points that the suite's table of proven levels does not have, some seconds each.",
+        ),
+    ] = False
 
 
 @app.command()
@@ -105,6 +112,7 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
     from scenarios.runs.store import existing_store
     from scenarios.sweeps.dataset_reader import read_dataset
 
+    _check_proof(shown, run=run)
     if shown.data is not None:
         if shown.sweep or names or shown.quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
@@ -120,7 +128,19 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
     check_folder("--out", out, [kept, shown.sweep])
     with keeping(kept):
         return write_sweep_report(
-            planned.sweep, out, planned.command,
-            store=kept, run=run, scope=planned.scope, executor=executor, retry_blocked=work.retry_blocked,
-            keep_old=work.keep_old,
+            planned.sweep, out, planned.command + " --proof" * shown.proof,
+            store=kept, run=run, scope=replace(planned.scope, proof=shown.proof), executor=executor,
+            retry_blocked=work.retry_blocked, keep_old=work.keep_old,
         )  # fmt: skip
+
+
+def _check_proof(shown: Shown, *, run: bool) -> None:
+    """Refuse proofs where nothing is computed, or without the package that they need."""
+    from reference_lcp.defaults import PROOF_TIME_LIMIT, PROVEN_DIGITS
+    from reference_lcp.exact.proof.prove import check_request
+
+    if not shown.proof:
+        return
+    if shown.data is not None or not run:
+        raise ParameterError("--proof computes; allowed with it: neither --data nor --no-run")
+    check_request(PROVEN_DIGITS, PROOF_TIME_LIMIT)

@@ -371,7 +371,7 @@ def proofs(
     seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the proven levels here, as .csv.")] = None,
 ) -> None:
-    """Prove the steady states of the standard grids, and compare their levels with the table that the suite has.
+    """Prove the steady states of standard grids and catalogue, and compare their levels with the table of the suite.
 
     Levels on both sides of the edges of the band are proven too, unless it is a sample.
     Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written;
@@ -383,22 +383,23 @@ def proofs(
     from reference_lcp.defaults import PROOF_TIME_LIMIT
     from reference_lcp.exact.proof.prove import check_request
     from scenarios import tables
-    from scenarios.studies import proofs as study
-    from scenarios.sweeps.proven import DIGITS
+    from scenarios.catalogue import proofs as study
+    from scenarios.verdicts.proven import DIGITS
 
-    points = study.chosen_points(sample, seed)
+    tasks = study.chosen_tasks(sample, seed)
     check_request(DIGITS, PROOF_TIME_LIMIT)
-    found = [study.proof_of(point) for point in tracked(points, "points")]
-    tables.print_table(tables.text_table(study.PROOF_COLUMNS, study.by_friction(found)))
+    found = [study.proof_of(task) for task in tracked(tasks, "points")]
+    tables.print_table(tables.text_table(study.PROOF_COLUMNS, study.by_chain(found)))
     for proof in found:
         if proof.proven is None or not proof.in_table:
             other = "" if proof.in_table else "not as in the table; "
-            friction, eta = proof.point
-            print(visible(f"friction {friction:g}, η_r {eta:g}: {other}{proof.reason or proof.level}"))
+            print(visible(f"{proof.label}: {other}{proof.reason or proof.level}"))
     edges = study.edge_proofs() if sample is None else []
     for edge in edges:
-        shown = f"between {edge.sides[0]:g} and {edge.sides[1]:g}" if edge.crosses else f"not at {edge.sides}"
-        print(f"friction {edge.friction_ratio:g}: an edge of the band is {shown}, proven")
+        print(edge)
+    for friction in dict.fromkeys(edge.friction_ratio for edge in edges):
+        known, steps = study.known_steps(friction)
+        print(f"friction {friction:g}: all crossings are known in {known} of {steps} steps of the grid: nothing slips")
     if out is not None:
         write_whole(out, study.table_text(found))
     if not all([*(proof.in_table for proof in found), *(edge.crosses for edge in edges)]):

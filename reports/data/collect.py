@@ -40,7 +40,7 @@ from scenarios.sweeps.point import tasks_of
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
-from scenarios.verdicts.steady_case import CONVERGED
+from scenarios.verdicts.steady_case import CONVERGED, EXACT
 
 RECORDED_POINTS = (OperatingPoint(0.3, 0.9), OperatingPoint(1.0, 0.9))
 """Points whose period is recorded in full: where contacts stick for part of the period."""
@@ -79,6 +79,8 @@ class Scope:
     """Variants that answer the paper's claims on points of their own; without any, all answer by those of the grid."""
     scenarios: tuple[str, ...] = ()
     """Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown."""
+    proof: bool = False
+    """Whether truths are proven that the table of proven levels does not have."""
 
 
 QUICK = Scope(
@@ -105,7 +107,7 @@ def collect(
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
     evaluator.stage("exact motions")
     # before steps that are read from the store: these compare with the exact motion
-    result = with_truths(result, evaluator)
+    result = with_truths(result, evaluator, proof=scope.proof)
     evaluator.stage("the paper's claims")
     concluded = _conclusions(result, scope, evaluator)
     evaluator.stage("other steps, friction map and further variants")
@@ -189,7 +191,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
         tasks += exact_step_tasks(sweep.excitation)
     if _is_canonical(sweep):
         tasks += scale_tasks(scope.scaled)
-    tasks += exact_tasks(sweep, [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]).values()
+    tasks += exact_tasks(sweep.task(EXACT, case, eta) for case in sweep.cases for eta in sweep.frequency_ratios)
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 

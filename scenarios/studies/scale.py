@@ -12,6 +12,7 @@ from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import OperatingPoint
 from scenarios.runs.task import SteadyStateTask
 from scenarios.studies.accuracy import error_db, task_at
+from scenarios.verdicts.proven import with_proven_level
 from scenarios.verdicts.steady_case import EXACT
 
 SCALE_POINT = OperatingPoint(0.1, 1.6)
@@ -53,7 +54,8 @@ def scale_study(variants: Sequence[Variant], evaluator: Evaluator) -> tuple[Scal
     if not variants:
         return ()  # nothing is asked for then
     tasks, truth = scale_tasks(variants), task_at(EXACT, SCALE_POINT, STEPS)
-    exact, *results = evaluator.evaluate([truth, *tasks])
+    motion, *results = evaluator.evaluate([truth, *tasks])
+    exact = with_proven_level(truth, motion)
     return tuple(
         ScalePoint(
             task.variant,

@@ -11,6 +11,7 @@ from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
+from scenarios.verdicts.proven import with_proven_level
 from scenarios.verdicts.steady_case import EXACT
 
 FINEST_STEPS = (3200, 6400)
@@ -69,7 +70,7 @@ def step_study(
     tasks = {variant: step_tasks(variant, excitation, steps) for variant in variants}
     every = [*exact_tasks, *(task for own in tasks.values() for task in own)]
     results = dict(zip(every, evaluator.evaluate(every), strict=True))
-    exact = {point_of(task): results[task] for task in exact_tasks if results[task].converged}
+    exact = {point_of(task): with_proven_level(task, results[task]) for task in exact_tasks if results[task].converged}
     return tuple(
         _step_point(variant, number, [(task, results[task]) for task in own if task.steps_per_period == number], exact)
         for variant, own in tasks.items()

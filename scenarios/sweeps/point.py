@@ -69,7 +69,7 @@ class Truth:
     exact: bool = False
     """Whether it is that of the exact motion, and not that of the converged reference."""
     proven: bool = False
-    """Whether it is proven, see `scenarios.sweeps.proven`."""
+    """Whether it is proven, see `scenarios.verdicts.proven`."""
 
     @property
     def above_floor(self) -> bool:

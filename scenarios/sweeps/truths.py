@@ -6,7 +6,7 @@ whatever each of them is judged by, and has an error itself.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from enum import StrEnum
 
@@ -20,10 +20,10 @@ from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import GivesResults, Point, Truth, point_resolution, scheme_by_steps
-from scenarios.sweeps.proven import ROUNDED_DB, proven_level
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
 from scenarios.verdicts.judge import Steps, metric_difference
+from scenarios.verdicts.proven import ROUNDED_DB, ProvenLevel, newly_proven, proven_level
 from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, amplification
 
 WRONG_DB = 3.0
@@ -53,27 +53,29 @@ class ErrorClass(StrEnum):
     """Off by `WRONG_DB` or more somewhere."""
 
 
-def exact_tasks(sweep: Sweep, places: Sequence[tuple[Case, float]]) -> dict[tuple[Case, float], SteadyStateTask]:
-    """Give the tasks of the exact motion at these places; none where they are too many, or a chain is too long."""
-    if len(places) > MOST_EXACT_POINTS:
-        return {}
-    tasks = {place: sweep.task(EXACT, *place) for place in places}
-    return {place: task for place, task in tasks.items() if task.ratios.cells <= MOST_EXACT_CELLS}
+def exact_tasks(tasks: Iterable[SteadyStateTask]) -> list[SteadyStateTask]:
+    """Give the exact motions that are computed: none that is proven, of a long chain, or where they are too many."""
+    unknown = [task for task in tasks if proven_level(task) is None]
+    return [task for task in unknown if task.cells <= MOST_EXACT_CELLS] if len(unknown) <= MOST_EXACT_POINTS else []
 
 
-def with_truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> ComparedSweep:
-    """Give the points of a sweep with the truth; where nothing gives exact results, the converged reference's."""
+def with_truths(result: ComparedSweep, evaluator: GivesResults | None = None, *, proof: bool = False) -> ComparedSweep:
+    """Give the points of a sweep with the truth; where nothing gives exact results, the converged reference's.
+
+    With `proof`, levels that the table does not have are proven now.
+    """
     baselines = {point.place[1:]: point for point in result.points if point.variant == CONVERGED}
-    proven = {place: level for place in baselines if (level := proven_level(result.sweep.task(EXACT, *place)))}
-    others = [place for place in baselines if place not in proven]
-    tasks = exact_tasks(result.sweep, others) if evaluator is not None else {}
-    exact = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True)) if evaluator is not None else {}
-    truths = {place: truth_of(baselines[place], exact.get(place, Result.missing())) for place in others}
-    known = {
-        place: Truth(float(level.transmittance_db), ROUNDED_DB, exact=True, proven=True)
-        for place, level in proven.items()
-    }
-    return _with(result, truths | known)
+    tasks = {place: result.sweep.task(EXACT, *place) for place in baselines}
+    known = {task: proven_level(task) or (newly_proven(task) if proof else None) for task in tasks.values()}
+    computed = [task for task in exact_tasks(tasks.values()) if known[task] is None] if evaluator is not None else []
+    exact = dict(zip(computed, evaluator.evaluate(computed), strict=True)) if evaluator is not None else {}
+    return _with(
+        result,
+        {
+            place: truth_of(baselines[place], exact.get(task, Result.missing()), known[task])
+            for place, task in tasks.items()
+        },
+    )
 
 
 def _with(result: ComparedSweep, truths: Mapping[tuple[Case, float], Truth]) -> ComparedSweep:
@@ -81,8 +83,13 @@ def _with(result: ComparedSweep, truths: Mapping[tuple[Case, float], Truth]) -> 
     return replace(result, points=points)
 
 
-def truth_of(point: Point, exact: Result) -> Truth:
-    """Give the truth at a point; NaN where neither the exact motion nor the converged reference is certified."""
+def truth_of(point: Point, exact: Result, proven: ProvenLevel | None = None) -> Truth:
+    """Give the truth at a point: what is proven, or the exact motion, or the converged reference.
+
+    It is NaN where none of them is certified.
+    """
+    if proven is not None:
+        return Truth(float(proven.transmittance_db), ROUNDED_DB, exact=True, proven=True)
     if exact.converged:
         steps = max(exact.periods, 1) * exact.steps_per_period
         left_open = unresolved_amplitude(exact.residual, amplification(point.reference), steps, exact.transmittance_db)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from scenarios.runs.parameters import first_error
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore, existing_store
 from scenarios.runs.task import SteadyStateTask
+from scenarios.verdicts.proven import proven_level
 from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, REFERENCE
 
 
@@ -119,8 +120,8 @@ def truths_of(
 ) -> dict[str, StoredTruth]:
     """Give what is true of tasks, as plain data, where that is known, by the text of their task (`StoredResult.key`).
 
-    That is the exact motion, from a store or computed, and the converged one of a store where there is no exact one; of
-    transient motions also the reference's with `FINER` steps.
+    That is the exact motion, from a store or computed, and the converged one of a store where there is no exact one,
+    with level and phase as they are proven; of transient motions also the reference's with `FINER` steps.
     """
     wanted = [task for task in tasks if "frequency_ratio" in task or _is_motion(task)]
     exact, converged, reference = (_finest(stored, variant) for variant in (EXACT, CONVERGED, REFERENCE))
@@ -128,8 +129,19 @@ def truths_of(
     known = {case: StoredTruth(own.result, "converged reference") for case, own in converged.items()}
     known |= _computed(steady - exact.keys(), compute)
     known |= {case: StoredTruth(own.result, "exact motion") for case, own in exact.items()}
+    known |= {case: truth for case in steady if (truth := _proven(case, known.get(case))) is not None}
     truths = {json.dumps(task, sort_keys=True): known.get(_case(task)) or _finer(task, reference) for task in wanted}
     return {text: truth for text, truth in truths.items() if truth is not None}
+
+
+def _proven(case: str, known: StoredTruth | None) -> StoredTruth | None:
+    """Give the proven level and phase of a case, with what else is known of it; ``None`` where they are not proven."""
+    task = _exact_task(case)
+    level = None if task is None else proven_level(task)
+    if level is None:
+        return None
+    result = Result(status=ResultStatus.CONVERGED) if known is None else known.result
+    return StoredTruth(replace(result, **level.numbers), "proven" if known is None else f"proven level, {known.source}")
 
 
 def _is_motion(task: Mapping[str, Any]) -> bool:
@@ -165,7 +177,8 @@ def _finer(task: Mapping[str, Any], reference: Mapping[str, StoredResult]) -> St
 
 def _computed(cases: Iterable[str], compute: Compute | None) -> dict[str, StoredTruth]:
     """Compute the exact motion of cases; those that have none, or take long, are left out."""
-    tasks = {case: task for case in sorted(cases) if (task := _exact_task(case)) is not None}
+    steady = {case: task for case in sorted(cases) if (task := _exact_task(case)) is not None}
+    tasks = {case: task for case, task in steady.items() if task.cells <= MOST_EXACT_CELLS}
     if compute is None or not tasks:
         return {}
     results = dict(zip(tasks, compute(list(tasks.values())), strict=True))
@@ -173,9 +186,8 @@ def _computed(cases: Iterable[str], compute: Compute | None) -> dict[str, Stored
 
 
 def _exact_task(case: str) -> SteadyStateTask | None:
-    """Give the task of the exact motion; ``None`` where the case cannot be read, or its chain is long."""
+    """Give the task of the exact motion; ``None`` where the case cannot be read."""
     try:
-        task = _TASK.validate_python({**json.loads(case), "variant": EXACT})
+        return _TASK.validate_python({**json.loads(case), "variant": EXACT})
     except (ValidationError, ParameterError):
         return None
-    return task if task.ratios.cells <= MOST_EXACT_CELLS else None

@@ -4,6 +4,7 @@ from decimal import Decimal
 
 from flint import arb, ctx
 
+from reference_lcp.deadline import Deadline, NotProven
 from reference_lcp.exact.event_driven import EventsAccumulate
 from reference_lcp.exact.event_driven_system import AmbiguousModes
 from reference_lcp.exact.proof.candidate import Candidate, candidate
@@ -12,7 +13,6 @@ from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.krawczyk import Solution, solve
 from reference_lcp.exact.proof.multipliers import multiplier_bound
-from reference_lcp.exact.proof.outcome import Deadline, NotProven
 from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
 from reference_lcp.exact.proof.repair import repaired, without_shortest
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN
@@ -30,47 +30,45 @@ MOST_REPAIRS = 12
 def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenSteadyState:
     """Prove a steady state, with more and more precision; raises `NotProven`."""
     try:
-        guess = candidate(exact)
+        guess = candidate(exact, deadline)
     except (EventsAccumulate, AmbiguousModes) as problem:
         raise NotProven(f"floating point finds no motion to begin with: {problem}") from problem
     deadline.check()
     for factor in PRECISIONS:
         with ctx.workprec(factor * (int(3.33 * digits) + SPARE_BITS)):
             try:
-                dynamics = Dynamics(exact)
-                solution, observed, repairs = proven_or_repaired(dynamics, guess, deadline)
-                return _read(dynamics, solution, observed, repairs, digits, deadline)
+                dynamics = Dynamics(exact, deadline)
+                solution, observed, repairs = proven_or_repaired(dynamics, guess)
+                return _read(dynamics, solution, observed, repairs, digits)
             except NotProven as problem:
                 reason = problem
                 deadline.check()
     raise reason
 
 
-def proven_or_repaired(dynamics: Dynamics, guess: Candidate, deadline: Deadline) -> tuple[Solution, Observed, int]:
+def proven_or_repaired(dynamics: Dynamics, guess: Candidate) -> tuple[Solution, Observed, int]:
     """Prove a candidate, or others that follow from what refutes it."""
     end = guess.start + float(dynamics.length)
     refuted: NotProven
     for repairs in range(MOST_REPAIRS + 1):
         try:
-            solution = solve(dynamics, guess, deadline)
+            solution = solve(dynamics, guess)
         except NotProven as problem:
-            deadline.check()
+            dynamics.deadline.check()
             shorter, refuted = without_shortest(guess, float(dynamics.length)), problem
             if shorter is None:
                 raise
             guess = shorter
             continue
         try:
-            return solution, observe(dynamics, solution, deadline), repairs
+            return solution, observe(dynamics, solution), repairs
         except (Violation, OutOfOrder) as problem:
             refuted = problem
             guess = repaired(solution.candidate, problem, end)
     raise refuted
 
 
-def _read(
-    dynamics: Dynamics, solution: Solution, observed: Observed, repairs: int, digits: int, deadline: Deadline
-) -> ProvenSteadyState:
+def _read(dynamics: Dynamics, solution: Solution, observed: Observed, repairs: int, digits: int) -> ProvenSteadyState:
     """Read everything from a proven solution."""
     real, imaginary = (2 * part / dynamics.length for part in (observed.sine, observed.cosine))
     amplitude = (real**2 + imaginary**2).nonnegative_part().sqrt()
@@ -82,7 +80,7 @@ def _read(
     times = [change for _, change, _ in transitions]
     if not all(float(number.rad()) < 10.0**-digits for number in (level, phase, *times)):
         raise NotProven(f"the precision does not suffice for {digits} digits")
-    bound, contracts = multiplier_bound(dynamics, solution, deadline)
+    bound, contracts = multiplier_bound(dynamics, solution)
     unique = Uniqueness.CONTRACTION if contracts else Uniqueness.NOT_SHOWN
 
     def enclosed(number: arb) -> Enclosure:
@@ -100,7 +98,7 @@ def _read(
         unique_by=Uniqueness.DAMPING if dynamics.exact.damped else unique,
         inequalities=observed.inequalities,
         repairs=repairs,
-        seconds=deadline.elapsed,
+        seconds=dynamics.deadline.elapsed,
     )
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.chain.trajectory import State
+from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.exact.event_driven_system import EventDrivenSystem, system_of
 from reference_lcp.exact.exact_orbit import SHORTEST_SEGMENT, exact_orbit
 from reference_lcp.exact.mode_dynamics import harmonic_load
@@ -86,7 +87,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Motion:
+class FloatMotion:
     """A motion in floating point from t = 0 over whole periods."""
 
     starts: FloatArray
@@ -97,11 +98,11 @@ class Motion:
     """(u, v, u̇, v̇) at a time."""
 
 
-def candidate(exact: ExactChain) -> Candidate:
+def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
     """Find the steady state in floating point."""
     chain, drive, preload = exact.floating()
     cycle = exact.cycle * drive.period
-    motion = _constant(exact) if preload is None else _modulated(exact)
+    motion = _constant(exact, deadline) if preload is None else _modulated(exact, deadline)
     length = cycle / 2 if exact.half else cycle
     events = _events(motion, chain.friction_bound > 0)
     start = _quietest([time for time, _, _ in events], length)
@@ -124,20 +125,20 @@ def candidate(exact: ExactChain) -> Candidate:
     return _centred(found, exact, motion, np.linspace(0, cycle, SAMPLES, endpoint=False))
 
 
-def _constant(exact: ExactChain) -> Motion:
+def _constant(exact: ExactChain, deadline: Deadline) -> FloatMotion:
     """Give the period that the event-driven solver finds."""
     chain, drive, _ = exact.floating()
-    _, period = exact_orbit(chain, drive)
+    _, period = exact_orbit(chain, drive, deadline=deadline)
     rows, ends = period.lasting, np.array([segment.end for segment in period.segments])
 
     def state(time: float) -> FloatArray:
         segment = period.segments[min(int(np.searchsorted(ends, time)), ends.size - 1)]
         return segment.states(np.array([time - segment.start]))[0]
 
-    return Motion(np.array([period.segments[row].start for row in rows]), period.modes[rows], state)
+    return FloatMotion(np.array([period.segments[row].start for row in rows]), period.modes[rows], state)
 
 
-def _modulated(exact: ExactChain) -> Motion:
+def _modulated(exact: ExactChain, deadline: Deadline) -> FloatMotion:
     """Go from event to event from where the Euler scheme repeats."""
     chain, drive, preload = exact.floating()
     cycle = exact.cycle * drive.period
@@ -145,16 +146,21 @@ def _modulated(exact: ExactChain) -> Motion:
     lane = Lane.periodic(chain, drive, steps, preload)
     simulation = CompiledSimulation([lane])
     if exact.cycle == 1:
-        end = periodic_orbits(simulation, steps, longest_multiple=1)[0].trajectory.end
+        end = periodic_orbits(simulation, steps, longest_multiple=1, deadline=deadline)[0].trajectory.end
     else:
-        rest = np.zeros((1, 2 * exact.cells))
-        end = simulation.advance(State(rest, rest), 0, steps * exact.cycle * SETTLING_CYCLES)
+        end = State.at_rest(1, exact.cells)
+        for _ in range(SETTLING_CYCLES):
+            deadline.check()
+            end = simulation.advance(end, 0, steps * exact.cycle)
     omega, (sine, cosine) = harmonic_load(chain, drive)
     load = Harmonic(
         amplitude=float(np.hypot(sine, cosine)), angular_frequency=omega, phase=float(np.arctan2(cosine, sine))
     )
     solver = EventDrivenSystem(system_of(chain, load, preload=preload))
-    stretches = list(solver.stretches(position=end.positions[0], velocity=end.velocities[0], end=cycle))
+    stretches = []
+    for stretch in solver.stretches(position=end.positions[0], velocity=end.velocities[0], end=cycle):
+        deadline.check()
+        stretches.append(stretch)
     stretches = [each for each in stretches if each.duration > SHORTEST_SEGMENT * cycle]
     starts = np.array([each.start for each in stretches])
 
@@ -162,10 +168,10 @@ def _modulated(exact: ExactChain) -> Motion:
         stretch = stretches[max(int(np.searchsorted(starts, time, side="right")) - 1, 0)]
         return stretch.values(stretch.motion, time)[0]
 
-    return Motion(starts, np.array([each.modes for each in stretches]), state)
+    return FloatMotion(starts, np.array([each.modes for each in stretches]), state)
 
 
-def _events(motion: Motion, rubbing: NDArray[np.bool_]) -> list[tuple[float, int, int]]:
+def _events(motion: FloatMotion, rubbing: NDArray[np.bool_]) -> list[tuple[float, int, int]]:
     """Times, cells and new modes of all changes, the first row after the last."""
     modes = motion.modes
     changes = np.argwhere((modes != np.roll(modes, 1, axis=0)) & rubbing)
@@ -181,7 +187,7 @@ def _quietest(times: list[float], length: float) -> float:
     return float((phases[np.argmax(gaps)] + gaps.max() / 2) % length)
 
 
-def _centred(found: Candidate, exact: ExactChain, motion: Motion, times: FloatArray) -> Candidate:
+def _centred(found: Candidate, exact: ExactChain, motion: FloatMotion, times: FloatArray) -> Candidate:
     """Give cells that never slip the offset that keeps their force farthest from its bounds; zero by symmetry."""
     if exact.half or not found.always_stuck:
         return found.with_offsets(dict.fromkeys(found.always_stuck, 0.0))

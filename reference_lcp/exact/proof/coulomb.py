@@ -17,9 +17,9 @@ from typing import NoReturn
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
+from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.dynamics import Dynamics, Row, Rows, around_zero
 from reference_lcp.exact.proof.krawczyk import Solution
-from reference_lcp.exact.proof.outcome import Deadline, NotProven
 
 BERNSTEIN = 20
 """Degree of the Bernstein form; what is above goes into a ball."""
@@ -88,7 +88,7 @@ class Observed:
     inequalities: int
 
 
-def observe(dynamics: Dynamics, solution: Solution, deadline: Deadline) -> Observed:
+def observe(dynamics: Dynamics, solution: Solution) -> Observed:
     """Prove every inequality of Coulomb's law, or raise `NotProven`; integrate on the way."""
     check_order(dynamics, solution)
     sine, cosine, margin, count = arb(0), arb(0), inf, 0
@@ -96,7 +96,7 @@ def observe(dynamics: Dynamics, solution: Solution, deadline: Deadline) -> Obser
         tests = list(_tests(dynamics, solution, j))
         parts = list(_parts(dynamics, solution, j, tests))
         for polynomials in parts:
-            deadline.check()
+            dynamics.deadline.check()
             bounds = positive_bounds(polynomials.tests)
             for place, (test, order, bound) in enumerate(zip(tests, polynomials.orders, bounds, strict=True)):
                 if not bound > -inf:

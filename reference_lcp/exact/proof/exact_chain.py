@@ -31,7 +31,7 @@ Decimals = str | int | float | Decimal | Fraction
 
 
 @dataclass(frozen=True)
-class Modulation:
+class ExactModulation:
     """N(t) = N0 (1 + a sin(Ωt + φ)), with Ω in units of the drive's ω."""
 
     depth: Fraction
@@ -71,7 +71,7 @@ class ExactChain:
     frequency_squared: Fraction
     """ω²."""
     moving_base: bool = True
-    modulation: Modulation | None = None
+    modulation: ExactModulation | None = None
 
     @property
     def cells(self) -> int:
@@ -144,7 +144,7 @@ class ExactChain:
             ),
             friction=_per_cell("friction_ratio", friction_ratio, n, ">= 0"),
             frequency_squared=eta**2 * inner_springs[0] / inner[0],
-            modulation=Modulation(depth, multiple, phase) if depth else None,
+            modulation=ExactModulation(depth, multiple, phase) if depth else None,
         )
 
     @classmethod
@@ -234,12 +234,12 @@ def _per_cell(name: str, value: Decimals | tuple[Decimals, ...], cells: int, req
     return tuple(checked_decimal(name, each, requirement) for each in values)
 
 
-def _modulation(drive: PeriodicDrive, preload: Preload) -> Modulation:
+def _modulation(drive: PeriodicDrive, preload: Preload) -> ExactModulation:
     """Give the modulation with the fraction Ω / ω that is meant by two doubles."""
     ratio = Fraction(preload.angular_frequency) / Fraction(drive.angular_frequency)
     near = ratio.limit_denominator(LONGEST_CYCLE)
     multiple = near if abs(ratio - near) <= SAME_RATIO * ratio else ratio
-    return Modulation(Fraction(preload.modulation), multiple, Fraction(preload.phase))
+    return ExactModulation(Fraction(preload.modulation), multiple, Fraction(preload.phase))
 
 
 def _products(first: tuple[Fraction, ...], second: tuple[Fraction, ...]) -> tuple[Fraction, ...]:

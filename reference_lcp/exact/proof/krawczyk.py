@@ -17,9 +17,9 @@ from itertools import pairwise
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.candidate import Candidate
 from reference_lcp.exact.proof.dynamics import Dynamics, Flow, Row, Rows, around_zero, identity, largest
-from reference_lcp.exact.proof.outcome import Deadline, NotProven
 
 RADII = (1e-10, 1e-14, 1e-19, 1e-24, 1e-30)
 """Radii of the box on which the Jacobian is enclosed: the first is far above the error of floating point."""
@@ -61,8 +61,8 @@ class Solution:
 class Equations:
     """The equations of one candidate."""
 
-    def __init__(self, dynamics: Dynamics, candidate: Candidate, deadline: Deadline):
-        self.dynamics, self.candidate, self.deadline = dynamics, candidate, deadline
+    def __init__(self, dynamics: Dynamics, candidate: Candidate):
+        self.dynamics, self.candidate = dynamics, candidate
         self.unknown, self.events = candidate.unknown, candidate.events
         self.patterns = [dynamics.pattern(modes) for modes in candidate.modes]
         self.rows = [self._row(place) for place in range(len(self.events))]
@@ -90,7 +90,7 @@ class Equations:
         """Exponentials of all stretches of these times."""
         flows = []
         for pattern, time in zip(self.patterns, self.durations(y), strict=True):
-            self.deadline.check()
+            self.dynamics.deadline.check()
             flows.append(Flow(pattern, time.mid()))
         return flows
 
@@ -112,7 +112,7 @@ class Equations:
                 rows[k][1 + column] = arb(1)
         residuals, ends = [], []
         for j, (flow, time) in enumerate(zip(flows, self.durations(y), strict=True)):
-            self.deadline.check()
+            self.dynamics.deadline.check()
             rows = flow.advanced(rows, time)
             if gradients:
                 self._move_ends(rows, j, size)
@@ -148,9 +148,9 @@ def _product(row: Row, rows: Rows) -> Row:
     return total
 
 
-def solve(dynamics: Dynamics, candidate: Candidate, deadline: Deadline) -> Solution:
+def solve(dynamics: Dynamics, candidate: Candidate) -> Solution:
     """Prove that there is one solution near a candidate; raises `NotProven`."""
-    equations = Equations(dynamics, candidate, deadline)
+    equations = Equations(dynamics, candidate)
     values = [candidate.state[k] for k in equations.unknown] + list(candidate.times)
     y, radii, goal = [arb(value).mid() for value in values], list(RADII), arb(2) ** -(ctx.prec - SPARE_BITS)
     for _ in range(MOST_JACOBIANS):

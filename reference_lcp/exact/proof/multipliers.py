@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 from reference_lcp.exact.proof.candidate import Candidate
 from reference_lcp.exact.proof.dynamics import Dynamics, identity
 from reference_lcp.exact.proof.krawczyk import Equations, Solution
-from reference_lcp.exact.proof.outcome import Deadline
 
 MOST_DOUBLINGS = 20
 """Squarings of the map's derivative: a million periods, in which a multiplier of 1 - 1e-6 shows."""
 
 
-def multiplier_bound(dynamics: Dynamics, solution: Solution, deadline: Deadline) -> tuple[float, bool]:
+def multiplier_bound(dynamics: Dynamics, solution: Solution) -> tuple[float, bool]:
     """Bound the multipliers of one period of the drive, and say whether they are proven to be inside the unit circle.
 
     The Jacobian on the wide box of the proof often suffices; where not, that on the enclosure of the solution is taken.
@@ -21,7 +20,7 @@ def multiplier_bound(dynamics: Dynamics, solution: Solution, deadline: Deadline)
     bound, contracts = _bound(dynamics, solution.candidate, solution.jacobian)
     if contracts:
         return bound, True
-    equations, candidate = Equations(dynamics, solution.candidate, deadline), solution.candidate
+    equations, candidate = Equations(dynamics, solution.candidate), solution.candidate
     box = [arb(candidate.state[k]) for k in candidate.unknown] + [arb(time) for time in candidate.times]
     rows, _ = equations.shoot(box, solution.flows, gradients=True)
     return _bound(dynamics, candidate, arb_mat([row[1:] for row in rows]))
@@ -43,6 +42,7 @@ def _bound(dynamics: Dynamics, candidate: Candidate, jacobian: arb_mat) -> tuple
     M = scale * M * scale.inv()
     best, per_period = float("inf"), 2 if dynamics.exact.half else 1 / dynamics.exact.cycle
     for doubling in range(MOST_DOUBLINGS):
+        dynamics.deadline.check()
         norm = sum((abs(entry) ** 2 for entry in M.entries()), arb(0)).sqrt().upper()
         if not norm.is_finite():
             break

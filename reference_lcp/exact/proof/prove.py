@@ -9,10 +9,10 @@ from typing import Any
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
+from reference_lcp.deadline import Deadline
 from reference_lcp.defaults import PROOF_TIME_LIMIT, PROVEN_DIGITS
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.proof.exact_chain import ExactChain
-from reference_lcp.exact.proof.outcome import Deadline
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.validation import LONGEST_TIME_LIMIT, checked_count, checked_scalar
 

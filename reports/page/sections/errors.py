@@ -66,7 +66,7 @@ class ErrorMaps(Section):
         return unsteady(self.report.points)
 
 
-class Scale(Section):
+class ScaleCurves(Section):
     """The error of defaults over the frequency of the drive in Hz."""
 
     title = "Scale: error over frequency in Hz"

@@ -161,7 +161,9 @@ function traces(plot, width) {
   return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
 }
 
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+// All buttons by name: those that plotly adds in other versions may send a figure away.
+const BUTTONS = ["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"];
+const CONFIG = { responsive: true, displaylogo: false, modeBarButtons: [BUTTONS] };
 let library = null;
 
 // Anew, also where it was drawn: plotly does not move a scale of colours from the side to the foot of panels.
@@ -212,3 +214,11 @@ if ("DecompressionStream" in window) {
     }
   });
 }
+
+// On paper nothing can be opened.
+addEventListener("beforeprint", () => {
+  document.querySelectorAll("details:not([open])").forEach((fold) => {
+    fold.open = true;
+    addEventListener("afterprint", () => { fold.open = false; }, { once: true });
+  });
+});

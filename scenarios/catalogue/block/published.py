@@ -64,7 +64,7 @@ def targets() -> Mapping[str, Target]:
     }
 
 
-class Motion(NamedTuple):
+class BlockMotion(NamedTuple):
     """Slip of a block [m], and the way that it has slid [m], at the rows of a task, shape (rows,)."""
 
     slip: FloatArray
@@ -118,7 +118,7 @@ class PublishedNumber(NamedTuple):
 
     name: str
     problem: Problem
-    read: Callable[[Motion], float]
+    read: Callable[[BlockMotion], float]
     round_off: Callable[[BlockTask], float]
     per_length: float
     """By how much it changes at most with each metre that a slip is off."""
@@ -172,7 +172,7 @@ WEAR_ROW = 80
 """Coarsest steps of SDND104 to a row: 0.2 s."""
 
 
-def _wear_power(motion: Motion) -> float:
+def _wear_power(motion: BlockMotion) -> float:
     """N times the mean |ṙ| [W]."""
     row = WEAR_ROW * WEAR_STEP
     start, end = (motion.slid[round(time / row) - 1] for time in (WEAR_FROM, WEAR_TO))
@@ -235,7 +235,7 @@ class Published(BlockScenario[PublishedNumber]):
 
     def numbers(self, case: PublishedNumber, series: NamedNumbers) -> Mapping[Metric, Number]:
         """Read the number over its unit."""
-        motion = Motion(case.problem.scale * np.array(series["slip"]), np.array(series["slid"]))
+        motion = BlockMotion(case.problem.scale * np.array(series["slip"]), np.array(series["slid"]))
         return {VALUE: case.read(motion) / case.unit}
 
     def judged(self, variant: Variant, case: PublishedNumber, evaluator: Evaluator) -> list[Finding]:

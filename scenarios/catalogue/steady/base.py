@@ -3,6 +3,7 @@
 import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 from engines.interface.variant import Variant
@@ -23,6 +24,7 @@ from scenarios.verdicts.finding import (
     Verdict,
 )
 from scenarios.verdicts.judge import decide, judge, of_amplitude, of_response, response_readers
+from scenarios.verdicts.proven import proven_level
 from scenarios.verdicts.steady_case import (
     EXACT,
     REFERENCE,
@@ -99,7 +101,8 @@ class SteadyScenario(Scenario):
 
         def judged() -> list[Finding]:
             expected = {
-                case: self.expected(case, [results[task] for task in self.expected_by(case)]) for case in self.cases
+                case: proven_expected(case, self.expected(case, [results[task] for task in self.expected_by(case)]))
+                for case in self.cases
             }
             by_variant = (
                 {
@@ -146,6 +149,14 @@ class SteadyScenario(Scenario):
         if self.with_stick_slip:
             findings += stick_slip_findings(evidence)
         return findings if evidence.certified else [finding.uncertified() for finding in findings]
+
+
+def proven_expected(case: SteadyCase, expected: Expected) -> Expected:
+    """Expect the level and the phase that are proven, where the table has them."""
+    level = proven_level(case.task(EXACT))
+    if level is None or expected.missing is not None:
+        return expected
+    return replace(expected, **level.numbers, bar_db=0.0, phase_bar=0.0)
 
 
 def point_case(friction_ratio: float, frequency_ratio: float, ratios: ChainRatios | None = None) -> SteadyCase:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import subprocess
 from collections.abc import Mapping
 
@@ -11,6 +12,7 @@ import pytest
 from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.registry import engine
+from engines.interface.scene import ArmScene, ContactScene, JointScene, Scene
 from engines.interface.variant import Variant
 from engines.mujoco.step_model import LEAST_COEFFICIENT as MUJOCOS_LEAST
 from reference_lcp.chain.drives import StillBase
@@ -31,19 +33,24 @@ from tests.engines.scheme_oracle import (
 
 ENGINE = engine("genesis")
 
+HELD = "default:across=held"
+
 in_its_environment = pytest.mark.needs("genesis")
 every_preset = pytest.mark.parametrize(
     ("formulation", "preset"),
-    [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default")],
+    [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default"), ("contact", HELD)],
 )
+
+AS_INSTALLED = {"joint": "default", "contact": HELD}
+"""Presets of which one step tells the law."""
 
 CREEP = 1e-7
 """Largest distance from the scheme of a tuned contact, over U0: ten times its residual slip compliance."""
 
 
 def law_of(formulation: str, **constants: float) -> Law:
-    """The law of a default, with some of its constants replaced."""
-    law = Variant.parse(f"genesis:{formulation}:default").preset.stated_law()
+    """The law of a default, of contacts that are held, with some of its constants replaced."""
+    law = Variant.parse(f"genesis:{formulation}:{AS_INSTALLED[formulation]}").preset.stated_law()
     assert isinstance(law, Law)
     return with_constants(law, constants)
 
@@ -63,7 +70,9 @@ def slip_left(stepped_by: Law | Engine, lane: Lane, formulation: str) -> float:
     """Part of a slip of 1 mm/s, with all springs at rest, that a step leaves."""
     state = State(np.zeros((1, 2)), np.array([[0.0, 1e-3]]))
     simulation = (
-        stepped_by.build([lane]) if isinstance(stepped_by, Law) else stepped_by.build([lane], formulation, "default")
+        stepped_by.build([lane])
+        if isinstance(stepped_by, Law)
+        else stepped_by.build([lane], formulation, AS_INSTALLED[formulation])
     )
     after = simulation.run(state, 0, 1)[0].relative_velocity[0, 0]
     simulation.close()
@@ -138,7 +147,7 @@ def test_friction_does_not_press_by_signorinis_law_and_does_by_the_pyramid_as_it
     lane, state = lane_of(), random_state()
     own = run(lane, state, "contact").normal_force
     assert own == pytest.approx(np.broadcast_to(lane.chain.normal_force, own.shape), rel=1e-12)
-    pressed = run(lane, state, "contact", "default").normal_force
+    pressed = run(lane, state, "contact", HELD).normal_force
     predicted = law_of("contact").build([lane]).run(state, 0, STEPS)[0].normal_force
     assert np.max(pressed / lane.chain.normal_force) > 1.5
     assert pressed == pytest.approx(predicted, rel=1e-3)
@@ -201,8 +210,9 @@ def test_coefficient_below_the_one_that_genesis_takes_for_it_is_refused_by_the_d
     lane, state = with_coefficients([0.5, 0.3, 0.002, 0.3, 0.3, 0.3, 0.3]), random_state()
     assert np.min(lane.chain.friction_coefficient) > MUJOCOS_LEAST
     assert_equals_scheme(lane, state, run(lane, state, "contact"), round_off=CREEP)
-    with pytest.raises(ParameterError, match=r"friction_coefficient = 0.002; allowed: at least 0.01 in Genesis"):
-        run(lane, state, "contact", "default")
+    for preset in ("default", HELD):
+        with pytest.raises(ParameterError, match=r"friction_coefficient = 0.002; allowed: at least 0.01 in Genesis"):
+            run(lane, state, "contact", preset)
 
 
 TRAPS = """
@@ -243,3 +253,36 @@ def test_traps_of_genesis_are_still_there() -> None:
     assert traps["armature"] == [0.1], "of a joint that has none"
     assert traps["time constant"] == pytest.approx(0.02), "of friction: it is solreflimit's, not solreffriction's"
     assert "elliptic friction cone is not supported with the noslip solver" in traps["refusal"]
+
+
+@in_its_environment
+@pytest.mark.slow
+def test_free_sphere_moves_by_mujocos_law_to_round_off_where_contacts_open_too() -> None:
+    law = Variant.parse("genesis:contact:default").preset.stated_law()
+    assert isinstance(law, Law)
+    constant, state = lane_of(), random_state()
+    opening = dataclasses.replace(constant, preload=Preload.at_multiple(constant.drive, 1.5, 1))
+    for lane in (constant, opening):
+        own, predicted = run(lane, state, "contact", "default"), law.build([lane]).run(state, 0, STEPS)[0]
+        assert own.normal_gap is not None
+        assert np.max(own.normal_gap) > 0, "nothing hops"
+        assert np.max(np.abs(own.positions - predicted.positions)) < 1e-9 * AMPLITUDE
+        assert np.max(np.abs(own.normal_gap - predicted.normal_gap)) < 1e-9 * AMPLITUDE
+
+
+@in_its_environment
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "most"),
+    [(ContactScene(slope=math.atan(0.45)), 0.5), (JointScene(load=0.9), 1.0), (ArmScene(friction=(1.09,)), 10.0)],
+    ids=["slope", "hinge", "arm"],
+)
+def test_recipe_holds_what_creeps_as_installed_by_a_hundred_times_as_much(scene: Scene, most: float) -> None:
+    def creep(preset: str) -> float:
+        world = ENGINE.scene_with(scene, preset, ENGINE.scene_step, sleeping=False)
+        rows = world.run(300)
+        world.close()
+        return 1e6 * float(np.linalg.norm(rows[-1, :3] - rows[100, :3])) / 2
+
+    assert creep("recommended") < most
+    assert creep("default") > 100 * most

@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.presets import Option, Preset
 from engines.interface.variant import variants_of
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
+from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from engines.shared.step_cost import native_stepping
 from reference_lcp.chain.trajectory import State
@@ -24,11 +24,11 @@ from tests.installed import each_engine
 
 NAMES = each_engine(["dart", "pymunk", "box2d", "pinocchio", "rapier", "sapien", "drake", "ode", "siconos"])
 
-Coordinates = ChainCoordinates | CarriedCoordinates
+Coordinates = ChainCoordinates | CarriedCoordinates | JointCoordinates
 
 CARRIED = CarriedCoordinates(np.array([True, False, False, True, True, False, True]))
 
-every_coordinate = pytest.mark.parametrize("coordinates", [*ChainCoordinates, CARRIED])
+every_coordinate = pytest.mark.parametrize("coordinates", [*ChainCoordinates, JointCoordinates(), CARRIED])
 
 
 class ByHand(ExplicitForcesLane):

@@ -27,6 +27,7 @@ from scenarios.runs.steady import run_steady_states
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
 from scenarios.runs.transient_task import Block, BlockTask
+from scenarios.verdicts.proven import proven_level
 from scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
 from scenarios.verdicts.steady_case import CONVERGED, EXACT
 from scenarios.verdicts.stored import StoredResult
@@ -80,6 +81,15 @@ def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatc
         store.keep((own, answered(own, residual_slip_compliance)) for own in tasks)
     task._identity.cache_clear()
     return file
+
+
+PROVEN = "scenarios.verdicts.stored.proven_level"
+
+
+@pytest.fixture(autouse=True)
+def nothing_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Most numbers here are invented."""
+    monkeypatch.setattr(PROVEN, lambda _: None)
 
 
 @pytest.fixture
@@ -266,6 +276,21 @@ def test_an_exact_motion_that_no_store_has_is_computed(before, tmp_path, monkeyp
     assert [at[eta].direction for eta in (0.3, 0.6, 0.9)] == [None, TruthDirection.IMPROVED, TruthDirection.REGRESSED]
     exact = exact_steady_state(Chain.from_ratios(friction_ratio=0.3), HarmonicBase.from_ratio(Chain.from_ratios(), 0.9))
     assert at[0.9].error_db(at[0.9].second) == pytest.approx(abs(-4.5 - exact.transmittance_db), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("known", "source"), [(None, "proven"), (CONVERGED, "proven level, converged reference")], ids=["alone", "beside"]
+)
+def test_a_proven_level_is_the_truth_whatever_the_stores_say(before, tmp_path, monkeypatch, known, source) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    if known is not None:
+        know_truth(now, -4.4, known)
+    monkeypatch.setattr(PROVEN, proven_level)
+    at = {own.first.task["frequency_ratio"]: own for own in compare_stores(before, now).changes}
+    level = proven_level(SteadyStateTask(variant=EXACT, friction_ratio=0.3, frequency_ratio=0.9))
+    assert at[0.9].truth.source == source
+    assert at[0.9].error_db(at[0.9].second) == pytest.approx(abs(-4.5 - float(level.transmittance_db)), abs=1e-14)
+    assert at[0.9].truth.result.stuck_fraction == (() if known is None else (0.5, 1.0))
 
 
 def test_a_motion_is_named_by_its_base_and_its_block(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

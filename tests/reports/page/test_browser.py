@@ -114,6 +114,26 @@ def test_hover_tells_the_values_of_a_point(drawn: Page) -> None:
     assert "MuJoCo" in text
 
 
+def test_no_button_of_a_plot_sends_it_anywhere(drawn: Page) -> None:
+    titles = drawn.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
+    assert set(titles) == {"Download plot as a PNG", "Zoom", "Pan", "Zoom in", "Zoom out", "Reset axes"}
+
+
+def test_the_first_tab_leads_past_the_list_of_sections(page: Page) -> None:
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert page.evaluate("location.hash") == "#content"
+
+
+def test_on_paper_every_fold_is_open_and_then_as_it_was(page: Page) -> None:
+    folded = page.evaluate("document.querySelectorAll('details:not([open])').length")
+    assert folded > 0
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.evaluate("document.querySelectorAll('details:not([open])').length") == 0
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate("document.querySelectorAll('details:not([open])').length") == folded
+
+
 SORTED = """(() => {
     const table = document.querySelector('#%s table');
     const heading = [...table.tHead.rows[0].cells].find((cell) => cell.textContent.startsWith('%s'));

@@ -23,6 +23,7 @@ from scenarios.studies.work_precision import (
     step_tasks,
     thrifty_step_study,
 )
+from scenarios.verdicts.proven import proven_level
 
 REFERENCE = Variant("reference")
 EXACT = Result(status="converged", transmittance_db=-5.0)
@@ -39,11 +40,18 @@ def store(tmp_path: Path):
         yield opened
 
 
+@pytest.fixture
+def nothing_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The exact level is invented."""
+    monkeypatch.setattr("scenarios.studies.work_precision.with_proven_level", lambda _, result: result)
+
+
 def answer(steps: int, **more: object) -> Result:
     result = {"status": "converged", "transmittance_db": -5.0 + 4 / steps, "residual": 1e-9, "periods": 20}
     return Result(**{**result, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
 
 
+@pytest.mark.usefixtures("nothing_proven")
 def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
     store.keep((task, answer(task.steps_per_period)) for task in step_tasks(REFERENCE))
     points = step_study([REFERENCE], StoredResults(with_exact(store)))
@@ -53,6 +61,15 @@ def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
         assert point.step_seconds == pytest.approx(3e-6)
         assert point.seconds == pytest.approx(point.steps_per_period * 20 * 3e-6)
         assert (point.certified, point.evaluated) == (6, 6)
+
+
+def test_errors_are_those_to_the_proven_levels(store: ResultStore) -> None:
+    store.keep((task, answer(task.steps_per_period)) for task in step_tasks(REFERENCE))
+    points = step_study([REFERENCE], StoredResults(with_exact(store)))
+    levels = [proven_level(task) for task in exact_step_tasks()]
+    assert None not in levels
+    farthest = max(abs(-5 + 4 / ORDER_STEPS[0] - float(level.transmittance_db)) for level in levels)
+    assert points[0].error_db == pytest.approx(farthest)
 
 
 def test_points_without_a_steady_state_and_missing_ones_are_counted(store: ResultStore) -> None:
@@ -93,6 +110,7 @@ def test_another_drive_has_other_tasks_and_an_exact_motion_of_its_own(store: Res
     assert pushed.transitions != moved.transitions
 
 
+@pytest.mark.usefixtures("nothing_proven")
 def test_other_numbers_of_steps_than_those_of_the_order_are_a_study_too(store: ResultStore) -> None:
     store.keep((task, answer(task.steps_per_period)) for task in step_tasks(REFERENCE, steps=(50, 6400)))
     points = step_study([REFERENCE], StoredResults(with_exact(store)), steps=STUDY_STEPS)
@@ -102,6 +120,7 @@ def test_other_numbers_of_steps_than_those_of_the_order_are_a_study_too(store: R
     assert points[-1].error_db == pytest.approx(4 / 6400)
 
 
+@pytest.mark.usefixtures("nothing_proven")
 def test_the_finest_steps_are_not_run_where_the_error_of_a_law_stays(store: ResultStore) -> None:
     """A law that is off by 0.3 dB is off at every step; what is known of it already is shown all the same."""
     off = Variant("mujoco", "joint", "default")

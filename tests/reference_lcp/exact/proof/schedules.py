@@ -5,12 +5,12 @@ from functools import cache
 
 from flint import ctx
 
+from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.candidate import Candidate, candidate
 from reference_lcp.exact.proof.coulomb import Observed, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.krawczyk import Solution, solve
-from reference_lcp.exact.proof.outcome import Deadline, NotProven
 
 BITS = 128
 POINTS = (("0.3", "0.6"), ("0.1", "0.95"), ("1", "0.95"))
@@ -19,9 +19,9 @@ POINTS = (("0.3", "0.6"), ("0.1", "0.95"), ("1", "0.95"))
 def unrepaired(exact: ExactChain, guess: Candidate) -> tuple[Solution, Observed]:
     """Prove this order of events, or raise `NotProven`."""
     with ctx.workprec(BITS):
-        dynamics, deadline = Dynamics(exact), Deadline(100)
-        solution = solve(dynamics, guess, deadline)
-        return solution, observe(dynamics, solution, deadline)
+        dynamics = Dynamics(exact)
+        solution = solve(dynamics, guess)
+        return solution, observe(dynamics, solution)
 
 
 def refused(exact: ExactChain, guess: Candidate) -> bool:

@@ -1,6 +1,7 @@
 """Proven steady states: against the floating-point solver, closed forms, and each other."""
 
 import dataclasses
+import time
 from decimal import Decimal
 from fractions import Fraction
 
@@ -26,7 +27,9 @@ from reference_lcp import (
     stuck_transmittance,
     transmittance,
 )
-from reference_lcp.exact.proof.exact_chain import Modulation
+from reference_lcp.deadline import Deadline
+from reference_lcp.exact.proof.candidate import candidate
+from reference_lcp.exact.proof.exact_chain import ExactModulation
 from reference_lcp.exact.proof.prove import Uniqueness
 
 pytest.importorskip("flint", reason="python-flint is not installed")
@@ -201,7 +204,7 @@ def test_missing_slips_near_a_grazing_are_inserted() -> None:
 def test_full_period_gives_what_half_a_period_gives() -> None:
     """Normal forces that change by 1e-25 break the symmetry, and change the level by no more than some of that."""
     half = ExactChain.from_ratios(friction_ratio="0.3", frequency_ratio="0.9", cells=3)
-    full = dataclasses.replace(half, modulation=Modulation(Fraction(1, 10**25), Fraction(1), Fraction(0)))
+    full = dataclasses.replace(half, modulation=ExactModulation(Fraction(1, 10**25), Fraction(1), Fraction(0)))
     assert (half.half, full.half) == (True, False)
     one, other = prove(half), prove(full)
     assert difference(other, one.transmittance_db.value) < 1e-22
@@ -243,6 +246,24 @@ def test_more_digits_are_in_fewer_digits() -> None:
 def test_time_that_does_not_suffice_proves_nothing() -> None:
     with pytest.raises(NotProven, match=r"the time limit of 0\.001 s is over"):
         prove(ExactChain.from_ratios(friction_ratio="0.3", frequency_ratio="0.6"), time_limit=1e-3)
+
+
+@pytest.mark.parametrize(
+    "ratios",
+    [
+        {"cells": 100},
+        {"cells": 60, "modulation": "0.5"},
+        {"cells": 60, "modulation": "0.5", "modulation_multiple": "0.5"},
+    ],
+)
+def test_search_in_floating_point_keeps_the_time_limit_too(ratios) -> None:
+    """Without that it takes the first and the last chain more than half a minute."""
+    exact, began = ExactChain.from_ratios(friction_ratio="0.3", frequency_ratio="0.6", **ratios), time.monotonic()
+    with pytest.raises(NotProven, match=r"the time limit of 0\.5 s is over"):
+        prove(exact, time_limit=0.5)
+    assert time.monotonic() - began < 10
+    with pytest.raises(NotProven, match=r"the time limit of 0 s is over"):
+        candidate(exact, Deadline(0))
 
 
 @pytest.mark.parametrize(

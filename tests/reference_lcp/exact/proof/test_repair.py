@@ -8,7 +8,6 @@ from flint import ctx
 
 from reference_lcp.exact.proof.attempt import proven_or_repaired
 from reference_lcp.exact.proof.dynamics import Dynamics
-from reference_lcp.exact.proof.outcome import Deadline
 from tests.reference_lcp.exact.proof.schedules import BITS, point, refused, swapped
 
 GRAZINGS = [
@@ -22,7 +21,7 @@ GRAZINGS = [
 
 def repaired(exact, guess):
     with ctx.workprec(BITS):
-        solution, _, repairs = proven_or_repaired(Dynamics(exact), guess, Deadline(100))
+        solution, _, repairs = proven_or_repaired(Dynamics(exact), guess)
     return solution.candidate.events, repairs
 
 

@@ -1,5 +1,6 @@
-"""Why a proof ends without one, and how long it may take."""
+"""A time limit that loops ask for, and what says that a proof ends without one."""
 
+import math
 import time
 
 
@@ -8,7 +9,7 @@ class NotProven(Exception):
 
 
 class Deadline:
-    """A time limit that every loop of a proof asks for."""
+    """A time limit that every loop of a proof, and of the search before it, asks for."""
 
     def __init__(self, seconds: float):
         self.seconds = seconds
@@ -23,3 +24,7 @@ class Deadline:
         """Raise `NotProven` once the time is over."""
         if self.elapsed > self.seconds:
             raise NotProven(f"the time limit of {self.seconds:g} s is over")
+
+
+UNLIMITED = Deadline(math.inf)
+"""As long as it takes."""

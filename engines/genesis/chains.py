@@ -1,0 +1,169 @@
+"""Scenes of Genesis: environments with one chain each, which take their steps together, each with its own numbers."""
+
+import functools
+import importlib
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from engines.genesis.presets import CHOICES, OPTIONS
+from engines.interface.presets import Preset
+from engines.mujoco.step_model import WIDTH
+from reference_lcp.validation import FloatArray
+
+SOLVER_OPTIONS = (
+    "integrator", "iterations", "tolerance", "noslip_iterations", "friction_cone", "contact_resolution", "impratio",
+    "enable_adjacent_collision", "enable_neutral_collision",
+)  # fmt: skip
+"""Options of presets that Genesis's rigid solver takes under the same name."""
+
+CANDIDATES = 150
+"""Of contacts in a scene, Genesis's own; more where the chain has more cells."""
+
+FREE_STRIDE = 4
+"""Coordinates of a cell whose inner mass is free across the row: the last one is how far that is above."""
+
+REST = (WIDTH, 0.5, 2.0)
+"""Width [m], midpoint and power of Genesis's constraints, behind d_0 and d_max: MuJoCo's `solimp`."""
+
+
+class Scene:
+    """Environments that hold one chain each, with a time step that they share.
+
+    In each cell, coordinates are those of the outer mass, of the inner one relative to it and, where that is free
+    across the row, how far it is aside and above. `model` is the chain as an MJCF model of unit masses, with bodies
+    ``outer 0``, ``inner 0``, ``outer 1``, …; `masses`, shape (environments, 2n), are those of all bodies.
+    """
+
+    def __init__(self, model: ElementTree.Element, masses: FloatArray, time_step: float, preset: Preset):
+        genesis = import_genesis()
+        environments, self._bodies = masses.shape
+        options = {name: preset[name] for name in SOLVER_OPTIONS if name in preset.options}
+        for name in CHOICES:
+            if options.get(name) is not None:
+                options[name] = getattr(getattr(genesis, name), options[name])
+        self._scene = genesis.Scene(
+            show_viewer=False,
+            sim_options=genesis.options.SimOptions(dt=time_step, substeps=1, gravity=(0, 0, 0)),
+            rigid_options=genesis.options.RigidOptions(
+                batch_links_info=True, batch_joints_info=True, batch_dofs_info=True, enable_joint_limit=False,
+                max_collision_pairs=max(CANDIDATES, self._bodies), **options,
+            ),
+        )  # fmt: skip
+        self._chain = self._scene.add_entity(genesis.morphs.MJCF(file=model))
+        self._scene.build(n_envs=environments)
+        names = [f"{kind} {cell}" for cell in range(self._bodies // 2) for kind in ("outer", "inner")]
+        self._joints = [joint.get("name") for joint in model.iter("joint")]
+        self._stride = 2 * len(self._joints) // self._bodies
+        self._links = [self._chain.get_link(name).idx_local for name in names]
+        numbers = [self._chain.get_joint(name).dofs_idx_local[0] for name in self._joints]
+        assert numbers == list(range(len(numbers))), "joints in this order"
+        self._chain.set_dofs_armature(_tensor(np.zeros((environments, len(numbers)))))
+        self._chain.set_links_mass(_tensor(masses), self._links)
+        self._pressing = np.zeros((environments, self._bodies // 2))
+
+    def close(self) -> None:
+        """Free its memory."""
+        self._scene.destroy()
+
+    def set_joint_constraints(self, parameters: FloatArray) -> None:
+        """Set the parameters of the constraints that the frictions of joints are, shape (environments, 7)."""
+        for joint in self._joints:
+            self._chain.get_joint(joint).set_sol_params(_tensor(parameters)[:, None])
+
+    def set_bounds(self, bounds: FloatArray) -> None:
+        """Set the bound of the friction of every joint of an inner mass, shape (environments, n)."""
+        frictionloss = np.zeros((len(bounds), self._bodies))
+        frictionloss[:, 1::2] = bounds
+        self._chain.set_dofs_frictionloss(_tensor(frictionloss))
+
+    def press(self, forces: FloatArray) -> None:
+        """Set what presses the inner masses that are free across the row in the next step, shape (environments, n)."""
+        self._pressing = forces
+
+    def set_contact_constraints(self, parameters: FloatArray) -> None:
+        """Set the parameters of the contact of every cell, those of all environments, shape (n, 7)."""
+        for body, link in enumerate(self._links):
+            for geometry in self._chain.links[link].geoms:
+                geometry.set_sol_params(_tensor(parameters[body // 2]))
+
+    def set_coefficients(self, coefficients: FloatArray) -> None:
+        """Set the coefficient of friction of every contact, shape (environments, n); at least `LEAST_COEFFICIENT`."""
+        self._chain.set_friction_ratio(_tensor(np.repeat(coefficients, 2, axis=1)), self._links)
+
+    def set_motion(self, coordinates: FloatArray, velocities: FloatArray) -> None:
+        """Give every environment a motion, shape (environments, coordinates) each, and nothing that it had before."""
+        self._chain.set_dofs_position(_tensor(coordinates), zero_velocity=False)
+        self._chain.set_dofs_velocity(_tensor(velocities))
+
+    def step(self, forces: FloatArray) -> FloatArray:
+        """Take a step under forces, shape (environments, coordinates); gives coordinates, then velocities."""
+        if self._stride == FREE_STRIDE:
+            forces = forces.copy()
+            forces[:, 3::FREE_STRIDE] = -self._pressing
+        self._chain.control_dofs_force(_tensor(forces))
+        self._scene.step()
+        return np.concatenate([self._chain.get_dofs_position(), self._chain.get_dofs_velocity()], axis=1)
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of Genesis alone."""
+        for _ in range(steps):
+            self._scene.step()
+
+    def friction(self, forces: FloatArray) -> FloatArray:
+        """Give the friction on the inner masses in the step that was taken under these forces."""
+        return (self._chain.get_dofs_force().numpy() - forces)[:, 1 :: self._stride]
+
+    def normal_force(self) -> FloatArray:
+        """Give the normal force on the inner masses in the step that was taken."""
+        return self._chain.get_links_net_contact_force().numpy()[:, self._links[1::2], 2]
+
+
+def constraint_parameters(time_constant: float, ratio: float, impedance: tuple[float, float]) -> FloatArray:
+    """Give the seven parameters of a constraint: MuJoCo's `solref`, then its `solimp`."""
+    return np.array([time_constant, ratio, *impedance, *REST])
+
+
+def chain_model(
+    cells: int, *, free: bool = False
+) -> tuple[ElementTree.Element, list[tuple[ElementTree.Element, ElementTree.Element]]]:
+    """Give an MJCF model of a chain of unit masses without springs, and the bodies of its cells.
+
+    If `free`, inner masses slide across the row too.
+    """
+    root = ElementTree.Element("mujoco")
+    world = ElementTree.SubElement(root, "worldbody")
+    bodies = []
+    for cell in range(cells):
+        outer = _add_slider(world, f"outer {cell}")
+        inner = _add_slider(outer, f"inner {cell}")
+        if free:
+            _add_slide(inner, f"aside {cell}", "0 1 0")
+            _add_slide(inner, f"above {cell}", "0 0 1")
+        bodies.append((outer, inner))
+    return root, bodies
+
+
+def _add_slider(parent: ElementTree.Element, name: str) -> ElementTree.Element:
+    body = ElementTree.SubElement(parent, "body", name=name)
+    ElementTree.SubElement(body, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
+    _add_slide(body, name, "1 0 0")
+    return body
+
+
+def _add_slide(body: ElementTree.Element, name: str, axis: str) -> None:
+    ElementTree.SubElement(body, "joint", name=name, type="slide", axis=axis)
+
+
+def _tensor(values: FloatArray) -> Any:
+    return importlib.import_module("torch").from_numpy(np.ascontiguousarray(values, np.float64))
+
+
+@functools.cache
+def import_genesis() -> Any:
+    """Import Genesis, and start it once in this process: on the processor, one thread, in double precision."""
+    importlib.import_module("torch").set_num_threads(1)
+    genesis = importlib.import_module("genesis")
+    genesis.init(backend=genesis.cpu, precision=OPTIONS["precision"].value, logging_level="error")
+    return genesis

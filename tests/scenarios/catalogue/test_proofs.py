@@ -1,0 +1,239 @@
+"""Levels that come with the suite are those that are proven, and the truth of every report at their points."""
+
+import math
+import random
+from dataclasses import replace
+from decimal import Decimal
+
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp.deadline import NotProven
+from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
+from reports.cli.console_script import app
+from scenarios.catalogue import proofs
+from scenarios.catalogue.steady.den_hartog import DenHartog
+from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
+from scenarios.runs.parameters import ChainRatios, Excitation, Modulation
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.store import opened_store
+from scenarios.runs.task import SteadyStateTask
+from scenarios.studies.figure3 import FRICTION_RATIOS, QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
+from scenarios.sweeps.compared import compare_sweep
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.truths import with_truths
+from scenarios.verdicts.proven import (
+    ROUNDED_DB,
+    chain_text,
+    proven_level,
+    proven_levels,
+    steady_state_of,
+    with_proven_level,
+)
+from scenarios.verdicts.steady_case import CONVERGED, EXACT
+from tests.scenarios.in_process import evaluator
+
+FLOATS_DB = 1e-8
+"""Largest distance of the event-driven motion from what is proven [dB], see docs/proof.md."""
+
+FLOATS = 1e-9
+"""The same in amplitude, over that of the drive; at a resonance of +52 dB this is 2e-11 dB."""
+
+
+def task(**changes) -> SteadyStateTask:
+    return SteadyStateTask(variant=EXACT, **{"friction_ratio": 0.3, "frequency_ratio": 0.9, **changes})
+
+
+STILL = {task(friction_ratio=0.0, frequency_ratio=1.0)}
+"""The one standard point without a level: the last mass stands still."""
+
+MOST_CELLS = 7
+"""Of chains that are proven again in every run of the tests."""
+
+
+def check(tasks) -> None:
+    found = [proofs.proof_of(task) for task in tasks]
+    assert [proof.label for proof in found if not proof.in_table] == []
+    assert {proof.task for proof in found if proof.proven is None} <= STILL
+    assert all(not proof.float_error_db > FLOATS_DB for proof in found)
+    assert all(not proof.float_error > FLOATS for proof in found)
+
+
+def test_a_sample_of_the_table_is_proven_again() -> None:
+    pytest.importorskip("flint", reason="it needs python-flint")
+    tasks = [task for task in proven_levels() if task.cells <= MOST_CELLS]
+    others = [task for task in tasks if chain_text(task)]
+    check([*random.Random().sample(tasks, 4), *random.Random().sample(others, 2)])
+
+
+@pytest.mark.slow
+def test_the_whole_table_is_proven_again() -> None:
+    pytest.importorskip("flint", reason="it needs python-flint")
+    check(proofs.standard_tasks())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("frictions", "etas"),
+    [(FRICTION_RATIOS, None), (QUICK_FRICTION_RATIOS, quick_frequency_ratios(ChainRatios()))],
+    ids=["default", "quick"],
+)
+def test_every_point_of_a_report_is_a_standard_one(frictions, etas) -> None:
+    """Also those that are added where a curve runs close to the threshold."""
+    with opened_store(None) as store, evaluator(store) as running:
+        compared = compare_sweep(figure3([], frictions, etas), running)
+    truths = with_truths(compared).truths
+    assert {place for place, truth in truths.items() if not truth.proven} == {(Case.of(friction_ratio=0.0), 1.0)}
+
+
+@pytest.mark.slow
+def test_edges_of_the_band_lie_between_proven_levels(monkeypatch) -> None:
+    """A band that began elsewhere would be noticed."""
+    pytest.importorskip("flint", reason="it needs python-flint")
+    edges = proofs.edge_proofs()
+    assert all(edge.crosses for edge in edges)
+    assert [edge.friction_ratio for edge in edges if edge.alone] == [0, 0, 5]
+    monkeypatch.setattr(proofs, "EDGES", ((0.3, 0.6375),))
+    assert not proofs.edge_proofs()[0].crosses
+
+
+def test_all_standard_steady_states_have_a_proven_level() -> None:
+    assert set(proofs.standard_tasks()) - set(proven_levels()) == STILL
+
+
+def test_a_digit_that_is_wrong_is_noticed(monkeypatch, capsys) -> None:
+    """The twentieth decimal of the one point that is drawn."""
+    pytest.importorskip("flint", reason="it needs python-flint")
+    drawn = ["run", "proofs", "--sample", "1", "--seed", "3"]
+    (drawn_task,) = proofs.chosen_tasks(1, 3)
+    assert run_command(app, drawn) == ExitCode.DONE
+    known = proven_levels()[drawn_task]
+    spoilt = known._replace(transmittance_db=known.transmittance_db + Decimal("2e-20"))
+    monkeypatch.setattr(proofs, "proven_levels", lambda: {**proven_levels(), drawn_task: spoilt})
+    assert run_command(app, drawn) == ExitCode.FAILED
+    assert "not as in the table" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"friction_ratio": 0.31},
+        {"frequency_ratio": 0.90001},
+        {"ratios": ChainRatios(cells=6)},
+        {"inclination": 0.2, "modulation": Modulation(modulation=0.0)},
+        {"ratios": ChainRatios(damping_ratio=0.02)},
+        {"excitation": Excitation(kind="force", amplitude=1.0)},
+        {"modulation": Modulation(modulation=0.5)},
+        {"friction_ratio": (0.3,) * 7},
+    ],
+)
+def test_nothing_is_proven_of_another_chain(changes) -> None:
+    assert proven_level(task(**changes)) is None
+
+
+def test_levels_over_the_displacement_scale_hold_for_every_amplitude() -> None:
+    assert proven_level(task(excitation=Excitation(amplitude=1.0))) == proven_level(task())
+    assert proven_level(task(ratios=ChainRatios(friction_coefficient=0.2))) == proven_level(task())
+
+
+def test_other_chains_of_the_catalogue_have_a_proven_level() -> None:
+    """Each with its own ratios, one a cell where cells differ, and a modulated normal force."""
+    chains = {chain_text(task) for task in proven_levels()}
+    assert '{"ratios": {"cells": 50}}' in chains
+    assert '{"modulation": {"modulation": 0.5, "multiple": 2, "phase": 0.0}}' in chains
+    assert any('mass_ratio": [0.75' in chain for chain in chains)
+
+
+def test_closed_forms_of_the_catalogue_are_what_is_proven() -> None:
+    """Of linear chains to round-off, of Den Hartog's standing mass to twice what it moves, amplified."""
+    for scenario in (FrictionlessLimit(), LockedLimit(), DenHartog()):
+        for case in scenario.cases:
+            level, closed = proven_level(case.task(EXACT)), scenario.expected(case, [])
+            assert level is not None
+            assert abs(float(level.transmittance_db) - closed.transmittance_db) <= 2 * closed.bar_db + FLOATS_DB
+            phase = math.remainder(float(level.phase) - closed.phase, 2 * math.pi)
+            assert abs(phase) <= 2 * math.radians(closed.phase_bar) + FLOATS_DB
+
+
+def test_level_and_phase_of_an_exact_motion_are_those_that_are_proven() -> None:
+    known = proven_levels()[task()]
+    motion = Result(status=ResultStatus.CONVERGED, transmittance_db=1.0, phase=1.0, stuck_fraction=(0.5,) * 7)
+    right = with_proven_level(task(), motion)
+    assert (right.transmittance_db, right.phase) == (float(known.transmittance_db), float(known.phase))
+    assert right.stuck_fraction == motion.stuck_fraction
+    assert with_proven_level(task(frequency_ratio=0.91), motion) is motion
+    lost = Result(status=ResultStatus.PERIOD_LIMIT)
+    assert with_proven_level(task(), lost) is lost
+
+
+def test_every_search_for_a_steady_state_asks_for_the_same_one() -> None:
+    assert steady_state_of(replace(task(), variant=CONVERGED, steps_per_period=800)) == task()
+
+
+class Unasked:
+    """Nothing is to be computed."""
+
+    def evaluate(self, tasks) -> list[Result]:
+        assert not tasks, "an exact motion is computed whose level is proven"
+        return []
+
+
+def test_the_truth_of_standard_points_is_proven_and_no_exact_motion_is_computed() -> None:
+    sweep = figure3([Variant("mujoco")], [0.3], [0.7, 0.9])
+    with opened_store(None) as store, evaluator(store) as running:
+        compared = compare_sweep(sweep, running)
+    truths = with_truths(compared, Unasked()).truths
+    assert len(truths) == 2
+    for (_, eta), truth in truths.items():
+        known = proven_levels()[task(frequency_ratio=eta)]
+        assert truth.proven
+        assert truth.exact
+        assert abs(Decimal(truth.transmittance_db) - known.transmittance_db) <= ROUNDED_DB == truth.error_db
+
+
+def test_floating_point_loses_decibels_in_a_deep_antiresonance_but_no_amplitude() -> None:
+    """A level of −240 dB is off by more than its digits, and its amplitude by less than a rounding of the drive's."""
+    pytest.importorskip("flint", reason="it needs python-flint")
+    deep = proofs.proof_of(task(friction_ratio=0.0, frequency_ratio=1.01))
+    assert deep.proven is not None
+    assert float(abs(Decimal(deep.float_db) - deep.proven.transmittance_db.value)) > 1e-6
+    assert deep.float_error < 2**-53
+
+
+def test_other_points_are_computed() -> None:
+    sweep = figure3([], [0.3], [0.71])
+    with opened_store(None) as store, evaluator(store) as running:
+        compared = compare_sweep(sweep, running)
+        (truth,) = with_truths(compared, running).truths.values()
+    assert truth.exact
+    assert not truth.proven
+
+
+def test_rounding_of_a_level_is_what_is_stated() -> None:
+    levels = [level.transmittance_db for level in proven_levels().values()]
+    assert max(abs(Decimal(float(level)) - level) for level in levels) <= ROUNDED_DB
+
+
+def test_points_outside_of_the_table_are_proven_on_demand() -> None:
+    pytest.importorskip("flint", reason="it needs python-flint")
+    sweep = replace(figure3([], [0.3], [0.6, 0.71]), ratios=ChainRatios(cells=2))
+    with opened_store(None) as store, evaluator(store) as running:
+        compared = compare_sweep(sweep, running)
+    computed = with_truths(compared, proof=True).truths
+    assert all(truth.proven and truth.error_db == ROUNDED_DB for truth in computed.values())
+    ((_, first), *_) = computed.items()
+    assert first.transmittance_db == pytest.approx(1.69877440905827, abs=1e-14)
+
+
+def test_what_cannot_be_proven_keeps_the_truth_of_the_motion(monkeypatch) -> None:
+    def fails(*_, **__):
+        raise NotProven("two events at one instant")
+
+    monkeypatch.setattr("scenarios.verdicts.proven.prove", fails)
+    sweep = replace(figure3([], [0.3], [0.6]), ratios=ChainRatios(cells=2))
+    with opened_store(None) as store, evaluator(store) as running:
+        compared = compare_sweep(sweep, running)
+        (truth,) = with_truths(compared, running, proof=True).truths.values()
+    assert truth.exact
+    assert not truth.proven
