@@ -32,6 +32,27 @@ def signed(value: float, digits: int) -> str:
     return _minus(text)
 
 
+RESIDUE = 1e-9
+"""Below it, a number is what is left of equal ones, and people read zero; residuals are `scientific`."""
+
+
+def two_digits(value: float, *, sign: bool = False) -> str:
+    """Give two digits that count, as people quote them: 15, 0.12, 1,700; with its sign if it is a difference."""
+    if not math.isfinite(value):
+        return MISSING
+    if abs(value) < RESIDUE:
+        return "0"
+    rounded = float(f"{value:.2g}")
+    size = abs(rounded)
+    text = f"{rounded:,.0f}" if size >= 10 else f"{value:.1e}" if size < 1e-4 else _plain(value)
+    return _minus(f"+{text}" if sign and value > 0 else text)
+
+
+def _plain(value: float) -> str:
+    """Give two digits between 0.0001 and 10, with the zero that counts: 1.0."""
+    return f"{value:.{1 - math.floor(math.log10(float(f'{abs(value):.2g}')))}f}"
+
+
 def scientific(value: float) -> str:
     """Give a residual: two digits and a power of ten."""
     if not math.isfinite(value):
@@ -74,7 +95,8 @@ def printed_option(value: object) -> str:
 
 
 def typeset(text: str) -> Markup:
-    """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0, P0."""
+    """Escape `text`, set the indices of its symbols low (η_r, ω_max, λ_T, U0, P0) and give numbers a true minus."""
+    text = re.sub(r"(?<![\w.)−-])-(?=[\d.])|(?<=\de)-(?=\d)", "−", text)
     lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(_safe(text))))
     return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
 
@@ -99,6 +121,6 @@ def environment(*packages: str, markup: bool = True) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=not markup,
     )
-    for display in (fixed, signed, scientific, card_number, ratio, per_cell, span, typeset):
+    for display in (two_digits, fixed, signed, scientific, card_number, ratio, per_cell, span, typeset):
         templates.filters[display.__name__] = display
     return templates

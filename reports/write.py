@@ -11,6 +11,7 @@ import xarray as xr
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, checked_output_folder
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
+from reports.data.conclusion import EngineLine
 from reports.data.report import Report
 from reports.drawing.printing import DrawnFigures
 from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
@@ -33,11 +34,16 @@ STORE = "results.sqlite"
 
 
 class Written(NamedTuple):
-    """The page of a report, what its comparison came to, and why it fails, a line each."""
+    """The page of a report, and what its comparison came to."""
 
     page: Path
     findings: Sequence[Finding]
     failures: list[str]
+    """Why it fails, a line each."""
+    lines: Sequence[EngineLine]
+    """How far each engine is off."""
+    status: str
+    """Whether it passes, and how many numbers come to what."""
 
 
 def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
@@ -109,7 +115,7 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 def _written(report: Report, folder: Path) -> Written:
     write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
-    return Written(folder / PAGE, report.result.findings, report.failures)
+    return Written(folder / PAGE, report.result.findings, report.failures, report.lines, report.status)
 
 
 def check_loses_nothing(folder: Path, report: Report) -> None:

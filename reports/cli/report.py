@@ -6,6 +6,7 @@ import gc
 import shlex
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -50,6 +51,9 @@ class Shown:
     data: Annotated[
         Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
     ] = None
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Print the verdicts of every variant, and the worst of them.")
+    ] = False
     proof: Annotated[
         bool,
         typer.Option(
@@ -79,8 +83,7 @@ def report(
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
     Without --engine and --sweep, joints are compared on the whole grid: tuned ones, and default ones that a law
-    predicts everywhere. Contacts and other defaults are shown at a few points, without a verdict, and never change the
-    exit code.
+    predicts everywhere. Other presets are shown at five points, without a verdict, and never change the exit code.
 
     Results are stored: a second run takes seconds, and an interrupted run continues.
     Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
@@ -91,16 +94,20 @@ def report(
     """
     work.check(run=run)
     names = Engines(shown.chosen, shown.settings).names
+    from reports.data.conclusion import engine_table
     from scenarios import tables
     from scenarios.catalogue.verdict_table import verdict_table
     from scenarios.verdicts.finding import engine_failures
 
+    begin = monotonic()
     written = _written(shown, names, out, store, work, run=run)
-    print(written.page)
-    if written.findings:
+    if shown.verbose and written.findings:
         tables.print_table(verdict_table(written.findings))
+    if written.lines:
+        tables.print_table(engine_table(written.lines))
     for line in (*engine_failures(written.findings), *written.failures):
         print(visible(line))
+    print(f"{visible(written.status)} {monotonic() - begin:.0f} s: {written.page}")
     if written.failures:
         raise typer.Exit(ExitCode.FAILED)
 

@@ -1,7 +1,7 @@
-"""What options decide: engines as installed and tuned, defaults with one tuned option each, curves over an option."""
+"""What options decide: defaults with one tuned option each, and curves over an option."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -10,7 +10,7 @@ from engines.interface.variant import Variant
 from reports.data.points import NAMES, names_of
 from reports.data.variants import Errors
 from reports.formatting import printed_option
-from scenarios.studies.few_points import tuned_options, with_single_options
+from scenarios.studies.one_option import with_single_options
 
 FEWEST_VALUES = 3
 """Values from which on there is a curve; two variants stand beside each other in the table."""
@@ -64,71 +64,6 @@ def _setting(changed: Variant) -> tuple[str, str]:
     """Give the option of a variant with a single one, and its value."""
     name = changed.preset.settings[0].partition("=")[0]
     return name, printed_option(changed.preset[name])
-
-
-def sentences(errors: Errors, singles: Sequence[SingleOption], points: int) -> list[dict[str, Any]]:
-    """Say of each engine how far it is off as installed, as recommended, and with tuned options, the farthest first.
-
-    `points` is at how many the truth is known: fewer points of a variant are named.
-    """
-    pairs = [
-        (default, errors[own.tuned])
-        for own, default in errors.items()
-        if own.preset_name == "default" and own.tuned in errors and default.points_known
-    ]
-    pairs = sorted((pair for pair in pairs if pair[1].points_known), key=lambda pair: -pair[0].size)
-    engines: dict[str, list[tuple[Any, Any]]] = {}
-    for pair in sorted(pairs, key=lambda pair: pair[1].variant.formulation != "joint"):
-        engines.setdefault(pair[1].variant.capabilities.title, []).append(pair)
-    decisive = {single.default.variant: single for single in reversed(singles) if single.halves}
-    known = {own.tuned: row for own, row in errors.items() if own.preset_name == "recommended" and row.points_known}
-    return [
-        _sentence(title, own, [known[row.variant] for _, row in own if row.variant in known], decisive, points)
-        for title, own in engines.items()
-    ]
-
-
-def _sentence(
-    title: str,
-    pairs: Sequence[tuple[Any, Any]],
-    recommended: Sequence[Any],
-    decisive: Mapping[Variant, SingleOption],
-    points: int,
-) -> dict[str, Any]:
-    several = len(pairs) > 1
-    tuned = [own for _, own in pairs]
-    options = [option for own in tuned for option in tuned_options(own.variant.engine, own.variant.formulation)]
-    singles = [decisive[own.variant] for own, _ in pairs if own.variant in decisive]
-    alike = len({f"{own.size:.4g}" for own in tuned}) == 1
-    return {
-        "engine": title,
-        "default": " and ".join(_off(own, points, several=several) for own, _ in pairs),
-        "tuned": f"{tuned[0].size:.4g} dB" if alike else " and ".join(_off(own, points, several=True) for own in tuned),
-        "recommended": " and ".join(_off(own, points, several=several) for own in recommended),
-        "options": list(dict.fromkeys(options)),
-        "general": [option for option in dict.fromkeys(options) if _is_general(option, tuned)],
-        "decisive": [
-            {
-                "setting": f"{single.option} = {single.value}",
-                "left": _off(single.errors, single.errors.points + 1, several=several),
-            }
-            for single in singles
-        ],
-    }
-
-
-def _is_general(option: str, tuned: Sequence[Any]) -> bool:
-    """Tell whether an option may be copied into any model, in every formulation whose tuned preset has it."""
-    reaches = {own.variant.reach(option) for own in tuned if option in own.variant.preset.options}
-    return reaches == {"general"}
-
-
-def _off(own: Any, points: int, *, several: bool) -> str:
-    """Give the largest error, with the formulation where there are several, and the points where they are few."""
-    formulation = [own.variant.formulation] if several else []
-    few = [f"at {own.points_known} points"] if own.points_known < points else []
-    notes = ", ".join(formulation + few)
-    return f"{own.size:.4g} dB ({notes})" if notes else f"{own.size:.4g} dB"
 
 
 def option_curves(errors: Errors, points: pd.DataFrame) -> list[pd.DataFrame]:

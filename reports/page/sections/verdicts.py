@@ -8,16 +8,18 @@ from typing import Any
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.catalogue import SIGNS, cell_of
-from reports.data.descriptions import axis_name, compared_with
+from reports.data.conclusion import Counted
+from reports.data.descriptions import axis_name
 from reports.data.points import outcome
 from reports.drawing.style import compared_variants
+from reports.formatting import RESIDUE, two_digits
 from reports.page.section import Section
 from reports.reproducers.script import has_reproducer
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import FLOOR_DB, Comparison, Finding, Metric, Prediction, Verdict
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from scenarios.verdicts.steady_case import REFERENCE
 
 
 class Verdicts(Section):
@@ -29,19 +31,15 @@ class Verdicts(Section):
     def context(self) -> dict[str, Any]:
         sweep = self.result.sweep
         rows = [self._row(variant) for variant in sweep.variants]
-        compared = [row for row in rows if row["variant"].engine != REFERENCE.engine]
-        verdicts = [str(verdict) for verdict in Verdict]
         return {
             "rows": rows,
-            "headline": {
-                verdict: sum(row["findings"]["verdicts"][verdict] for row in compared) for verdict in verdicts
-            },
+            "status": self.report.status,
             "failures": self.report.failures,
             "missing": sum(row["missing"] for row in rows),
-            "sentences": self._sentences(compared),
+            "absent": [row["variant"].title for row in rows if row["blocked"] or row["points"] == row["missing"]],
             "floor": FLOOR_DB,
             "axes_of_points": ", ".join(axis_name(name) for name in sweep.case_axes),
-            "verdicts": verdicts,
+            "outcomes": list(Counted),
         }
 
     def _row(self, variant: Variant) -> dict[str, Any]:
@@ -50,26 +48,15 @@ class Verdicts(Section):
         return {
             "variant": variant,
             "findings": findings,
+            "counts": self.report.counts[variant],
             "worst_at": ", ".join(f"{worst.get(axis, math.nan):.6g}" for axis in self.result.sweep.case_axes),
             "points": points,
             "seconds": findings["seconds"] / points if points else math.nan,
             "missing": self.report.missing.get(variant, 0),
             "blocked": variant in self.report.blocked,
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
-            "compared_with": compared_with(variant, self.result.sweep.tolerance),
-            "is_baseline": variant == CONVERGED,
+            "is_reference": variant.engine == REFERENCE.engine,
         }
-
-    @staticmethod
-    def _sentences(rows: list[dict[str, Any]]) -> dict[str, list[str]]:
-        """Group variants: all points agree, some do, or there is nothing that could be compared."""
-        groups: dict[str, list[str]] = {"all": [], "some": [], "nothing": []}
-        for row in rows:
-            title, agreed, points = row["variant"].title, row["findings"]["verdicts"]["agree"], row["points"]
-            nothing = row["blocked"] or points == row["missing"]
-            group = "nothing" if nothing else "all" if agreed == points else "some"
-            groups[group].append(title if group != "some" else f"{title} ({agreed} of {points})")
-        return groups
 
 
 class Versions(Section):
@@ -174,7 +161,12 @@ class OpenPoints(Section):
         for (case, _, _), points in groups.items():
             etas = ", ".join(f"{point.frequency_ratio:g}" for point in points)
             rows.append({"places": f"{case}, η_r = {etas}", **_judged(points[0].finding, points[0].findings)})
-        return sorted((row for row in rows if row["verdict"] != Verdict.AGREE), key=_order)
+        return sorted((row for row in rows if row["verdict"] != Verdict.AGREE and _differs(row)), key=_order)
+
+
+def _differs(row: dict[str, Any]) -> bool:
+    """Whether there is something to say: a difference that is not what is left of equal numbers, or none at all."""
+    return not abs(row["difference"]) < RESIDUE
 
 
 def _order(row: dict[str, Any]) -> tuple[bool, float]:
@@ -201,8 +193,9 @@ def _law(finding: Finding, prediction: Prediction) -> str:
     if not prediction.certified:
         return str(prediction)
     deviation, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
-    text = (
-        f"deviation {deviation:+.4g}, prediction {deviation - left:+.4g}, left {left:+.2g} {unit}, "
-        f"allowed {prediction.allowed:.2g}; period {prediction.distance:.2g} U0, allowed {prediction.period_bound:.2g}"
+    signed = [two_digits(value, sign=True) for value in (deviation, deviation - left, left)]
+    bounds = [two_digits(value) for value in (prediction.allowed, prediction.distance, prediction.period_bound)]
+    return (
+        f"deviation {signed[0]}, prediction {signed[1]}, left {signed[2]} {unit}, allowed {bounds[0]}; period "
+        f"{bounds[1]} U0, allowed {bounds[2]}"
     )
-    return text.replace("-", "−")

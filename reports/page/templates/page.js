@@ -56,10 +56,14 @@ document.querySelectorAll("main table").forEach(asCards);
 for (const choice of document.querySelectorAll(".choice")) {
   const figures = [...document.getElementById(choice.dataset.of).querySelectorAll("figure")];
   const show = (number) => figures.forEach((figure, k) => { figure.hidden = k !== number; });
-  const list = choice.querySelector("select");
+  const [list, engines] = choice.querySelectorAll("select");
   list.addEventListener("change", () => {
     show(list.selectedIndex);
     drawAll();
+  });
+  engines?.addEventListener("change", () => {
+    figures.forEach((figure) => { figure.dataset.engine = engines.value; });
+    figures.map((figure) => figure.querySelector('.plot[data-drawn="done"]')).filter(Boolean).forEach(plotted);
   });
   choice.hidden = false;
   show(0);
@@ -154,8 +158,13 @@ function flat(trace) {
   return { ...trace, colorbar: { ...trace.colorbar, ...place, title } };
 }
 
+// The reference stands beside every engine.
+const isOf = (name, engine) => !name || name === engine || name.startsWith(`${engine}, `) || !ENGINES.has(name.split(",")[0]);
+const ENGINES = new Set([...document.querySelectorAll("select.engines option")].map(({ text }) => text.split(",")[0]));
+
 // Black lines would not be seen on a dark page; on a map they lie on its colours, and stay.
-function traces(plot, width) {
+function traces(plot, width, engine) {
+  if (engine) return traces({ data: plot.data.filter(({ name }) => isOf(name, engine)) }, width);
   if (isMap(plot)) return width < NARROW ? plot.data.map(flat) : plot.data;
   if (!DARK.matches) return plot.data;
   return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
@@ -169,7 +178,8 @@ let library = null;
 // Anew, also where it was drawn: plotly does not move a scale of colours from the side to the foot of panels.
 function plotted(place) {
   const plot = plots[place.dataset.plot];
-  return Plotly.newPlot(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
+  const drawn = traces(plot, place.clientWidth, place.closest("figure").dataset.engine);
+  return Plotly.newPlot(place, drawn, arranged(plot, place.clientWidth), CONFIG);
 }
 
 async function draw(place) {
