@@ -13,7 +13,7 @@ from engines.interface.variant import Variant
 from reports.data.options import SingleOption
 from reports.data.variants import Errors
 from reports.formatting import MISSING, two_digits
-from scenarios.studies.claims import CLAIMS, Answer, Conclusions, sentence
+from scenarios.studies.claims import CLAIMS, Answer, Conclusions, farthest_edge, sentence
 from scenarios.studies.one_option import tuned_options
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import Finding, Verdict, unmodelled
@@ -23,14 +23,19 @@ TITLES = {"default": "as installed", "recommended": "recommended", "tuned": "tun
 """Presets that README, page and terminal compare, and what they are called there."""
 
 UNSTEADY = "unsteady"
-"""Stands for an error where fewer than half of the points have a steady state."""
+"""Stands for an error where fewer than a third of the points have a steady state."""
+
+
+def is_unsteady(row: Any) -> bool:
+    """Whether there are too few steady states for an error."""
+    return bool(3 * row.points_known < row.points)
 
 
 def error_text(row: Any | None) -> str:
     """Give the largest error of a row of `Errors` in two digits [dB]; with a star where points are not known."""
     if row is None or (not row.points_known and row.blocked):
         return MISSING
-    if 2 * row.points_known < row.points:
+    if is_unsteady(row):
         return UNSTEADY
     return two_digits(row.size) + ("*" if row.points_known < row.points else "")
 
@@ -92,17 +97,20 @@ def by_engine(lines: Sequence[EngineLine]) -> dict[str, list[EngineLine]]:
 MOST_LINES = 10
 """Lines of a terminal; the page has all."""
 
-MOST_OPTIONS = 3
+MOST_NAMED = 3
+"""Engines that the finding names."""
+
+MOST_OPTIONS = 1
 """Options that a line names."""
 
 
 def engine_table(lines: Sequence[EngineLine]) -> pd.DataFrame:
     """Give the table that a terminal shows: the engines that are farthest off as installed, and what decides."""
     shown = list(lines[: MOST_LINES if len(lines) <= MOST_LINES else MOST_LINES - 1])
-    rows = [(line.variant.title, *line.texts, _decisive(line)) for line in shown]
+    rows = [(line.variant.title, " → ".join(line.texts), _decisive(line)) for line in shown]
     if len(lines) > len(shown):
-        rows.append((f"{len(lines) - len(shown)} more on the page", *[""] * len(TITLES), ""))
-    return pd.DataFrame(rows, columns=["error [dB]", *TITLES.values(), "what decides"])
+        rows.append((f"{len(lines) - len(shown)} more on the page", "", ""))
+    return pd.DataFrame(rows, columns=["largest error [dB]", " → ".join(TITLES.values()), "what decides"])
 
 
 def _decisive(line: EngineLine) -> str:
@@ -116,7 +124,7 @@ class Counted(StrEnum):
     AGREE = "agree"
     MODELLED = "differ as the engine’s model predicts"
     UNEXPLAINED = "unexplained"
-    OPEN = "without a certified steady state, or with too coarse a step"
+    OPEN = "without a steady state or with too coarse a step"
     BLOCKED = "of engines that cannot"
 
 
@@ -152,38 +160,41 @@ def finding(lines: Sequence[EngineLine], conclusions: Sequence[Conclusions]) -> 
 
 
 def _errors(lines: Sequence[EngineLine]) -> list[str]:
-    sizes = {name: [(row.size, line) for line in lines if (row := line.rows.get(name)) is not None and row.size >= 0]
-             for name in TITLES}  # fmt: skip
+    starts = ("As installed,", "as recommended for any model,", "tuned to this chain,")
     parts = []
-    if sizes["default"]:
-        worst, line = max(sizes["default"], key=lambda pair: pair[0])
-        engines = by_engine([own for _, own in sizes["default"]])
-        wrong = by_engine([own for size, own in sizes["default"] if size >= WRONG_DB])
-        count = f"{len(wrong) or 'none'} of {len(engines)} engines {'is' if len(wrong) == 1 else 'are'} wrong"
-        parts.append(
-            f"As installed, {count} by {WRONG_DB:g} dB or more, {line.variant.title} most with {two_digits(worst)} dB"
-        )
-    for name in ("recommended", "tuned"):
-        if sizes[name]:
-            worst = max(size for size, _ in sizes[name])
-            what = "with what is recommended for any model" if name == "recommended" else "tuned to this chain"
-            parts.append(f"{what}, {len(by_engine([own for _, own in sizes[name]]))} are within {two_digits(worst)} dB")
-    return [f"{'; '.join(parts)}."] if parts else []
+    for name, start in zip(TITLES, starts, strict=True):
+        known = [(row.size, own) for own in lines if (row := own.rows.get(name)) is not None and not is_unsteady(row)]
+        if known:
+            parts.append(f"{start} {_wrong(known, named=name == 'default')}")
+    if not parts:
+        return []
+    largest = f", and the largest error is {two_digits(max(size for size, _ in known))} dB" if known else ""
+    return [f"{'; '.join(parts)}{largest}."]
+
+
+def _wrong(known: Sequence[tuple[float, EngineLine]], *, named: bool) -> str:
+    """Say how many engines are wrong; the first time, which, by how much, and what that means."""
+    engines = by_engine([own for _, own in known])
+    wrong = sorted(((size, own) for size, own in known if size >= WRONG_DB), key=lambda pair: -pair[0])
+    several = len(by_engine([own for _, own in wrong]))
+    if not named:
+        return f"{several} of {len(engines)}" if several else "none"
+    which = "; ".join(f"{own.variant.title} by {two_digits(size)} dB" for size, own in wrong[:MOST_NAMED])
+    count = f"{several or 'none'} of {len(engines)} engines {'is' if several == 1 else 'are'} off by {WRONG_DB:g} dB"
+    return f"{count} or more{f' ({which})' if which else ''}"
 
 
 def _claims(conclusions: Sequence[Conclusions]) -> list[str]:
-    """Say which claims of the paper hold, and which engine would lead to another conclusion."""
+    """Say which claims of the paper hold, and what one would conclude with the engine that is farthest from that."""
     if not conclusions:
         return []
     reference, *others = conclusions
-    held = [own.name for own in reference.claims if own.answer in (Answer.HOLDS, Answer.READING)]
     if any(own.answer is Answer.OPEN for own in reference.claims):
         return []
+    held = [own.name for own in reference.claims if own.answer in (Answer.HOLDS, Answer.READING)]
     start = f"The paper’s claims hold ({len(held)} of {len(CLAIMS)})"
-    other = [own for own in others if _differs(own, reference)]
-    if other:
-        return [f"{start}; {_lowered(sentence(other[0], reference))}"]
-    return [f"{start}, with the reference as with every engine asked." if others else f"{start} with the reference."]
+    shown = max(others, key=lambda own: (_differs(own, reference), farthest_edge(own, reference)), default=None)
+    return [f"{start}; {_lowered(sentence(shown, reference))}" if shown else f"{start} with the reference."]
 
 
 def _differs(own: Conclusions, reference: Conclusions) -> bool:

@@ -17,7 +17,7 @@ from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
 
-LINES_TO_PASTE = 3
+LINES_TO_PASTE = 2
 """Lines of a recipe that stand beside its engine; the others are folded."""
 
 
@@ -38,8 +38,7 @@ class Summary(Section):
         if not self.report.headline:
             shown = sum(truth.above_floor for truth in self.result.truths.values())
             return f"the {shown} points of this page above {fixed(FLOOR_DB, 0)} dB"
-        places = ", ".join(f"({ratio(friction)}, {ratio(eta)})" for friction, eta in HEADLINE_POINTS)
-        return f"five points (friction ratio, η_r) = {places} with {HEADLINE_STEPS} steps a period"
+        return f"{len(HEADLINE_POINTS)} points deep within the band, with {HEADLINE_STEPS} steps a period"
 
     def context(self) -> dict[str, Any]:
         sweep, truths = self.result.sweep, self.result.truths.values()
@@ -53,7 +52,7 @@ class Summary(Section):
             "titles": list(TITLES.values()),
             "errors": list(self.report.errors.values()),
             "where": self._where,
-            "headline": bool(self.report.headline),
+            "headline": [f"({ratio(f)}, {ratio(eta)})" for f, eta in HEADLINE_POINTS] if self.report.headline else [],
             "beside": [own.title for own in self.report.errors if own not in self.report.variants],
             "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
             "points": len(shown),

@@ -121,6 +121,7 @@ function arranged(plot, width) {
       layout[name].title = { ...layout[name].title, text: number % columns ? "" : label };
     }
   }
+  if (width < NARROW && layout.annotations) Object.assign(layout, { annotations: [], margin: { ...layout.margin, r: 16 } });
   if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
   for (const [name, axis] of Object.entries(width < NARROW ? layout : {})) {
     if (/^xaxis/.test(name) && layout.grid) axis.title = { ...axis.title, font: { size: 10 } };
@@ -171,7 +172,7 @@ function traces(plot, width, engine) {
 }
 
 // All buttons by name: those that plotly adds in other versions may send a figure away.
-const BUTTONS = ["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"];
+const BUTTONS = ["toImage", "zoom2d", "pan2d", "resetScale2d"];
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtons: [BUTTONS] };
 let library = null;
 
