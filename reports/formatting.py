@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
+from decimal import ROUND_HALF_UP, Context, Decimal
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
@@ -32,25 +33,32 @@ def signed(value: float, digits: int) -> str:
     return _minus(text)
 
 
+SMALLEST_IN_TABLE = 0.01
+"""From it on, three decimals have two digits that count."""
+
+SMALLEST_PLAIN = Decimal("1e-4")
+"""Below it, a number is shorter as a power of ten."""
+
 RESIDUE = 1e-9
 """Below it, a number is what is left of equal ones, and people read zero; residuals are `scientific`."""
 
 
+TWO_DIGITS = Context(prec=2, rounding=ROUND_HALF_UP)
+
+
 def two_digits(value: float, *, sign: bool = False) -> str:
-    """Give two digits that count, as people quote them: 15, 0.12, 1,700; with its sign if it is a difference."""
+    """Give two digits that count, as people quote them: 15, 0.12, 1,700; with its sign if it is a difference.
+
+    It is rounded as the table of accuracy is first, to three decimals: texts that are made from either are the same.
+    """
     if not math.isfinite(value):
         return MISSING
     if abs(value) < RESIDUE:
         return "0"
-    rounded = float(f"{value:.2g}")
+    rounded = TWO_DIGITS.create_decimal(f"{value:.3f}" if abs(value) >= SMALLEST_IN_TABLE else f"{value:.2e}")
     size = abs(rounded)
-    text = f"{rounded:,.0f}" if size >= 10 else f"{value:.1e}" if size < 1e-4 else _plain(value)
+    text = f"{rounded:,.0f}" if size >= 10 else f"{rounded:f}" if size >= SMALLEST_PLAIN else f"{rounded:.1e}"
     return _minus(f"+{text}" if sign and value > 0 else text)
-
-
-def _plain(value: float) -> str:
-    """Give two digits between 0.0001 and 10, with the zero that counts: 1.0."""
-    return f"{value:.{1 - math.floor(math.log10(float(f'{abs(value):.2g}')))}f}"
 
 
 def scientific(value: float) -> str:

@@ -18,6 +18,16 @@ from reports import formatting as numbers
         (numbers.signed(-2.1e-12, 4), "−2e−12"),
         (numbers.signed(0.0, 4), "0"),
         (numbers.signed(math.nan, 4), "–"),
+        (numbers.two_digits(14.734), "15"),
+        (numbers.two_digits(0.12503), "0.13"),
+        (numbers.two_digits(0.125), "0.13"),
+        (numbers.two_digits(1.0), "1.0"),
+        (numbers.two_digits(1730.0), "1,700"),
+        (numbers.two_digits(-0.00123, sign=True), "−0.0012"),
+        (numbers.two_digits(0.5, sign=True), "+0.50"),
+        (numbers.two_digits(3.14e-6), "3.1e−6"),
+        (numbers.two_digits(-2.1e-14), "0"),
+        (numbers.two_digits(math.nan), "–"),
         (numbers.scientific(3.14e-9), "3.1e−09"),
         (numbers.scientific(0.0), "0"),
         (numbers.ratio(0.30000000000000004), "0.3"),
@@ -28,6 +38,11 @@ from reports import formatting as numbers
 )
 def test_numbers_are_rounded_with_true_signs(shown: str, expected: str) -> None:
     assert shown == expected
+
+
+def test_a_minus_of_a_number_is_a_true_one_and_that_of_a_word_is_none() -> None:
+    shown = numbers.typeset("off by -0.5 dB and 1e-05, mass-in-mass, 3.3.7-rc1")
+    assert shown == "off by −0.5 dB and 1e−05, mass-in-mass, 3.3.7-rc1"
 
 
 def test_indices_are_set_low_and_the_rest_is_escaped() -> None:
