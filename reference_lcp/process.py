@@ -36,6 +36,9 @@ LONGEST_MESSAGE = 1000
 CACHE_VARIABLE = "NUMBA_CACHE_DIR"
 """Variable of the environment that names where numba keeps compiled kernels."""
 
+COMPLETION = "_COMPLETE"
+"""How the variable of the environment ends by which a shell asks click for completions."""
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -175,9 +178,9 @@ def run_command(app: "typer.Typer", arguments: list[str] | None = None) -> int:
             code = _exit_code(app, sys.argv[1:] if arguments is None else arguments)
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
-        except SystemExit:
-            raise
         except BaseException as problem:  # a panic of an engine in Rust is no `Exception`
+            if isinstance(problem, SystemExit) and any(name.endswith(COMPLETION) for name in os.environ):
+                raise  # click ends the program after a completion
             # a module that was being imported may turn Ctrl-C into an error of its own
             code = ExitCode.INTERRUPTED if interrupt_pending() else _report_fault(problem)
         if code == ExitCode.INTERRUPTED:
@@ -224,8 +227,9 @@ def _standard_output() -> Iterator[None]:
     try:
         yield
         sys.stdout.flush()
-    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed, and after a completion
-        if getattr(problem, "filename", None) is not None or getattr(problem, "code", None) == 0:
+    except (OSError, SystemExit) as problem:
+        of_click = isinstance(problem, OSError) or isinstance(problem.__context__, OSError)  # where a pipe is closed
+        if not of_click or getattr(problem, "filename", None) is not None:
             raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
         reason = getattr(problem, "strerror", "closed pipe")

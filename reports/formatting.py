@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Sequence
-from decimal import ROUND_HALF_UP, Context, Decimal
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
@@ -23,42 +22,27 @@ def fixed(value: float, digits: int) -> str:
     return _minus(text.removeprefix("-") if float(text) == 0 else text)
 
 
-def signed(value: float, digits: int) -> str:
-    """Give a difference with its sign; one that rounds to zero but is not, as a power of ten."""
-    if not math.isfinite(value):
-        return MISSING
-    text = f"{value:+.{digits}f}"
-    if float(text) == 0:
-        return _minus(f"{value:+.0e}") if value else "0"
-    return _minus(text)
-
-
-SMALLEST_IN_TABLE = 0.01
-"""From it on, three decimals have two digits that count."""
-
-SMALLEST_PLAIN = Decimal("1e-4")
-"""Below it, a number is shorter as a power of ten."""
-
 RESIDUE = 1e-9
-"""Below it, a number is what is left of equal ones, and people read zero; residuals are `scientific`."""
+"""Sizes below it are shown as zero: round-off, in every unit that a page has."""
 
 
-TWO_DIGITS = Context(prec=2, rounding=ROUND_HALF_UP)
+def significant(value: float, sign: str = "") -> str:
+    """Give two significant digits: plain from a thousandth on, as a power of ten below, zero below `RESIDUE`.
 
-
-def two_digits(value: float, *, sign: bool = False) -> str:
-    """Give two digits that count, as people quote them: 15, 0.12, 1,700; with its sign if it is a difference.
-
-    It is rounded as the table of accuracy is first, to three decimals: texts that are made from either are the same.
+    With ``+`` as `sign` it stands before positive numbers too.
     """
     if not math.isfinite(value):
         return MISSING
     if abs(value) < RESIDUE:
         return "0"
-    rounded = TWO_DIGITS.create_decimal(f"{value:.3f}" if abs(value) >= SMALLEST_IN_TABLE else f"{value:.2e}")
-    size = abs(rounded)
-    text = f"{rounded:,.0f}" if size >= 10 else f"{rounded:f}" if size >= SMALLEST_PLAIN else f"{rounded:.1e}"
-    return _minus(f"+{text}" if sign and value > 0 else text)
+    rounded = float(f"{value:.1e}")
+    decimals = max(0, 1 - math.floor(math.log10(abs(rounded))))
+    return _minus(f"{rounded:{sign},.{decimals}f}" if abs(rounded) >= 1e-3 else f"{value:{sign}.1e}")
+
+
+def signed(value: float) -> str:
+    """Give a difference in two digits with its sign."""
+    return significant(value, "+")
 
 
 def scientific(value: float) -> str:
@@ -103,8 +87,7 @@ def printed_option(value: object) -> str:
 
 
 def typeset(text: str) -> Markup:
-    """Escape `text`, set the indices of its symbols low (η_r, ω_max, λ_T, U0, P0) and give numbers a true minus."""
-    text = re.sub(r"(?<![\w.)−-])-(?=[\d.])|(?<=\de)-(?=\d)", "−", text)
+    """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0, P0."""
     lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(_safe(text))))
     return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
 
@@ -129,6 +112,6 @@ def environment(*packages: str, markup: bool = True) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=not markup,
     )
-    for display in (two_digits, fixed, signed, scientific, card_number, ratio, per_cell, span, typeset):
+    for display in (fixed, significant, signed, scientific, card_number, ratio, per_cell, span, typeset):
         templates.filters[display.__name__] = display
     return templates

@@ -11,7 +11,6 @@ import xarray as xr
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, checked_output_folder
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
-from reports.data.conclusion import EngineLine
 from reports.data.report import Report
 from reports.drawing.printing import DrawnFigures
 from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
@@ -27,23 +26,16 @@ from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import save_sweep, saved_sweeps
 from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.finding import Finding
 
 STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
 
 
 class Written(NamedTuple):
-    """The page of a report, and what its comparison came to."""
+    """The page of a report, and what it is made of."""
 
     page: Path
-    findings: Sequence[Finding]
-    failures: list[str]
-    """Why it fails, a line each."""
-    lines: Sequence[EngineLine]
-    """How far each engine is off."""
-    status: str
-    """Whether it passes, and how many numbers come to what."""
+    report: Report
 
 
 def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
@@ -115,7 +107,7 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 def _written(report: Report, folder: Path) -> Written:
     write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
-    return Written(folder / PAGE, report.result.findings, report.failures, report.lines, report.status)
+    return Written(folder / PAGE, report)
 
 
 def check_loses_nothing(folder: Path, report: Report) -> None:

@@ -174,7 +174,7 @@ class Panic(BaseException):
     """As engines in Rust raise it: no `Exception`."""
 
 
-@pytest.mark.parametrize("kind", [ZeroDivisionError, Panic])
+@pytest.mark.parametrize("kind", [ZeroDivisionError, Panic, SystemExit])
 def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(monkeypatch, capsys, kind) -> None:
     def faulty(_name: str) -> None:
         raise kind("a\nfault\x1b[2J")

@@ -81,7 +81,7 @@ class Service:
                 self._lanes.pop(number, None)
             handler = getattr(self, "_" + str(request["request"]))
             return handler(request)
-        except Exception as problem:  # whatever it is, the other side has to get it
+        except BaseException as problem:  # whatever it is, an end of the program too: the other side has to get it
             return {"error": str(problem), "kind": type(problem).__name__, "traceback": traceback.format_exc()}
         finally:
             sys.stdout.flush()

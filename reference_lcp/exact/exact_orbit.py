@@ -199,7 +199,7 @@ def _saltation(system: PiecewiseLinearChain, before: Segment, after: Segment) ->
 
 
 def polished(
-    orbit: PeriodicOrbit, steps_per_period: int, tolerance: float, deadline: Deadline = UNLIMITED
+    orbit: PeriodicOrbit, steps_per_period: int, tolerance: float, deadline: Deadline = UNLIMITED, thorough: bool = True
 ) -> PeriodicOrbit:
     """Improve an orbit by Newton's method while its residual falls; `tolerance` decides the status."""
     if orbit.status is OrbitStatus.DIVERGED:
@@ -216,6 +216,8 @@ def polished(
         if not candidate.residual < best.residual:
             break
         best, state = candidate, candidate.trajectory.end
+        if not thorough and best.residual <= tolerance:
+            break
     status = best.status if best.residual > tolerance else OrbitStatus.CONVERGED
     return PeriodicOrbit(best.lane, best.trajectory, best.residual, periods, status)
 
@@ -246,10 +248,12 @@ def exact_orbit(
     tolerance: float = EXACT_RESIDUAL,
     max_periods: int = DEFAULT_PERIODS,
     deadline: Deadline = UNLIMITED,
+    thorough: bool = True,
 ) -> tuple[PeriodicOrbit, ExactPeriod]:
     """Find the periodic orbit, and its segments between events; arguments are those of `exact_steady_state`.
 
-    A search that passes its deadline raises `NotProven`.
+    Newton's method ends where the residual falls no more; one that is not `thorough`, at the tolerance. A search that
+    passes its deadline raises `NotProven`.
     """
     simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)], deadline)
     search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
@@ -259,11 +263,11 @@ def exact_orbit(
         scheme = periodic_orbits(euler, steps, longest_multiple=1, deadline=deadline)[0]
         if scheme.converged:
             near = search(start=scheme.trajectory.end, tolerance=tolerance, max_periods=1)[0]
-            orbit = polished(near, steps_per_period, tolerance, deadline)
+            orbit = polished(near, steps_per_period, tolerance, deadline, thorough)
             if orbit.converged:
                 return _judged(orbit, drive.period, deadline)
     near = search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0]
-    orbit = polished(near, steps_per_period, tolerance, deadline)
+    orbit = polished(near, steps_per_period, tolerance, deadline, thorough)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)

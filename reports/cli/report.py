@@ -13,7 +13,7 @@ import typer
 
 from engines.completion import complete_variant
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.terminal import announce_compilation, visible
+from reference_lcp.terminal import announce_compilation, print_table, visible
 from reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Work, grouped, keeping
 
 if TYPE_CHECKING:
@@ -51,9 +51,6 @@ class Shown:
     data: Annotated[
         Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
     ] = None
-    verbose: Annotated[
-        bool, typer.Option("--verbose", help="Print the verdicts of every variant, and the worst of them.")
-    ] = False
     proof: Annotated[
         bool,
         typer.Option(
@@ -78,12 +75,14 @@ def report(
             "--run/--no-run", help="Run missing points; --no-run shows only stored results, and names missing ones."
         ),
     ] = True,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Print all engines, and verdicts by variant.")] = False,
     work: Work,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
     Without --engine and --sweep, joints are compared on the whole grid: tuned ones, and default ones that a law
-    predicts everywhere. Other presets are shown at five points, without a verdict, and never change the exit code.
+    predicts everywhere. Contacts and other defaults are shown at a few points, without a verdict, and never change the
+    exit code.
 
     Results are stored: a second run takes seconds, and an interrupted run continues.
     Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
@@ -94,22 +93,39 @@ def report(
     """
     work.check(run=run)
     names = Engines(shown.chosen, shown.settings).names
-    from reports.data.conclusion import engine_table
+    started = monotonic()
+    written = _written(shown, names, out, store, work, run=run)
+    _print_end(written, monotonic() - started, verbose=verbose)
+    if written.report.failures:
+        raise typer.Exit(ExitCode.FAILED)
+
+
+MOST_ROWS = 9
+"""Engines in the table at the end, the farthest from the truth first; one line more names how many are left out."""
+
+
+def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
+    """Print what each engine comes to, why the comparison fails, and the line that says whether it does."""
+    from reports.formatting import significant
     from scenarios import tables
     from scenarios.catalogue.verdict_table import verdict_table
     from scenarios.verdicts.finding import engine_failures
 
-    begin = monotonic()
-    written = _written(shown, names, out, store, work, run=run)
-    if shown.verbose and written.findings:
-        tables.print_table(verdict_table(written.findings))
-    if written.lines:
-        tables.print_table(engine_table(written.lines))
-    for line in (*engine_failures(written.findings), *written.failures):
+    report = written.report
+    if verbose and report.result.findings:
+        tables.print_table(verdict_table(report.result.findings))
+    rows = [
+        (row.variant.title, *map(significant, (row.installed, row.recommended, row.tuned)), row.decides)
+        for row in report.headlines
+    ]
+    shown = rows if verbose else rows[:MOST_ROWS]
+    if rows:
+        print_table(("error to truth [dB]", "installed", "recommended", "tuned", "what decides it"), shown)
+    if len(shown) < len(rows):
+        print(f"and {len(rows) - len(shown)} more, with --verbose")
+    for line in (*engine_failures(report.result.findings), *report.failures):
         print(visible(line))
-    print(f"{visible(written.status)} {monotonic() - begin:.0f} s: {written.page}")
-    if written.failures:
-        raise typer.Exit(ExitCode.FAILED)
+    print(visible(f"{report.status}; {seconds:.0f} s; {written.page}"))
 
 
 def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work: Work, *, run: bool) -> Written:

@@ -1,7 +1,7 @@
-"""What options decide: defaults with one tuned option each, and curves over an option."""
+"""What options decide: engines as installed and tuned, defaults with one tuned option each, curves over an option."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -10,7 +10,8 @@ from engines.interface.variant import Variant
 from reports.data.points import NAMES, names_of
 from reports.data.variants import Errors
 from reports.formatting import printed_option
-from scenarios.studies.one_option import with_single_options
+from scenarios.studies.few_points import tuned_options, with_single_options
+from scenarios.verdicts.steady_case import REFERENCE
 
 FEWEST_VALUES = 3
 """Values from which on there is a curve; two variants stand beside each other in the table."""
@@ -64,6 +65,44 @@ def _setting(changed: Variant) -> tuple[str, str]:
     """Give the option of a variant with a single one, and its value."""
     name = changed.preset.settings[0].partition("=")[0]
     return name, printed_option(changed.preset[name])
+
+
+class Headline(NamedTuple):
+    """One engine and formulation: largest errors to the truth [dB] by preset, NaN where not known."""
+
+    variant: Variant
+    """The tuned one."""
+    installed: float
+    recommended: float
+    tuned: float
+    decides: str
+    """The one option that takes off most of the error as installed, or how many options are tuned."""
+
+    @property
+    def farthest(self) -> float:
+        """The largest of them; −1 without any."""
+        return max((own for own in self[1:4] if not math.isnan(own)), default=-1.0)
+
+
+def headlines(errors: Errors, singles: Sequence[SingleOption]) -> list[Headline]:
+    """Give a row an engine and formulation but for the reference, the largest error as installed first."""
+    sizes: dict[Variant, dict[str, float]] = {}
+    for variant, own in errors.items():
+        if variant.engine != REFERENCE.engine and own.size > 0:
+            sizes.setdefault(variant.tuned, {})[variant.preset_name] = own.size
+    decisive = {single.tuned.variant: single for single in reversed(singles) if single.halves}
+    rows = []
+    for variant, own in sizes.items():
+        installed, recommended, tuned = (own.get(name, math.nan) for name in ("default", "recommended", "tuned"))
+        rows.append(Headline(variant, installed, recommended, tuned, _decides(variant, decisive.get(variant))))
+    return sorted(rows, key=lambda row: (math.isnan(row.installed), -row.farthest))
+
+
+def _decides(variant: Variant, single: SingleOption | None) -> str:
+    if single is not None:
+        return f"{single.option} = {single.value}"
+    count = len(list(tuned_options(variant.engine, variant.formulation)))
+    return "1 option" if count == 1 else f"{count} options together" if count else "no option"
 
 
 def option_curves(errors: Errors, points: pd.DataFrame) -> list[pd.DataFrame]:

@@ -10,8 +10,7 @@ import pandas as pd
 
 from engines.interface.variant import Variant
 from reports.data.catalogue import Outcomes
-from reports.data.conclusion import Counted, EngineLine, counted, engine_lines, finding, status
-from reports.data.options import SingleOption, option_curves, single_options
+from reports.data.options import Headline, SingleOption, headlines, option_curves, single_options
 from reports.data.points import by_variant, edge_table, point_table
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
@@ -27,7 +26,7 @@ from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import Point
 from scenarios.sweeps.start_check import StartCheck
 from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import Finding, failures
+from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
 from scenarios.verdicts.steady_case import REFERENCE
 
 
@@ -49,9 +48,10 @@ class Report:
     """Of which points steady states were searched from elsewhere too, by variant."""
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Package, version, description and options by the name of a variant, where they were noted with the results."""
-    headline: tuple[Point, ...] = ()
-    """Points of all variants, those of no grid too, by which they are compared with the truth, see `headline_points`;
-    without any, that is done on the grid."""
+    beside: tuple[Point, ...] = ()
+    """Points of variants that are compared with the truth at a few points only, and have no verdict."""
+    one_option: tuple[Point, ...] = ()
+    """Points of variants that differ in one option from a preset, at a few points of the grid."""
     creeps: Mapping[Variant, float] = field(default_factory=dict)
     """How fast a block creeps that friction holds, with single options and without any, see `held_creeps` [µm/s]."""
     catalogue: Outcomes = field(default_factory=dict)
@@ -85,7 +85,7 @@ class Report:
 
     @cached_property
     def _every(self) -> pd.DataFrame:
-        return point_table(self.result, headline=self.headline)
+        return point_table(self.result, beside=self.beside, one_option=self.one_option)
 
     @cached_property
     def points(self) -> pd.DataFrame:
@@ -113,6 +113,18 @@ class Report:
         return lines
 
     @cached_property
+    def _wide(self) -> pd.DataFrame:
+        """Points of the grid, and those of variants that are compared with the truth at a few."""
+        return self._every[self._every["part"] != "one_option"]
+
+    @cached_property
+    def _few(self) -> pd.DataFrame:
+        """All points at the places of those with single options."""
+        places = {point.place[1:] for point in self.one_option}
+        every = zip(self._every["case"], self._every["frequency_ratio"], strict=True)
+        return self._every[[place in places for place in every]]
+
+    @cached_property
     def edges(self) -> pd.DataFrame:
         """Both edges of every curve, a row each."""
         return edge_table(self.result)
@@ -133,33 +145,36 @@ class Report:
         return ((variant, points, edges[variant]) for variant, points in by_variant(self.points, self.variants).items())
 
     @cached_property
-    def compared(self) -> pd.DataFrame:
-        """The points by which variants are compared with the truth."""
-        return self._every[self._every["part"] == "headline"] if self.headline else self.points
-
-    @cached_property
     def error_table(self) -> pd.DataFrame:
         """How far each variant is from the truth, the smallest error first."""
-        return error_table(self.compared, self.result.sweep.case_axes)
-
-    @cached_property
-    def _all_errors(self) -> Errors:
-        return errors_of(self.error_table)
+        return error_table(self._wide, self.result.sweep.case_axes)
 
     @cached_property
     def errors(self) -> Errors:
-        """Its rows, but for variants that differ in one option from a preset."""
-        return {own: row for own, row in self._all_errors.items() if not own.preset.settings or own in self.variants}
+        """Its rows."""
+        return errors_of(self.error_table)
+
+    @cached_property
+    def few_errors(self) -> Errors:
+        """Errors of the variants that differ in one option from a preset, and of all others at the same points."""
+        return errors_of(error_table(self._few)) if self.one_option else {}
 
     @cached_property
     def single_options(self) -> list[SingleOption]:
         """Defaults with one option of the tuned preset each, the smallest error of an engine and formulation first."""
-        return single_options(self._all_errors, self.creeps)
+        return single_options(self.few_errors, self.creeps)
+
+    @cached_property
+    def headlines(self) -> list[Headline]:
+        """How far each engine is off as installed, as recommended and tuned, and what decides it."""
+        return headlines(self.errors, self.single_options)
 
     @cached_property
     def option_curves(self) -> list[pd.DataFrame]:
-        """Errors over one option of an engine, where variants differ in that alone."""
-        return option_curves(self._all_errors, self.compared)
+        """Errors over one option of an engine, where variants differ in that alone: over the grid, or a few points."""
+        wide, few = option_curves(self.errors, self._wide), option_curves(self.few_errors, self._few)
+        shown = {(curve["curve"][0], curve["option"][0]) for curve in wide}
+        return wide + [curve for curve in few if (curve["curve"][0], curve["option"][0]) not in shown]
 
     @cached_property
     def versions(self) -> list[dict[str, Any]]:
@@ -172,30 +187,17 @@ class Report:
         """Why the comparison fails, a line each: unmodelled disagreements, variants with too little certified."""
         return failures(self.result.findings)
 
-    @cached_property
-    def counts(self) -> Mapping[Variant, Counter[Counted]]:
-        """What the numbers of each variant come to."""
-        findings: dict[Variant, list[Finding]] = {variant: [] for variant in self.variants}
-        for own in self.result.findings:
-            findings.setdefault(own.variant, []).append(own)
-        return {variant: counted(numbers) for variant, numbers in findings.items()}
-
     @property
+    def compared(self) -> list[Finding]:
+        """Every number that is compared, but for those of the reference with itself."""
+        return [finding for finding in self.result.findings if finding.variant.engine != REFERENCE.engine]
+
+    @cached_property
     def status(self) -> str:
-        """Whether the comparison passes, and how many numbers of engines come to what."""
-        missing = sum(count for own, count in self.missing.items() if own.engine != REFERENCE.engine)
-        engines = (own for variant, own in self.counts.items() if variant.engine != REFERENCE.engine)
-        return status(sum(engines, Counter()), self.failures, missing)
-
-    @cached_property
-    def lines(self) -> list[EngineLine]:
-        """How far each engine is off, a line each."""
-        return engine_lines(self.errors, self.single_options)
-
-    @property
-    def finding(self) -> list[str]:
-        """The finding in at most two sentences."""
-        return finding(self.lines, self.conclusions)
+        """Whether the comparison passes, and what its numbers come to, in one line."""
+        counts = counted(self.compared)
+        numbers = ", ".join(f"{count:,} {what}" for what, count in counts.items() if count or what == "agree")
+        return f"{'failed' if self.failures else 'passed'}: {numbers}"
 
     @cached_property
     def stick_slip(self) -> list[dict[str, Any]]:
@@ -206,3 +208,12 @@ class Report:
     def provenance(self) -> dict[str, Any]:
         """Everything that a reader needs to reproduce the numbers, as plain data."""
         return provenance(self)
+
+
+def counted(findings: Sequence[Finding]) -> dict[str, int]:
+    """Count numbers by what their comparison comes to; each stands in one count."""
+    agree = sum(finding.comparison.verdict is Verdict.AGREE for finding in findings)
+    unexplained = len(unmodelled(findings))
+    predicted = sum(finding.comparison.verdict is Verdict.DISAGREE and finding.modelled for finding in findings)
+    rest = len(findings) - agree - unexplained - predicted
+    return {"agree": agree, "as predicted": predicted, "unexplained": unexplained, "not judged": rest}

@@ -34,7 +34,7 @@ NAMED = dict(zip(("default", "recommended", "tuned"), PRESETS, strict=False))
 LIMIT = Style("#666666", dash=DASHED, width=0.7)
 
 
-def installed_figure(errors: Errors, where: str) -> Figure | None:
+def installed_figure(errors: Errors) -> Figure | None:
     """Draw a row an engine and formulation, the largest error on top; ``None`` without any but the reference's."""
     rows: dict[str, list[Any]] = {}
     for variant, own in errors.items():
@@ -52,8 +52,9 @@ def installed_figure(errors: Errors, where: str) -> Figure | None:
     )
     return Figure(
         "installed",
-        f"Largest error of transmittance to the exact motion at {where}; dashed: {WRONG_DB:g} dB, from which on an "
-        "engine is wrong",
+        "Largest error of transmittance to the exact motion: engines as installed, with what is recommended for any "
+        "model, and with options tuned to this chain; dashed: "
+        f"{WRONG_DB:g} dB, from which on a variant is wrong",
         [panel],
         height=0.9 + 0.27 * count,
         pixels=70 + 34 * count,
@@ -157,7 +158,7 @@ def error_map_figure(maps: Mapping[Variant, pd.DataFrame], lost: pd.DataFrame, r
 def _panel(variant: Variant, errors: pd.DataFrame, lost: pd.DataFrame) -> Panel:
     etas, places = errors.columns.to_numpy(), {case: float(row) for row, case in enumerate(errors.index)}
     notes = [
-        [f"{case.numbers}: {signed(error, 4)} dB" for error in row]
+        [f"{case.numbers}: {signed(error)} dB" for error in row]
         for case, row in zip(places, errors.to_numpy(), strict=True)
     ]
     size = np.maximum(errors.abs().to_numpy(), LOWEST_DB)

@@ -59,7 +59,7 @@ RESOLVED = {
 }
 """Frequency ratios that both reports add near the threshold, by friction ratio: see `attenuation_band.unresolved`."""
 
-LONGEST_PROOF = 1200.0
+LONGEST_PROOF = 3600.0
 """Seconds after which a proof is given up: fifty cells take minutes."""
 
 EDGE_WIDTH = 1e-4

@@ -13,7 +13,8 @@ from scenarios.runs.result import NamedNumbers, Result, ResultStatus
 
 _EMPTY = np.empty((0, 0))
 
-_ARRAYS = ("outer", "inner", "friction", "modes")
+ARRAYS = ("outer", "inner", "friction", "modes")
+"""Names of what is recorded, a number a step and cell each."""
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,9 @@ class RecordedPeriod:
         if not result.converged:
             return cls(f"{result.status} after {result.periods} periods, residual {result.residual:.1e}")
         shape = result.steps_per_period, -1
-        outer, inner, friction, modes = (np.reshape(result.series[name], shape) for name in _ARRAYS)
+        outer, inner, friction, modes = (np.reshape(result.series[name], shape) for name in ARRAYS)
         return cls("", outer, inner, friction, modes.astype(np.int8))
 
     def to_series(self) -> NamedNumbers:
         """Give the arrays as numbers by name, row after row."""
-        return {name: tuple(getattr(self, name).ravel().tolist()) for name in _ARRAYS}
+        return {name: tuple(getattr(self, name).ravel().tolist()) for name in ARRAYS}

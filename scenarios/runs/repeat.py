@@ -5,7 +5,7 @@ import pickle
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -47,9 +47,9 @@ class RepeatTask(Task):
     motion: Annotated[SceneTask | None, left_out(None)] = None
 
     @property
-    def series(self) -> tuple[str, ...]:
-        """Ways in which it is repeated."""
-        return AGAIN, PROCESS, TOGETHER, REVERSED
+    def series(self) -> Mapping[str, int]:
+        """Ways in which it is repeated, a number each."""
+        return dict.fromkeys((AGAIN, PROCESS, TOGETHER, REVERSED), 1)
 
     def unsupported_reason(self) -> str | None:
         """Give the reason why the variant has no such scene."""

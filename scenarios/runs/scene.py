@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -11,14 +11,23 @@ import numpy as np
 from engines.interface.engine import EngineNotInstalled
 from engines.interface.presets import Formulation
 from engines.interface.registry import engine
-from engines.interface.scene import ContactScene, Scene, SceneSetting, SceneWorld, Vector, formulation_of
+from engines.interface.scene import (
+    ArmScene,
+    ContactScene,
+    JointScene,
+    Scene,
+    SceneSetting,
+    SceneWorld,
+    Vector,
+    formulation_of,
+)
 from engines.interface.variant import GENERAL
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from scenarios.runs.failures import results_together
 from scenarios.runs.parameters import left_out
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import Task
+from scenarios.runs.task import SOME, Task
 
 ROWS = 100
 """Rows that are kept of a motion, at most."""
@@ -57,10 +66,13 @@ class SceneTask(Task):
         return round(self.time / self.time_step)
 
     @property
-    def series(self) -> tuple[str, ...]:
-        """Names of what is kept of the motion; see `_series`."""
+    def series(self) -> Mapping[str, int]:
+        """Name and length of what is kept of the motion; see `_series`."""
         of_box = ("along", "across", "off", "speed along", "speed across", "speed off", "highest", "turn")
-        return "time", "from the start", *(of_box if isinstance(self.scene, ContactScene) else ("joint 1",))
+        motion = of_box if isinstance(self.scene, ContactScene) else ("joint 1",)
+        ways = {ContactScene: 3, JointScene: 1, ArmScene: SOME}[type(self.scene)]
+        rows = len(kept_rows(self.steps))
+        return {"time": rows, "from the start": ways} | dict.fromkeys(motion, rows)
 
     def unsupported_reason(self) -> str | None:
         """Give the reason why the variant has no such scene, as far as that is known without building it."""

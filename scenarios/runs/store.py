@@ -10,7 +10,7 @@ import math
 import sqlite3
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from functools import cached_property
 from pathlib import Path
@@ -18,9 +18,10 @@ from tempfile import mkdtemp
 from typing import Any, TypeVar
 
 from reference_lcp.errors import ParameterError, RunError, checked_path
-from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.recorded import ARRAYS
+from scenarios.runs.result import NamedNumbers, Result, ResultStatus
 from scenarios.runs.scratch import Closing, ScratchFolder
-from scenarios.runs.task import Task, key_of, unsourced_key
+from scenarios.runs.task import SOME, Recorded, SteadyStateTask, Task, key_of, unsourced_key
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""
@@ -294,11 +295,42 @@ def _misfit(task: Task, result: Result) -> str | None:
     if abs(result.transmittance_db) > LARGEST_LEVEL:
         return f"transmittance_db = {result.transmittance_db:g}; allowed: up to {LARGEST_LEVEL:g} dB"
     if result.status is not ResultStatus.FINISHED:
-        return None
+        return _wrong_length(result.series, _steady_lengths(task, result)) or _wrong_contact(task, result)
     if task.series is None:
         return f"status = {result.status}; allowed: one of a search for a steady state"
     missing = ", ".join(name for name in task.series if name not in result.series)
-    return f"no series {missing}; allowed: all of {', '.join(task.series)}" if missing else None
+    if missing:
+        return f"no series {missing}; allowed: all of {', '.join(task.series)}"
+    others = (name for name in result.series if name.startswith(("joint", "gain")))  # which not every result has
+    lengths = dict.fromkeys(others, next(iter(task.series.values())))
+    return _wrong_length(result.series, {**lengths, **task.series})
+
+
+def _steady_lengths(task: Task, result: Result) -> Mapping[str, int]:
+    """Give name and length of the series that a steady state has."""
+    lengths = {"travels": len(result.transitions)} if "travels" in result.series else {}
+    if result.converged and isinstance(task, SteadyStateTask) and task.recorded is Recorded.PERIOD:
+        lengths |= dict.fromkeys(ARRAYS, max(1, result.steps_per_period) * task.cells)
+    return lengths
+
+
+def _wrong_length(series: NamedNumbers, lengths: Mapping[str, int]) -> str | None:
+    """Name the first series that has not the length that it is to have."""
+    for name, length in lengths.items():
+        own = len(series.get(name, ()))
+        if own != length and (length != SOME or own == 0):
+            return f"{name} has {own} numbers; allowed: {'some' if length == SOME else length}"
+    return None
+
+
+def _wrong_contact(task: Task, result: Result) -> str | None:
+    """Name the first numbers of contacts that are not of the chain's."""
+    for name in ("stuck_fraction", "creep", "open_fraction", "largest_gap"):
+        count = len(getattr(result, name))
+        if count not in (0, task.cells):
+            return f"{name} has {count} numbers; allowed: {task.cells}"
+    wrong = next((cell for cell, _, _ in result.transitions if not 1 <= cell <= task.cells), None)
+    return None if wrong is None else f"transitions of cell {wrong}; allowed: 1 to {task.cells}"
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cache
@@ -42,6 +42,10 @@ def unsourced_key(content: bytes | str) -> str:
     return key_of(to_json(known).decode())
 
 
+SOME = -1
+"""Length of what an engine gives as many numbers of as it has coordinates, at least one."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Task:
     """What all tasks have in common: the variant that runs it, and how its result is named."""
@@ -54,9 +58,9 @@ class Task:
         return 0
 
     @property
-    def series(self) -> tuple[str, ...] | None:
-        """Names of what a motion that is followed to its end gives; ``None`` where a steady state is sought."""
-        return ()
+    def series(self) -> Mapping[str, int] | None:
+        """Name and length of all that a motion to its end gives; ``None`` where a steady state is sought."""
+        return {}
 
     @property
     def preloaded(self) -> bool:
@@ -163,9 +167,9 @@ class SteadyStateTask(ChainTask):
         return self.modulation is not None
 
     @property
-    def series(self) -> tuple[str, ...] | None:
-        """Names of the distances of one period from its law; nothing else of it has an end."""
-        return ("distance", "reference") if self.recorded is Recorded.LAW else None
+    def series(self) -> Mapping[str, int] | None:
+        """Distances of one period from its law; nothing else of it has an end."""
+        return {"distance": 1, "reference": 1} if self.recorded is Recorded.LAW else None
 
     def recording(self, recorded: Recorded) -> Self:
         """Give the task whose result has something else."""

@@ -1,6 +1,7 @@
 """Tasks with a transient: a chain, the motion of its base, its initial state, its length."""
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Self
 
@@ -66,9 +67,12 @@ class TransientTask(ChainTask):
     """Most steps of one run: the motion takes as many runs as it needs."""
 
     @property
-    def series(self) -> tuple[str, ...]:
-        """Names of what is kept of the motion."""
-        return SERIES[self.recorded]
+    def series(self) -> Mapping[str, int]:
+        """Name and length of what is kept of the motion."""
+        rows, cells = self.steps // self.every, self.cells
+        lengths = {"rest": 1, "offsets": cells, "energy": 4, "slips": rows * cells}
+        single = dict.fromkeys(("highest", "open", "stuck", "landings"), 1)
+        return {name: (lengths | single).get(name, rows) for name in SERIES[self.recorded]}
 
     def __post_init__(self) -> None:
         checked_choice("shape", self.shape, SHAPES)

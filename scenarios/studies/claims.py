@@ -126,7 +126,7 @@ def _wider(bands: Bands) -> Claim:
     wide = [f for f in UP_TO if bands[f].share > free.share + _share(MOVED)]
     numbers = f"lower edge {_listed(bands, needed)}; {_uppers(bands, needed)}; {_shares(bands, needed)}"
     return _by_both(
-        CLAIMS[0], low == wide == [*UP_TO], low == [*UP_TO], wide == [*UP_TO], numbers,
+        CLAIMS[0], low == [*UP_TO], wide == [*UP_TO], numbers,
         "the band is wider than without friction up to a friction ratio of 0.6",
         f"the band is not wider than without friction at {_numbers(f for f in UP_TO if f not in wide)}",
     )  # fmt: skip
@@ -160,16 +160,12 @@ def _widest(bands: Bands) -> Claim:
     numbers = f"lower edge {_listed(bands, FRICTION_RATIOS)}; {_shares(bands, FRICTION_RATIOS)}"
     best = max(FRICTION_RATIOS, key=lambda f: bands[f].share)
     where = f"widest at {best:g}" if best != WIDEST else f"no wider at {WIDEST:g} than elsewhere"
-    return _by_both(
-        CLAIMS[2], lowest and largest, lowest, largest, numbers, "the band is widest at 0.3", f"the band is {where}"
-    )
+    return _by_both(CLAIMS[2], lowest, largest, numbers, "the band is widest at 0.3", f"the band is {where}")
 
 
-def _by_both(
-    name: str, both: bool, by_edge: bool, by_share: bool, numbers: str, holds: str, fails: str
-) -> Claim:  # fmt: skip
+def _by_both(name: str, by_edge: bool, by_share: bool, numbers: str, holds: str, fails: str) -> Claim:
     """Answer a claim that may be read by the lower edge or by the share."""
-    if both:
+    if by_edge and by_share:
         return Claim(name, Answer.HOLDS, numbers, holds)
     if by_edge or by_share:
         reading = "by the lower edge alone" if by_edge else "by the covered share alone"
@@ -302,43 +298,34 @@ def called(variant: Variant) -> str:
 def sentence(own: Conclusions, reference: Conclusions) -> str:
     """Say what one would conclude with a variant, and how far that is from what the reference says."""
     start = f"With {called(own.variant)} one would conclude"
-    decided = [(mine, right) for mine, right in zip(own.claims, reference.claims, strict=True)
-               if Answer.OPEN not in (mine.answer, right.answer)]  # fmt: skip
+    pairs = list(zip(own.claims, reference.claims, strict=True))
+    decided = [pair for pair in pairs if Answer.OPEN not in {claim.answer for claim in pair}]
     if not decided:
         return f"With {called(own.variant)} nothing can be concluded: {own.claims[0].numbers or 'points are missing'}."
     if own.variant == reference.variant:
-        return f"{start} that {_joined([mine.concluded for mine, _ in decided])}."
-    other = [mine.concluded for mine, right in decided if mine.answer != right.answer]
-    if other:
-        return f"{start}, otherwise than with the reference, that {_joined(other)}{_farthest(own, reference)}."
-    which = "the same as with the reference"
-    if len(decided) < len(CLAIMS):
-        which += f" on {len(decided)} of {len(CLAIMS)} claims"
-    return f"{start} {which}{_farthest(own, reference)}."
+        text = f"{start} that {_joined([mine.concluded for mine, _ in decided])}"
+    elif other := [mine.concluded for mine, right in decided if mine.answer != right.answer]:
+        text = f"{start}, otherwise than with the reference, that {_joined(other)}{_farthest(own, reference)}"
+    else:
+        text = f"{start} the same as with the reference{_farthest(own, reference)}"
+    still_open = [
+        f"Claim {mine.name} is not decided; {mine.numbers}" for mine, _ in pairs if mine.answer is Answer.OPEN
+    ]
+    return ". ".join([text, *still_open]) + "."
 
 
 def _joined(parts: Sequence[str]) -> str:
     *first, last = parts
-    return f"{', that '.join(first)} and that {last}" if first else last
-
-
-def _edge_errors(own: Conclusions, reference: Conclusions) -> dict[float, float]:
-    """Give by friction ratio how far each lower edge is above the reference's [η_r], where both have one."""
-    common = [f for f in own.bands if f in reference.bands]
-    return {f: own.bands[f].lower - reference.bands[f].lower for f in common if math.isfinite(own.bands[f].lower)}
-
-
-def farthest_edge(own: Conclusions, reference: Conclusions) -> float:
-    """Give how far a lower edge is off at most [η_r]; 0 where none is known."""
-    return max(map(abs, _edge_errors(own, reference).values()), default=0.0)
+    return f"{', that '.join(first)}, and that {last}" if first else last
 
 
 def _farthest(own: Conclusions, reference: Conclusions) -> str:
     """Say how far the lower edge is off at most; nothing where it is by less than `MOVED`."""
-    if not farthest_edge(own, reference) >= MOVED:
+    common = [f for f in own.bands if f in reference.bands]
+    off = {f: own.bands[f].lower - reference.bands[f].lower for f in common if math.isfinite(own.bands[f].lower)}
+    worst = max(off, key=lambda f: abs(off[f]), default=None)
+    if worst is None or not abs(off[worst]) >= MOVED:
         return ""
-    off = _edge_errors(own, reference)
-    worst = max(off, key=lambda f: abs(off[f]))
     size = f"{own.bands[worst].lower:.4f} instead of {edge_text(reference.bands[worst].lower)}"
     return f"; its lower edge is off by up to {abs(off[worst]):.2g} (friction ratio {worst:g}: {size})"
 

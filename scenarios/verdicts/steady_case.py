@@ -125,7 +125,7 @@ def exact_expected(result: Result) -> Expected:
         phase=result.phase,
         transitions=result.transitions,
         stuck_fraction=result.stuck_fraction,
-        travels=result.series["travels"],
+        travels=result.series.get("travels", ()),
     )
 
 

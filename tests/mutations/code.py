@@ -1,7 +1,8 @@
 """``python -m tests.mutations.code --count 40 --seed 1``: would the tests notice one wrong operator in the product?
 
-A copy of the project gets one operator that is another one, at random, and the tests that have most to do with its
-file. A mutant is killed by the first test that fails, survives if all pass, and is not decided if time is up before.
+A copy of the project gets one operator that is another one, at random. The quick tests are run once to see which lines
+each of them executes (`coverage`); a mutant meets those of its line, then the tests that have most to do with its file.
+It is killed by the first test that fails, survives if all pass, and is not decided if time is up before.
 """
 
 import argparse
@@ -13,17 +14,29 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
+
+import pytest
+
+from tests.mutations.lines import Lines, lines_of
 
 PROJECT = Path(__file__).parents[2]
 
 ROOMS = ("reference_lcp", "engines", "scenarios", "reports")
 
 DECIDED_IN = 60.0
-"""Seconds that the tests of one mutant may take."""
+"""Seconds that the tests of one mutant may take, unless said otherwise."""
+
+MOST_TESTS = 40
+"""Tests of one line that are run: a line that everything executes is seen by few of them or by none."""
+
+STATEMENT = 6
+"""Lines of a statement before that of its operator, under the first of which it may be counted."""
 
 KILLED, SURVIVED, UNDECIDED = "killed", "survived", "undecided"
 
@@ -117,22 +130,39 @@ def tests_of(file: Path) -> list[str]:
     return [str(test.relative_to(PROJECT)) for test in dict.fromkeys([*own, *beside, PROJECT / "tests/golden", folder])]
 
 
-def outcome(change: Change, copy: Path) -> str:
-    """Run the tests of a change in a copy of the project."""
+def executing(change: Change, lines: Lines) -> list[str]:
+    """Give the tests that execute the line of a change, the fastest first, but those of its file before."""
+    places = [(str(change.file), change.line - before) for before in range(STATEMENT)]
+    tests = next((lines[place] for place in places if place in lines), [])
+    near = set(tests_of(change.file))
+    first = {test.partition("[")[0]: test for _, test in reversed(tests)}  # one of the examples of each test
+    ordered = sorted(first.values(), key=[test for _, test in tests].index)
+    return sorted(ordered, key=lambda test: test.partition("::")[0] not in near)[:MOST_TESTS]
+
+
+def outcome(change: Change, copy: Path, tests: Sequence[str] = (), seconds: float = DECIDED_IN) -> str:
+    """Run tests, and then those of its file, on a change in a copy of the project."""
     spoilt = copy / change.file
     sound = spoilt.read_bytes()
     spoilt.write_bytes(change.source())
     environment = os.environ | {"PYTHONPATH": str(copy)}
-    if b"numba" in sound:  # what calls it is compiled with it
+    if not tests and b"numba" in sound:  # what calls it is compiled with it
         environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=copy)
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *tests_of(change.file)]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider"]
+    end = time.monotonic() + seconds
     try:
-        run = subprocess.run(command, cwd=copy, env=environment, capture_output=True, timeout=DECIDED_IN, check=False)
+        for chosen in filter(None, (tests, tests_of(change.file))):
+            left = max(end - time.monotonic(), 0.0)
+            run = subprocess.run(
+                [*command, *chosen], cwd=copy, env=environment, capture_output=True, timeout=left, check=False
+            )
+            if run.returncode not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+                return KILLED
     except subprocess.TimeoutExpired:
         return UNDECIDED
     finally:
         spoilt.write_bytes(sound)
-    return SURVIVED if run.returncode == 0 else KILLED
+    return SURVIVED
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -140,15 +170,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.mutations.code", description=__doc__)
     parser.add_argument("--count", type=int, default=40, help="changes that are drawn")
     parser.add_argument("--seed", type=int, default=0, help="of the draw")
+    parser.add_argument("--seconds", type=float, default=DECIDED_IN, help="that the tests of one change may take")
     chosen = parser.parse_args(arguments)
+    if find_spec("coverage") is None:
+        print("coverage is not installed: tests are chosen by file; allowed: pip install -e '.[check]'")
     every = [change for file in product_files() for change in changes_of(file)]
     drawn = random.Random(chosen.seed).sample(every, min(chosen.count, len(every)))
     outcomes: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "project"
-        shutil.copytree(PROJECT, copy, ignore=shutil.ignore_patterns(".git", ".*_cache", "_build"))
+        shutil.copytree(PROJECT, copy, ignore=shutil.ignore_patterns(".git", ".venv", ".*_cache", "_build"))
+        lines = lines_of(copy, Path(folder)) if find_spec("coverage") else {}
         for change in drawn:
-            ended = outcome(change, copy)
+            ended = outcome(change, copy, executing(change, lines), chosen.seconds)
             outcomes[ended] += 1
             print(f"{ended:9} {change}", flush=True)
     decided = outcomes[KILLED] + outcomes[SURVIVED]

@@ -1,12 +1,13 @@
 """Changes of single operators in the product's code."""
 
 import ast
+import dataclasses
 from pathlib import Path
 
 import pytest
 
-from tests.mutations import code
-from tests.mutations.code import KILLED, SURVIVED, Change, changes_of, outcome, product_files
+from tests.mutations import code, lines
+from tests.mutations.code import KILLED, SURVIVED, Change, changes_of, executing, outcome, product_files
 
 SMALL = "def least(a, b):\n    return a if a < b and not b + a == 1 else b\n"
 
@@ -20,7 +21,9 @@ def project(monkeypatch, tmp_path: Path) -> Path:
         "reports/small.py": SMALL,
         "tests/reports/test_small.py": "from reports.small import least\ndef test_it():\n    assert least(2, 3) == 2\n",
         "tests/golden/test_golden.py": "def test_golden():\n    pass\n",
-        "pytest.ini": "[pytest]\npythonpath = .\naddopts = --import-mode=importlib\n",
+        "tests/__init__.py": "",
+        "tests/mutations/lines.py": Path(lines.__file__).read_text(),
+        "pytest.ini": "[pytest]\npythonpath = .\naddopts = --import-mode=importlib -n 2 --dist loadscope\n",
     }.items():
         (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / file).write_text(text)
@@ -43,6 +46,15 @@ def test_a_change_is_killed_by_a_test_that_sees_it_and_survives_others(project: 
     assert outcome(of[ast.Not], project) == KILLED
     assert outcome(of[ast.Lt], project) == SURVIVED
     assert (project / "reports/small.py").read_text() == SMALL
+
+
+def test_a_change_meets_the_passing_tests_that_execute_its_line(project: Path, tmp_path_factory) -> None:
+    wrong = "def test_wrong():\n    assert least(1, 1) == 0\ndef test_idle():\n    pass\n"
+    (project / "tests/reports/test_wrong.py").write_text(f"from reports.small import least\n{wrong}")
+    found = lines.lines_of(project, tmp_path_factory.mktemp("lines"))
+    first, *_ = changes_of(Path("reports/small.py"))
+    assert executing(first, found) == ["tests/reports/test_small.py::test_it"]
+    assert executing(dataclasses.replace(first, line=100), found) == []
 
 
 def test_every_change_of_the_product_can_be_compiled() -> None:

@@ -26,6 +26,9 @@ from reference_lcp.validation import FloatArray
 SCHEME_STEPS = 1600
 """Steps a period of the Euler scheme's steady state, with which the search begins where normal forces change."""
 
+ENOUGH = 1e-8
+"""Residual from which on Newton's method is left to the proof, which has more digits."""
+
 SETTLING_CYCLES = 300
 """Cycles from rest where drive and normal force repeat together only after several periods."""
 
@@ -128,7 +131,7 @@ def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
 def _constant(exact: ExactChain, deadline: Deadline) -> FloatMotion:
     """Give the period that the event-driven solver finds."""
     chain, drive, _ = exact.floating()
-    _, period = exact_orbit(chain, drive, deadline=deadline)
+    _, period = exact_orbit(chain, drive, tolerance=ENOUGH, deadline=deadline, thorough=False)
     rows, ends = period.lasting, np.array([segment.end for segment in period.segments])
 
     def state(time: float) -> FloatArray:

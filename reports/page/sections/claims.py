@@ -1,16 +1,17 @@
 """What the paper claims, and what each engine would conclude."""
 
+import math
 from typing import Any
 
 from reports.page.section import Section
-from scenarios.studies.claims import LOCKED, MOVED, RANGE, RESONATOR, STATED, called, edge_text, sentence
+from scenarios.studies.claims import LOCKED, MOVED, RANGE, RESONATOR, STATED, Band, called, edge_text, sentence
 from scenarios.studies.figure3 import FRICTION_RATIOS
 
 
 class Claims(Section):
     """The answers of the reference with their numbers, then a row and a sentence a variant."""
 
-    title = "The paper’s claims"
+    title = "What the paper claims, and what each engine would conclude"
     template = "claims"
 
     @property
@@ -22,6 +23,7 @@ class Claims(Section):
         return {
             "stated": STATED,
             "reference": reference.claims,
+            "bands": {friction: _shown(band) for friction, band in reference.bands.items()},
             "frictions": FRICTION_RATIOS,
             "rows": [
                 {
@@ -37,3 +39,9 @@ class Claims(Section):
             "locked": LOCKED,
             "moved": MOVED,
         }
+
+
+def _shown(band: Band) -> dict[str, Any]:
+    """Give the numbers of a band as the page prints them."""
+    upper = f"none up to {band.last:g}" if math.isinf(band.upper) else edge_text(band.upper)
+    return {"lower": edge_text(band.lower), "upper": upper, "share": 100 * band.share, "stuck": band.stuck}

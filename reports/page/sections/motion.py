@@ -10,7 +10,6 @@ from reports.data.descriptions import axis_name
 from reports.data.points import rows_of
 from reports.data.stick_slip import CasePoint, points_at, stick_slip_places
 from reports.drawing.figure import Figure
-from reports.drawing.style import compared_variants
 from reports.figures.edges import edge_forest
 from reports.figures.stick_slip import hysteresis, raster
 from reports.figures.transmittance import (
@@ -47,8 +46,6 @@ class Transmittance(Section):
     def context(self) -> dict[str, Any]:
         return {
             "panels": min(len(self.result.cases), MOST_PANELS),
-            "cases": [case.title for case in self.result.cases[:MOST_PANELS]],
-            "engines": list(dict.fromkeys(v.capabilities.title for v in compared_variants(self.result.sweep))),
             "left_out": max(len(self.result.cases) - MOST_PANELS, 0),
             "over": "P0 / k_c" if self.result.sweep.excitation.kind == "force" else "the base's",
             "floor": FLOOR_DB,

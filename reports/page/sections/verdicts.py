@@ -8,11 +8,10 @@ from typing import Any
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.catalogue import SIGNS, cell_of
-from reports.data.conclusion import Counted
 from reports.data.descriptions import axis_name
 from reports.data.points import outcome
+from reports.data.report import counted
 from reports.drawing.style import compared_variants
-from reports.formatting import RESIDUE, two_digits
 from reports.page.section import Section
 from reports.reproducers.script import has_reproducer
 from scenarios.catalogue.registry import CATALOGUE
@@ -30,32 +29,30 @@ class Verdicts(Section):
 
     def context(self) -> dict[str, Any]:
         sweep = self.result.sweep
-        rows = [self._row(variant) for variant in sweep.variants]
+        rows = [self._row(variant) for variant in sweep.variants if variant.engine != REFERENCE.engine]
         return {
             "rows": rows,
+            "counts": list(counted(())),
             "status": self.report.status,
             "failures": self.report.failures,
             "missing": sum(row["missing"] for row in rows),
-            "absent": [row["variant"].title for row in rows if row["blocked"] or row["points"] == row["missing"]],
+            "nothing": [row["variant"].title for row in rows if row["nothing"]],
             "floor": FLOOR_DB,
             "axes_of_points": ", ".join(axis_name(name) for name in sweep.case_axes),
-            "outcomes": list(Counted),
         }
 
     def _row(self, variant: Variant) -> dict[str, Any]:
-        findings, points = self.report.verdicts[variant], len(self.result.points_of(variant))
-        worst = findings["worst_edge"]
+        found, points = self.report.verdicts[variant], len(self.result.points_of(variant))
+        worst, missing = found["worst_edge"], self.report.missing.get(variant, 0)
         return {
             "variant": variant,
-            "findings": findings,
-            "counts": self.report.counts[variant],
+            "counted": counted([finding for finding in self.report.compared if finding.variant == variant]),
+            "findings": found,
             "worst_at": ", ".join(f"{worst.get(axis, math.nan):.6g}" for axis in self.result.sweep.case_axes),
-            "points": points,
-            "seconds": findings["seconds"] / points if points else math.nan,
-            "missing": self.report.missing.get(variant, 0),
-            "blocked": variant in self.report.blocked,
+            "seconds": found["seconds"] / points if points else math.nan,
+            "missing": missing,
+            "nothing": variant in self.report.blocked or points == missing,
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
-            "is_reference": variant.engine == REFERENCE.engine,
         }
 
 
@@ -136,6 +133,8 @@ class OpenPoints(Section):
         shown = []
         for variant in self.result.sweep.variants:
             rows = self._rows(variant)
+            if variant.engine == REFERENCE.engine:  # beside itself only what has no number says anything
+                rows = [row for row in rows if math.isnan(row["difference"])]
             if rows:
                 of = engine(variant.engine)
                 known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
@@ -161,12 +160,7 @@ class OpenPoints(Section):
         for (case, _, _), points in groups.items():
             etas = ", ".join(f"{point.frequency_ratio:g}" for point in points)
             rows.append({"places": f"{case}, η_r = {etas}", **_judged(points[0].finding, points[0].findings)})
-        return sorted((row for row in rows if row["verdict"] != Verdict.AGREE and _differs(row)), key=_order)
-
-
-def _differs(row: dict[str, Any]) -> bool:
-    """Whether there is something to say: a difference that is not what is left of equal numbers, or none at all."""
-    return not abs(row["difference"]) < RESIDUE
+        return sorted((row for row in rows if row["verdict"] != Verdict.AGREE), key=_order)
 
 
 def _order(row: dict[str, Any]) -> tuple[bool, float]:
@@ -193,9 +187,8 @@ def _law(finding: Finding, prediction: Prediction) -> str:
     if not prediction.certified:
         return str(prediction)
     deviation, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
-    signed = [two_digits(value, sign=True) for value in (deviation, deviation - left, left)]
-    bounds = [two_digits(value) for value in (prediction.allowed, prediction.distance, prediction.period_bound)]
-    return (
-        f"deviation {signed[0]}, prediction {signed[1]}, left {signed[2]} {unit}, allowed {bounds[0]}; period "
-        f"{bounds[1]} U0, allowed {bounds[2]}"
+    text = (
+        f"deviation {deviation:+.4g}, prediction {deviation - left:+.4g}, left {left:+.2g} {unit}, "
+        f"allowed {prediction.allowed:.2g}; period {prediction.distance:.2g} U0, allowed {prediction.period_bound:.2g}"
     )
+    return text.replace("-", "−")

@@ -39,9 +39,16 @@ for (const heading of document.querySelectorAll("table.sortable thead th")) {
   });
 }
 
+// Also of a folded table, of which the browser knows no lines.
+function headingText(cell) {
+  const copy = cell.cloneNode(true);
+  copy.querySelectorAll("br, .unit").forEach((part) => part.before(" "));
+  return copy.textContent.replace(/\s+/g, " ").trim();
+}
+
 // On a telephone a row becomes a card: every number stands beside the heading of its column.
 function asCards(table) {
-  const names = [...table.tHead.rows[0].cells].map((cell) => cell.innerText.replace(/\s+/g, " "));
+  const names = [...table.tHead.rows[0].cells].map(headingText);
   for (const row of table.tBodies[0].rows) {
     [...row.cells].forEach((cell, column) => {
       if (cell.colSpan === 1) cell.dataset.label = names[column];
@@ -52,18 +59,22 @@ function asCards(table) {
 
 document.querySelectorAll("main table").forEach(asCards);
 
+// On paper nothing is folded.
+const folds = () => document.querySelectorAll("details:not([open])");
+addEventListener("beforeprint", () => folds().forEach((fold) => { fold.open = fold.dataset.printed = true; }));
+addEventListener("afterprint", () => document.querySelectorAll("details[data-printed]").forEach((fold) => {
+  fold.open = false;
+  delete fold.dataset.printed;
+}));
+
 // One of several figures at a time.
 for (const choice of document.querySelectorAll(".choice")) {
   const figures = [...document.getElementById(choice.dataset.of).querySelectorAll("figure")];
   const show = (number) => figures.forEach((figure, k) => { figure.hidden = k !== number; });
-  const [list, engines] = choice.querySelectorAll("select");
+  const list = choice.querySelector("select");
   list.addEventListener("change", () => {
     show(list.selectedIndex);
     drawAll();
-  });
-  engines?.addEventListener("change", () => {
-    figures.forEach((figure) => { figure.dataset.engine = engines.value; });
-    figures.map((figure) => figure.querySelector('.plot[data-drawn="done"]')).filter(Boolean).forEach(plotted);
   });
   choice.hidden = false;
   show(0);
@@ -121,7 +132,6 @@ function arranged(plot, width) {
       layout[name].title = { ...layout[name].title, text: number % columns ? "" : label };
     }
   }
-  if (width < NARROW && layout.annotations) Object.assign(layout, { annotations: [], margin: { ...layout.margin, r: 16 } });
   if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
   for (const [name, axis] of Object.entries(width < NARROW ? layout : {})) {
     if (/^xaxis/.test(name) && layout.grid) axis.title = { ...axis.title, font: { size: 10 } };
@@ -159,28 +169,24 @@ function flat(trace) {
   return { ...trace, colorbar: { ...trace.colorbar, ...place, title } };
 }
 
-// The reference stands beside every engine.
-const isOf = (name, engine) => !name || name === engine || name.startsWith(`${engine}, `) || !ENGINES.has(name.split(",")[0]);
-const ENGINES = new Set([...document.querySelectorAll("select.engines option")].map(({ text }) => text.split(",")[0]));
-
 // Black lines would not be seen on a dark page; on a map they lie on its colours, and stay.
-function traces(plot, width, engine) {
-  if (engine) return traces({ data: plot.data.filter(({ name }) => isOf(name, engine)) }, width);
+function traces(plot, width) {
   if (isMap(plot)) return width < NARROW ? plot.data.map(flat) : plot.data;
   if (!DARK.matches) return plot.data;
   return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
 }
 
-// All buttons by name: those that plotly adds in other versions may send a figure away.
-const BUTTONS = ["toImage", "zoom2d", "pan2d", "resetScale2d"];
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtons: [BUTTONS] };
+// Every button by its name: what plotly adds of its own accord, such as an upload, has no place here.
+const CONFIG = {
+  responsive: true, displaylogo: false, plotlyServerURL: "", showSendToCloud: false, showEditInChartStudio: false,
+  modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
+};
 let library = null;
 
 // Anew, also where it was drawn: plotly does not move a scale of colours from the side to the foot of panels.
 function plotted(place) {
   const plot = plots[place.dataset.plot];
-  const drawn = traces(plot, place.clientWidth, place.closest("figure").dataset.engine);
-  return Plotly.newPlot(place, drawn, arranged(plot, place.clientWidth), CONFIG);
+  return Plotly.newPlot(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
 }
 
 async function draw(place) {
@@ -225,11 +231,3 @@ if ("DecompressionStream" in window) {
     }
   });
 }
-
-// On paper nothing can be opened.
-addEventListener("beforeprint", () => {
-  document.querySelectorAll("details:not([open])").forEach((fold) => {
-    fold.open = true;
-    addEventListener("afterprint", () => { fold.open = false; }, { once: true });
-  });
-});

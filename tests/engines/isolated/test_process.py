@@ -173,6 +173,8 @@ def test_an_exception_comes_with_its_traceback_and_the_worker_lives_on(process: 
     with pytest.raises(EngineProcessError, match="ArithmeticError: the solver lost its way") as caught:
         run(process, "raise")
     assert "faulty_server.py" in "".join(caught.value.__notes__)
+    with pytest.raises(EngineProcessError, match="SystemExit: no licence"):
+        run(process, "leave")
     with pytest.raises(EngineProcessError, match="ValueError: no spring is that stiff"):
         run(process, "refuse")
     assert run(process, "none")["position"].shape == (3, 2)

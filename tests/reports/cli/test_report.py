@@ -1,6 +1,7 @@
 """``multibody-xval report``: what it refuses, what it writes, what it keeps."""
 
 import errno
+import importlib
 import json
 import os
 import sqlite3
@@ -29,6 +30,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep
+from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import compared_points, save_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
@@ -74,6 +76,7 @@ def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
     def asked(variants: list[Variant], quick: bool) -> Sweep:
         return figure3(tuple(variants), **SMALL)
 
+    importlib.import_module("reports.write")  # it says of arguments that they are a `Scope`: before that is another one
     monkeypatch.setattr(plan, "_figure3", asked)
     monkeypatch.setattr(collect, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), steps=()))
 
@@ -127,9 +130,9 @@ def test_a_second_run_answers_from_the_store(
 ) -> None:
     arguments = ["--engine", "reference", "--workers", "1", "--out", str(tmp_path)]
     assert run_command(app, arguments) == 0
-    page, *table = capsys.readouterr().out.splitlines()
-    assert page == str(tmp_path / "index.html")
-    assert any(line.split()[:1] == ["reference"] for line in table)
+    *_, last = capsys.readouterr().out.splitlines()
+    assert last.startswith("passed: 0 agree; "), "the reference is not compared with itself"
+    assert last.endswith(str(tmp_path / "index.html"))
     first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
     assert {file.name for file in tmp_path.iterdir()} == {*FILES, "figures", "results.sqlite"}
     figures = {file.name for file in (tmp_path / "figures").iterdir()}
@@ -294,6 +297,34 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     assert "driven by a harmonic force on the outer mass of cell 1 (P<sub>0</sub> = 10 N" in page
     assert "0.1 dB of transmittance from reference, the tolerance of the sweep" in page
     assert "on a base that moves" not in page
+
+
+TWO_CELLS = """\
+engines = ["reference:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.9]
+[chain]
+cells = 2
+"""
+
+
+@pytest.mark.slow
+def test_truths_of_other_points_are_proven_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two cells, which the table of proven levels does not have."""
+    pytest.importorskip("flint", reason="python-flint is not installed")
+    monkeypatch.setattr(plan, "Scope", lambda: Scope((), (0.3,), (0.6, 0.9), steps=(), starts=0))
+    (tmp_path / "sweep.toml").write_text(TWO_CELLS)
+    command = ["--sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "out"), "--workers", "1"]
+    for options, proven in (([], 0), (["--proof"], 1)):
+        assert run_command(app, [*command, *options]) == 0
+        data = read_dataset(tmp_path / "out" / "report.nc")
+        assert set(data.truth_proven.values.ravel().tolist()) == {proven}
+    at = data.truth_db.sel(friction_ratio=0.3, frequency_ratio=0.6)
+    assert float(at) == pytest.approx(1.69877440905827, abs=1e-13)
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert f"of which {data.truth_db.size} are <b>proven</b>" in page
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["provenance"]["command"].endswith(" --proof")
 
 
 def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:

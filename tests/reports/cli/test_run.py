@@ -12,6 +12,7 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.process import run_command
 from reports.cli.console_script import app
+from reports.cli.run import print_claims
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.verdict_table import (
@@ -27,7 +28,9 @@ from scenarios.catalogue.verdict_table import (
 from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.studies import cost as cost_study
+from scenarios.studies.claims import Band, Conclusions, answers
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
+from scenarios.verdicts.steady_case import REFERENCE
 from tests.junit import checked_junit
 
 PITCH = Metric("pitch", "Hz", "how high it is")
@@ -297,3 +300,19 @@ def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None
     assert 0.8 < float(tuned["order"]) < 1.3
     assert int(tuned["missed"]) == int(converged["missed"]) == int(converged["spurious"]) == 0
     assert float(converged["map_db"]) < 0.01 < float(tuned["map_db"])
+
+
+def test_claims_end_with_what_one_would_conclude_and_say_what_is_missing(capsys) -> None:
+    edges = {0.0: 0.85, 0.1: 0.75, 0.3: 0.64, 0.6: 0.76, 1.0: 1.0, 5.0: 1.17}
+    bands = {friction: Band(edge, math.inf, 3.0, float(friction >= 1)) for friction, edge in edges.items()}
+    installed = Variant("mujoco", preset_name="default")
+    print_claims([Conclusions(REFERENCE, bands, answers(bands)), Conclusions(installed, {}, answers({}))], [])
+    printed = capsys.readouterr().out
+    assert "c, reference: holds; lower edge 0.8500 at 0" in printed
+    missing = "With MuJoCo as installed nothing can be concluded: missing: the band at friction ratio 0, 0.1, 0.3, 0.6."
+    assert printed.endswith(f"{missing}\n")
+
+
+def test_without_claims_and_bands_nothing_is_printed(capsys) -> None:
+    print_claims([], [])
+    assert capsys.readouterr().out == ""

@@ -114,28 +114,8 @@ def test_hover_tells_the_values_of_a_point(drawn: Page) -> None:
     assert "MuJoCo" in text
 
 
-def test_no_button_of_a_plot_sends_it_anywhere(drawn: Page) -> None:
-    titles = drawn.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
-    assert set(titles) == {"Download plot as a PNG", "Zoom", "Pan", "Reset axes"}
-
-
-def test_the_first_tab_leads_past_the_list_of_sections(page: Page) -> None:
-    page.keyboard.press("Tab")
-    page.keyboard.press("Enter")
-    assert page.evaluate("location.hash") == "#content"
-
-
-def test_on_paper_every_fold_is_open_and_then_as_it_was(page: Page) -> None:
-    folded = page.evaluate("document.querySelectorAll('details:not([open])').length")
-    assert folded > 0
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    assert page.evaluate("document.querySelectorAll('details:not([open])').length") == 0
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert page.evaluate("document.querySelectorAll('details:not([open])').length") == folded
-
-
 SORTED = """(() => {
-    const table = document.querySelector('#%s table');
+    const table = document.querySelector('#%s table.sortable');
     const heading = [...table.tHead.rows[0].cells].find((cell) => cell.textContent.startsWith('%s'));
     const index = [...heading.parentNode.children].indexOf(heading);
     const texts = () => [...table.tBodies[0].rows].map((row) => row.cells[index].textContent.trim());
@@ -244,10 +224,10 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
     assert page.evaluate(drawn) > 900
 
 
-def test_the_first_screen_holds_sentence_drawing_and_picture(drawn: Page) -> None:
+def test_the_first_screen_holds_finding_table_and_picture(drawn: Page) -> None:
     """At 1440 x 900, and the way to every section stays in sight."""
     bottom = "document.querySelector('%s').getBoundingClientRect().bottom"
-    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".chain") < 900
+    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".headline") < 900
     assert drawn.evaluate(bottom % "[data-plot=installed] .main-svg") < 900
     drawn.evaluate("document.querySelector('#provenance').scrollIntoView()")
     top, last = drawn.evaluate(
@@ -276,7 +256,9 @@ def test_tables_fit_a_telephone(browser: Browser, address: str) -> None:
     assert len(widths) > 6
     assert all(inside <= room for inside, room in widths)
     label = "getComputedStyle(document.querySelector('#summary td.n'), '::before').content"
-    assert "error to truth" in page.evaluate(label)
+    assert "as installed" in page.evaluate(label)
+    named = "[...document.querySelectorAll('.cards td.n:not([colspan])')].every((one) => one.dataset.label)"
+    assert page.evaluate(named), "folded ones too"
     page.close()
 
 
@@ -301,3 +283,74 @@ def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Brow
         page.close()
     assert seen["light"] == ["rgb(255, 255, 255)", "#fff", "#000000"]
     assert seen["dark"] == ["rgb(20, 24, 29)", "#14181d", "#f0f3f6"]
+
+
+def test_no_button_of_a_figure_leaves_the_page(drawn: Page) -> None:
+    """Four buttons that draw; and no address stands in what the page has drawn, but for names of XML's parts."""
+    buttons = drawn.evaluate(
+        "[...document.querySelectorAll('.modebar-btn')].map((one) => one.dataset.title ?? one.ariaLabel)"
+    )
+    assert len(buttons) > 8
+    assert set(buttons) == {"Download plot as a PNG", "Zoom", "Pan", "Reset axes"}
+    linked = drawn.evaluate(
+        "[...document.querySelectorAll('[href], [src], [action]')].flatMap((one) => ['href', 'src', 'action'].map("
+        "(name) => one.getAttribute(name))).filter((value) => value && /^(\\w+:)?\\/\\//.test(value))"
+    )
+    assert linked == []
+
+
+CONTRASTS = """(() => {
+    const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
+    const light = (colour) => parts(colour).slice(0, 3).map((part) => part / 255).map((part) =>
+        part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, part, k) => sum + part * [0.2126, 0.7152, 0.0722][k], 0);
+    const under = (one) => {
+        for (let at = one; at; at = at.parentElement) {
+            const own = getComputedStyle(at).backgroundColor;
+            if ((parts(own)[3] ?? 1) > 0) return own;
+        }
+        return 'rgb(255, 255, 255)';
+    };
+    document.querySelectorAll('details').forEach((one) => { one.open = true; });
+    const texts = [...document.querySelectorAll('body :not(script):not(svg *)')].filter((one) =>
+        [...one.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()));
+    return texts.map((one) => {
+        const [first, second] = [light(getComputedStyle(one).color), light(under(one))].sort((a, b) => b - a);
+        return [one.outerHTML.slice(0, 120), (first + 0.05) / (second + 0.05)];
+    });
+})()"""
+
+LEAST_CONTRAST = 4.5
+"""Of a text on its ground, by level AA of the Web Content Accessibility Guidelines."""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_text_stands_out_from_its_ground(browser: Browser, address: str, scheme: str) -> None:
+    page = opened(browser, address, color_scheme=scheme)
+    page.evaluate(
+        "document.querySelector('main').insertAdjacentHTML('beforeend', "
+        "['agrees', 'modelled', 'inconclusive', 'unmodelled', 'blocked'].map((name) => "
+        "`<p class='outcome ${name}'>1</p>`).join('') + [0, 1, 2, 3, 4, 5, 6].map((k) => "
+        "`<p class='shade${k}'>1</p>`).join(''))"
+    )
+    texts = page.evaluate(CONTRASTS)
+    page.close()
+    assert len(texts) > 200
+    assert [text for text, contrast in texts if contrast < LEAST_CONTRAST] == []
+
+
+def test_on_paper_nothing_is_folded_and_afterwards_it_is_again(page: Page) -> None:
+    folded = "[...document.querySelectorAll('details')].map((one) => one.open)"
+    before = page.evaluate(folded)
+    assert False in before
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert set(page.evaluate(folded)) == {True}
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate(folded) == before
+
+
+def test_the_first_tab_stop_skips_to_the_content(page: Page) -> None:
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.getAttribute('href')") == "#main"
+    page.keyboard.press("Enter")
+    assert page.evaluate("location.hash") == "#main"

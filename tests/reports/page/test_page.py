@@ -1,9 +1,9 @@
 """The page: complete, self-contained, escaped, honest about what is missing."""
 
 import base64
+import gzip
 import math
 import re
-from collections import Counter
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from reports.data.conclusion import Counted, engine_lines, error_text, finding
 from reports.data.descriptions import band_definition, compared_with
+from reports.data.options import headlines
 from reports.data.points import absent_edge
-from reports.data.report import Report
+from reports.data.report import Report, counted
 from reports.data.stick_slip import stick_slip_rows
 from reports.export.files import FILES, files_of
 from reports.page.render import LARGEST_PAGE, sections
-from reports.page.sections.verdicts import OpenPoints
+from reports.page.sections.summary import finding
+from reports.page.sections.verdicts import OpenPoints, Verdicts
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
 from scenarios.studies.figure3 import figure3
@@ -83,8 +84,8 @@ class Elements(HTMLParser):
 
 def test_page_has_every_section_in_order(page: str) -> None:
     assert Elements(page).headings == [
-        "Summary", "Transmittance", "Where the error is", "Friction and frequency", "Band edges", "Stick and slip",
-        "Work and precision", "Verdicts", "Deviations and laws", "Points that do not agree",
+        "Summary", "Verdicts", "Deviations and laws", "Band edges", "Transmittance", "Where the error is",
+        "Friction and frequency", "Stick and slip", "Work and precision", "Points that do not agree",
         "How these numbers were made",
     ]  # fmt: skip
 
@@ -179,14 +180,12 @@ def test_every_plot_has_its_files_and_those_with_numbers_their_table(markup: str
     assert tables["transmittance-0.3"] == ["transmittance.csv"]
 
 
-def test_the_first_screen_has_the_chain_drawn_and_every_engine_on_one_axis(
+def test_the_first_screen_has_every_engine_on_one_axis_and_the_chain_is_folded_below(
     markup: str, files: dict[str, bytes]
 ) -> None:
-    first = markup.split('id="summary"')[1].split("<details>\n", maxsplit=1)[0]
-    assert first.index('class="lead"') < first.index('<table class="engines">') < first.index('class="plot"')
-    assert "multibody-xval recipe mujoco" in first
-    assert "impratio=" in first, "what to paste"
-    drawing = re.search(r'<svg class="chain".*?</svg>', first, flags=re.DOTALL)
+    summary = markup.split('id="summary"')[1].split("</section>", maxsplit=1)[0]
+    first, folded = summary.split("<details", maxsplit=1)
+    drawing = re.search(r'<svg class="chain".*?</svg>', folded, flags=re.DOTALL)
     assert drawing is not None
     assert drawing[0].count('class="outer"') == drawing[0].count('class="inner"') == 7
     assert 'data-plot="installed"' in first
@@ -219,7 +218,7 @@ def test_deviations_stand_beside_what_laws_leave_of_them_and_fail_the_comparison
     assert math.isnan(own["worst"]["left"])
     assert own["note"] == "claims the reference's step"
     assert report.failures[0].startswith("unmodelled: ")
-    assert report.status in page
+    assert "<b>Failed: " in page
     assert report.failures[0] in page
 
 
@@ -286,6 +285,15 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     assert "outer mass ratio (1, 2)" in page
 
 
+def test_no_address_stands_on_the_page(files: dict[str, bytes]) -> None:
+    """Neither in its text nor in its figures: it is complete, and asks nobody for anything."""
+    html = files["index.html"].decode()
+    packed = re.search(r'id="plots">([^<]*)<', html)
+    assert packed is not None
+    for text in (html, gzip.decompress(base64.b64decode(packed[1])).decode()):
+        assert re.findall(r".{40}https?:.{40}", text) == []
+
+
 def test_page_holds_no_text_of_an_object_of_the_program(markup: str) -> None:
     assert "joint, tuned" in markup, "variants are named"
     assert not re.search(r"\b[A-Z]\w+\(\w+=|&lt;[A-Z]\w+\.[A-Z]+|object at 0x", markup)
@@ -300,6 +308,16 @@ def test_page_links_the_cards_that_lie_beside_it(report: Report, page: str) -> N
     assert '<a href="card-mujoco.html">mujoco</a>' in linked
     assert "card-mujoco.html" not in page
     assert "multibody-xval card NAME" in page
+
+
+def test_page_and_terminal_count_the_same_numbers_without_the_reference(report: Report, page: str) -> None:
+    shown = Verdicts(report).context()
+    assert all(row["variant"].engine != "reference" for row in shown["rows"])
+    totals = {name: sum(row["counted"][name] for row in shown["rows"]) for name in shown["counts"]}
+    assert totals == counted(report.compared)
+    assert sum(totals.values()) == len(report.compared)
+    assert report.status.startswith("failed: ")
+    assert report.status.capitalize() in page
 
 
 def without_faults(result: ComparedSweep) -> ComparedSweep:
@@ -322,6 +340,7 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
     whole = without_faults(result)
     page = said(whole)
     assert "there is no result of PyBullet" in page
+    assert "there is no result of PyBullet" in page
     assert "None: every point and every edge" not in page
     lost = replace(whole, points=[point for point in whole.points if point.variant != MISSING])
     page = said(lost)
@@ -329,50 +348,25 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
     assert "None: every point and every edge" not in page
     alone = replace(lost, sweep=figure3((RUNS,), (0.0, 0.3), (0.3, 0.6, 0.9, 1.3)))
     page = said(alone)
-    assert "there is no result of" not in page
+    assert "<b>Passed: " in page
     assert "None: every point and every edge of MuJoCo agrees" in page
 
 
-def test_each_engine_and_formulation_has_a_line_the_farthest_first() -> None:
+def test_the_largest_error_as_installed_comes_first_and_the_finding_names_it() -> None:
     tuned, default = Variant("mujoco"), Variant("mujoco", "joint", "default")
     contact = {replace(tuned, formulation="contact"): -0.12449, replace(default, formulation="contact"): -42.851}
-    lines = engine_lines(made_errors({tuned: -0.12449, default: 14.734, **contact}, points=4))
-    assert [(line.variant.formulation, line.texts) for line in lines] == [
-        ("contact", ["43", "–", "0.12"]), ("joint", ["15", "–", "0.12"]),
-    ]  # fmt: skip
-    assert set(lines[1].options) == {"solref_friction", "solimp_friction"}, "what is recommended for any model"
-    (said,) = finding(lines, [])
-    assert said == (
-        "As installed, 1 of 1 engines is off by 3 dB or more (MuJoCo, contact by 43 dB; MuJoCo by 15 dB); "
-        "tuned to this chain, none, and the largest error is 0.12 dB."
-    )
-
-
-def test_an_error_says_of_how_many_points_it_is() -> None:
-    """One of five is not known, most are not, and the engine is not here."""
-    (row,) = made_errors({Variant("mujoco"): 14.734}, points=5).values()
-    texts = {}
-    for known, blocked in ((5, False), (4, False), (1, False), (0, True)):
-        row.points_known, row.blocked = known, blocked
-        texts[known] = error_text(row)
-    assert texts == {5: "15", 4: "15*", 1: "unsteady", 0: "–"}
-
-
-def test_the_status_of_the_page_is_that_of_its_table(report: Report, markup: str) -> None:
-    """One unit: what is compared of points and edges; the reference's stand nowhere."""
-    engines = [variant for variant in report.variants if variant.engine != "reference"]
-    whole = sum((report.counts[variant] for variant in engines), Counter())
-    assert sum(whole.values()) == sum(own.variant in engines for own in report.result.findings)
-    assert report.status.startswith(f"Fails: {whole[Counted.AGREE]} agree, 0 differ")
-    assert f"{whole[Counted.UNEXPLAINED]} unexplained. Not judged: " in report.status
-    assert markup.count(report.status) == 2, "on the first screen, and above its numbers"
+    rows = headlines(made_errors({tuned: -0.12449, default: 14.734, **contact}, points=4), [])
+    assert [(row.installed, row.tuned) for row in rows] == [(42.851, 0.12449), (14.734, 0.12449)]
+    assert finding(rows).startswith("As installed, 2 of 2 engines are wrong by 3.0 dB or more; ")
+    assert "MuJoCo, contact, by 43 dB" in finding(rows)
+    assert finding(rows).endswith("none is farther than 0.12 dB from the exact motion.")
 
 
 def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> None:
-    table = markup.split('id="summary"')[1].split("</table>")[1]
+    table = markup.split('id="summary"')[1].split("</table>", maxsplit=2)[1]
     assert re.findall(r'<th class="nowrap">([^<]*)<', table) == [
         "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "MuJoCo, default", "PyBullet",
     ]  # fmt: skip
     assert "same equations" in table
-    assert "Compared with the truth at these points alone, without a verdict: MuJoCo, default" in markup
+    assert "Compared with the truth at 2 points only, without a verdict: MuJoCo, default" in markup
     assert "worst difference" not in markup

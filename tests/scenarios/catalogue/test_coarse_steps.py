@@ -17,9 +17,13 @@ from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 
-ENGINE = Variant("exudyn-regularised", "contact")
+USUAL = Variant("exudyn-regularised", "contact")
 
-MOTIONS = ("published", "free-decay", "stopping-distance", "direction", "ricker-pulse")
+MOTIONS = dict.fromkeys(("published", "free-decay", "stopping-distance", "direction", "ricker-pulse"), USUAL) | {
+    "inclined-chain": Variant("mujoco", "contact"),
+    "static-above-kinetic": Variant("exudyn-regularised"),
+}
+"""Scenarios, and a variant that can represent them: the test needs no more of it."""
 
 
 @cache
@@ -33,12 +37,13 @@ class Stretched(InProcessExecutor):
     By as much with every step, where the error does `stay`.
     """
 
-    def __init__(self, coarsest: int, part: float, *, stay: bool):
-        self.coarsest, self.part, self.stay = coarsest, part, stay
+    def __init__(self, coarsest: TransientTask, part: float, *, stay: bool):
+        self.variant, self.coarsest, self.part, self.stay = coarsest.variant, coarsest.steps, part, stay
 
     def run(self, batches):
         for batch in batches:
-            yield batch, [self.stretched(task) if task.variant == ENGINE else reference_motion(task) for task in batch]
+            own = batch[0].variant == self.variant
+            yield batch, [self.stretched(task) if own else reference_motion(task) for task in batch]
 
     def stretched(self, task):
         answer = reference_motion(dataclasses.replace(task, variant=REFERENCE))
@@ -53,8 +58,9 @@ def judged(name: str, part: float, *, stay: bool = False) -> list[Finding]:
     assert isinstance(scenario, MotionScenario)
     case = scenario.cases[0]
     short = type(name, (type(scenario),), {"cases": (case,)})()
+    variant = MOTIONS[name]
     with opened_store(None) as store:
-        return short.run([ENGINE], Evaluator(store, Stretched(case.task(ENGINE).steps, part, stay=stay)))
+        return short.run([variant], Evaluator(store, Stretched(case.task(variant), part, stay=stay)))
 
 
 def far_off(finding: Finding) -> bool:

@@ -176,5 +176,14 @@ def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     low, lowest, high = (reference.bands[f].lower for f in (0.0, 0.3, 5.0))
     assert f"its lower edge falls from {low:.3f} to {lowest:.3f}" in readme
-    installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-2]
+    installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-1]
     assert f"with {float(installed):.2f} instead of {high:.2f}" in readme
+
+
+def test_a_sentence_says_which_claims_are_open_and_why() -> None:
+    own = of(Variant("mujoco"), {f: band for f, band in MADE.items() if f != 5.0})
+    expected = (
+        "With MuJoCo tuned one would conclude the same as with the reference. Claim b is not decided; missing: the "
+        "band at friction ratio 5. Claim c is not decided; missing: the band at friction ratio 5."
+    )
+    assert sentence(own, of(REFERENCE, MADE)) == expected
