@@ -11,6 +11,7 @@ from reports.data.descriptions import file_name, named_axes
 from reports.data.report import Report
 from reports.drawing.figure import Axis, Draw, Figure, HeatMap, Mark, Panel, Rule, Series, difference_axis
 from reports.drawing.style import DASHED, DOTTED, RULE, SOLID, Style, compared_variants, curve_style, style_of
+from reports.formatting import ratio
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.sweeps.sweep import Case, Sweep
@@ -51,6 +52,24 @@ def overview(report: Report) -> Figure:
         legend_columns=min(len(curves), 6),
         together=True,
         legend_title=named_axes(sweep, plural=False).replace("friction ratio", "friction ratio μλ̃_N [-]"),
+    )
+
+
+def unit_cell(report: Report) -> Figure:
+    """Draw the response of a single cell, by the reference."""
+    curves = [
+        Series(eta, level, curve_style(number), ratio(friction), hover="%{y:.2f} dB")
+        for number, (friction, (eta, level)) in enumerate(report.unit_cell.items())
+    ]
+    return Figure(
+        "unit-cell",
+        "The unit cell, of two degrees of freedom, by the reference",
+        [Panel(Axis(FREQUENCY_LABEL), Axis("transmittance [dB]"), [Rule("y", 0.0, RULE), *curves])],
+        height=2.9,
+        pixels=440,
+        legend_columns=min(len(curves), 6),
+        together=True,
+        legend_title="friction ratio μλ̃_N [-]",
     )
 
 

@@ -3,6 +3,8 @@
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import MATCHING_WINDOW
@@ -10,6 +12,7 @@ from reports.data.descriptions import axis_name
 from reports.data.points import rows_of
 from reports.data.stick_slip import CasePoint, points_at, stick_slip_places
 from reports.drawing.figure import Figure
+from reports.drawing.style import compared_variants
 from reports.figures.edges import edge_forest
 from reports.figures.stick_slip import hysteresis, raster
 from reports.figures.transmittance import (
@@ -20,6 +23,7 @@ from reports.figures.transmittance import (
     friction_map_figure,
     overview,
     panel,
+    unit_cell,
 )
 from reports.formatting import ratio
 from reports.page.section import Section
@@ -41,11 +45,15 @@ class Transmittance(Section):
 
     def figures(self) -> list[Figure]:
         lines = [overview(self.report)] if REFERENCE in self.result.sweep.variants else []
+        if any(np.isfinite(level).any() for _, level in self.report.unit_cell.values()):
+            lines.append(unit_cell(self.report))
         return [*lines, *(panel(self.report, case) for case in self.result.cases[:MOST_PANELS])]
 
     def context(self) -> dict[str, Any]:
         return {
             "panels": min(len(self.result.cases), MOST_PANELS),
+            "cases": [case.title for case in self.result.cases[:MOST_PANELS]],
+            "engines": list(dict.fromkeys(v.capabilities.title for v in compared_variants(self.result.sweep))),
             "left_out": max(len(self.result.cases) - MOST_PANELS, 0),
             "over": "P0 / k_c" if self.result.sweep.excitation.kind == "force" else "the base's",
             "floor": FLOOR_DB,

@@ -227,7 +227,7 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
 def test_the_first_screen_holds_finding_table_and_picture(drawn: Page) -> None:
     """At 1440 x 900, and the way to every section stays in sight."""
     bottom = "document.querySelector('%s').getBoundingClientRect().bottom"
-    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".headline") < 900
+    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".engines") < 900
     assert drawn.evaluate(bottom % "[data-plot=installed] .main-svg") < 900
     drawn.evaluate("document.querySelector('#provenance').scrollIntoView()")
     top, last = drawn.evaluate(

@@ -6,10 +6,10 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.collect import held_creeps
-from reports.data.options import sentences, single_options
+from reports.data.options import headlines, single_options
 from reports.plan import planned_report
 from scenarios.runs.store import opened_store
-from scenarios.studies.few_points import one_option_variants, with_single_options
+from scenarios.studies.one_option import one_option_variants, with_single_options
 from tests.reports.conftest import made_errors
 from tests.scenarios.in_process import evaluator
 
@@ -64,10 +64,10 @@ def test_the_option_that_takes_off_most_of_an_error_is_named() -> None:
     few = made_errors({DEFAULT: 14.6, TUNED: 0.2, SOLREF: -0.24, NOSLIP: 14.6}, points=5)
     singles = single_options(few)
     assert [own.option for own in singles] == ["solref_friction", "noslip_iterations"]
-    (said,) = sentences(few, singles, 299)
-    assert said["decisive"] == [{"setting": "solref_friction = -0.95/h -0.95/h", "left": "0.24 dB (at 5 points)"}]
-    (said,) = sentences(few, singles[1:], 299)
-    assert said["decisive"] == []
+    (row,) = headlines(few, singles)
+    assert row.decides == f"solref_friction = {singles[0].value}"
+    (row,) = headlines(few, singles[1:])
+    assert row.decides.endswith("options together")
 
 
 def test_an_option_that_holds_a_block_may_leave_the_error_of_what_moves() -> None:
@@ -95,11 +95,10 @@ def test_options_are_general_where_the_recommended_preset_changes_them_too() -> 
 
 def test_each_engine_has_three_numbers_as_installed_as_recommended_and_tuned() -> None:
     recommended = Variant("mujoco", "joint", "recommended")
-    (said,) = sentences(made_errors({DEFAULT: 14.6, recommended: 0.23, TUNED: 0.2}, points=299), [], 299)
-    assert (said["default"], said["recommended"], said["tuned"]) == ("14.6 dB", "0.23 dB", "0.2 dB")
-    assert said["general"] == ["solref_friction"]
-    (said,) = sentences(made_errors({DEFAULT: 14.6, TUNED: 0.2}, points=299), [], 299)
-    assert said["recommended"] == ""
+    (row,) = headlines(made_errors({DEFAULT: 14.6, recommended: 0.23, TUNED: 0.2}, points=5))
+    assert row.texts == ["15", "0.23", "0.20"]
+    (row,) = headlines(made_errors({DEFAULT: 14.6, TUNED: 0.2}, points=5))
+    assert row.texts == ["15", "–", "0.20"]
 
 
 def test_the_default_report_has_recommended_presets_whose_steps_a_model_has() -> None:
