@@ -68,7 +68,7 @@ def test_colours_are_of_the_logarithm_and_common_to_all_maps_with_one_scale(repo
     assert ["colorbar" in trace for trace in maps] == [True, False]
     assert maps[0]["colorbar"]["ticktext"] == ["0.001", "0.01", "0.1", "1", "10"]
     assert maps[1]["z"][0][2] == pytest.approx(math.log10(ERROR + 0.03), abs=0.005)
-    assert maps[1]["text"][0][2] == "0: +0.0429 dB"
+    assert maps[1]["text"][0][2] == "0: +0.043 dB"
     assert maps[1]["z"][1][3] is None
     canvas = drawn(figure)
     meshes = [axes.collections[0] for axes in canvas.axes[: len(maps)]]
