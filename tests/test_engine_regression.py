@@ -92,14 +92,15 @@ CRASHED = Result.blocked("crashed in mj_step()", by_engine=True)
 @pytest.mark.parametrize(
     ("before", "now", "code", "says"),
     [
-        (at(-5.1), at(-5.9), 1, "## Engine regression: fails\n\n4 points: 1 regressed; 1 fail."),
-        (at(-5.9), at(-5.1), 0, "## Engine regression: passes\n\n4 points: 1 improved; 0 fail."),
-        (at(-5.1), CRASHED, 1, "converged before, blocked now: crashed in mj_step()"),
-        (at(-5.1), None, 1, "converged before, missing now"),
+        (at(-9.5), at(-8.7), 1, "## Engine regression: fails\n\n4 points: 1 regressed; 1 fail."),
+        (at(-8.7), at(-9.5), 0, "## Engine regression: passes\n\n4 points: 1 improved; 0 fail."),
+        (at(-9.5), CRASHED, 1, "converged before, blocked now: crashed in mj_step()"),
+        (at(-9.5), None, 1, "converged before, missing now"),
     ],
     ids=["worse", "better", "crashes", "lost"],
 )
 def test_a_comparison_fails_for_the_worse_and_shows_it(tmp_path, before, now, code, says) -> None:
+    """The proven level at η_r = 0.9 is -9.56 dB, whatever the store holds."""
     same = {0.6: at(-5.0)}
     write_store(tmp_path / "regression/before.sqlite", {0.9: before, **same})
     write_store(tmp_path / "regression/now.sqlite", same if now is None else {0.9: now, **same})
