@@ -187,9 +187,10 @@ class Report:
     @cached_property
     def status(self) -> str:
         """Whether the comparison passes, and what its numbers come to, in one line."""
-        counts = counted(self.compared)
-        numbers = ", ".join(f"{count:,} {what}" for what, count in counts.items() if count or what == "agree")
-        return f"{'failed' if self.failures else 'passed'}: {numbers}"
+        agree, predicted, unexplained, rest = counted(self.compared).values()
+        judged = f"{agree:,} agree, {predicted:,} differ as the engine’s model predicts, {unexplained:,} unexplained"
+        open_ones = f"; not judged: {rest:,}, without a steady state or with too coarse a step" if rest else ""
+        return f"{'failed' if self.failures else 'passed'}: {judged}{open_ones}"
 
     @cached_property
     def stick_slip(self) -> list[dict[str, Any]]:

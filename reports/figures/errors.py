@@ -52,8 +52,7 @@ def installed_figure(errors: Errors, where: str) -> Figure | None:
     )
     return Figure(
         "installed",
-        f"Largest error of transmittance to the exact motion at {where}; dashed: {WRONG_DB:g} dB, from which on an "
-        "engine is wrong",
+        f"Largest error of transmittance at {where}; dashed: {WRONG_DB:g} dB, from which on an engine is wrong",
         [panel],
         height=0.9 + 0.27 * count,
         pixels=70 + 34 * count,

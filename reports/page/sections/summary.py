@@ -39,7 +39,7 @@ class Summary(Section):
         if not self.report.headline:
             shown = sum(truth.above_floor for truth in self.result.truths.values())
             return f"the {shown} points of this page above {fixed(FLOOR_DB, 0)} dB"
-        return f"{len(HEADLINE_POINTS)} points deep within the band, with {HEADLINE_STEPS} steps a period"
+        return f"{len(HEADLINE_POINTS)} points of the band"
 
     def context(self) -> dict[str, Any]:
         sweep, truths = self.result.sweep, self.result.truths.values()
@@ -53,6 +53,7 @@ class Summary(Section):
             "status": self.report.status,
             "failures": self.report.failures,
             "where": self._where,
+            "steps": HEADLINE_STEPS,
             "headline": [f"({ratio(f)}, {ratio(eta)})" for f, eta in HEADLINE_POINTS] if self.report.headline else [],
             "beside": [own.title for own in self.report.errors if own not in self.report.variants],
             "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),

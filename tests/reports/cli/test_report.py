@@ -134,7 +134,7 @@ def test_a_second_run_answers_from_the_store(
     arguments = ["--engine", "reference", "--workers", "1", "--out", str(tmp_path)]
     assert run_command(app, arguments) == 0
     *_, last = capsys.readouterr().out.splitlines()
-    assert last.startswith("passed: 0 agree; "), "the reference is not compared with itself"
+    assert last.startswith("passed: 0 agree, "), "the reference is not compared with itself"
     assert last.endswith(str(tmp_path / "index.html"))
     first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
     assert {file.name for file in tmp_path.iterdir()} == {*FILES, "figures", "results.sqlite"}
