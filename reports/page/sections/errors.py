@@ -97,7 +97,7 @@ class WorkPrecision(Section):
 
     @property
     def shown(self) -> bool:
-        return bool(self._evaluated)
+        return bool(curves(self._evaluated))
 
     @property
     def _evaluated(self) -> list[StepPoint]:

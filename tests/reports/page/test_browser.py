@@ -15,6 +15,13 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 DRAWN = """[...document.querySelectorAll('figure:not([hidden]) .plot')].map(
     (place) => [place.dataset.plot, place.dataset.drawn])"""
 
+CHOOSE = """(() => {
+    const list = document.querySelectorAll('.choice[data-of=panels] select')[%d];
+    list.selectedIndex = %d;
+    list.dispatchEvent(new Event('change'));
+})()"""
+"""Chooses from the lists of cases and of engines; the second case is the friction ratio 0.3."""
+
 HEIGHT = 900
 """Of the window, in pixels."""
 
@@ -56,6 +63,7 @@ def page(browser: Browser, address: str) -> Iterator[Page]:
 def drawn(browser: Browser, address: str) -> Page:
     """The same with every plot drawn; for all tests."""
     page = opened(browser, address)
+    page.evaluate(CHOOSE % (0, 1))
     page.evaluate("drawAll()")
     return page
 
@@ -212,7 +220,7 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
     assert len(before) == 2
     assert before == [True, False]
     choose = """(async () => {
-        const list = document.querySelector('.choice select');
+        const list = document.querySelector('.choice[data-of=rasters] select');
         list.selectedIndex = 1;
         list.dispatchEvent(new Event('change'));
         const place = document.querySelectorAll('#rasters .plot')[1];
@@ -222,6 +230,21 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
     assert page.evaluate(shown) == [False, True]
     drawn = "document.querySelectorAll('#rasters figure')[1].querySelector('.main-svg').getBoundingClientRect().width"
     assert page.evaluate(drawn) > 900
+
+
+def test_one_case_and_one_engine_are_chosen_and_the_reference_stands_beside_it(page: Page) -> None:
+    panels = "[...document.querySelectorAll('#panels figure')].map((one) => !one.hidden)"
+    assert page.evaluate(panels) == [True, False]
+    page.evaluate(CHOOSE % (0, 1))
+    page.evaluate("drawAll()")
+    assert page.evaluate(panels) == [False, True]
+    engines = page.evaluate("[...document.querySelectorAll('select.engines option')].map((one) => one.text)")
+    assert engines == ["all", "MuJoCo", "PyBullet"]
+    names = """[...document.querySelector('[data-plot="transmittance-0.3"]').data].map((one) => one.name)"""
+    assert "MuJoCo" in page.evaluate(names)
+    page.evaluate(CHOOSE % (1, 2))
+    page.wait_for_function(f"!{names}.includes('MuJoCo')")
+    assert "Reference (LCP)" in page.evaluate(names)
 
 
 def test_the_first_screen_holds_finding_table_and_picture(drawn: Page) -> None:
@@ -255,7 +278,7 @@ def test_tables_fit_a_telephone(browser: Browser, address: str) -> None:
     widths = page.evaluate("[...document.querySelectorAll('.scroll')].map((one) => [one.scrollWidth, one.clientWidth])")
     assert len(widths) > 6
     assert all(inside <= room for inside, room in widths)
-    label = "getComputedStyle(document.querySelector('#summary td.n'), '::before').content"
+    label = "getComputedStyle(document.querySelector('#summary .engines td'), '::before').content"
     assert "as installed" in page.evaluate(label)
     named = "[...document.querySelectorAll('.cards td.n:not([colspan])')].every((one) => one.dataset.label)"
     assert page.evaluate(named), "folded ones too"
@@ -278,6 +301,7 @@ def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Brow
     seen = {}
     for scheme in ("light", "dark"):
         page = opened(browser, address, color_scheme=scheme)
+        page.evaluate(CHOOSE % (0, 1))
         page.evaluate("drawAll()")
         seen[scheme] = page.evaluate(colours)
         page.close()
