@@ -22,6 +22,8 @@ CHOOSE = """(() => {
 })()"""
 """Chooses from the lists of cases and of engines; the second case is the friction ratio 0.3."""
 
+CHOSEN = '[data-plot="transmittance-0.3"][data-drawn="done"]'
+
 HEIGHT = 900
 """Of the window, in pixels."""
 
@@ -65,6 +67,7 @@ def drawn(browser: Browser, address: str) -> Page:
     page = opened(browser, address)
     page.evaluate(CHOOSE % (0, 1))
     page.evaluate("drawAll()")
+    page.wait_for_selector(CHOSEN)
     return page
 
 
@@ -236,7 +239,7 @@ def test_one_case_and_one_engine_are_chosen_and_the_reference_stands_beside_it(p
     panels = "[...document.querySelectorAll('#panels figure')].map((one) => !one.hidden)"
     assert page.evaluate(panels) == [True, False]
     page.evaluate(CHOOSE % (0, 1))
-    page.evaluate("drawAll()")
+    page.wait_for_selector(CHOSEN)
     assert page.evaluate(panels) == [False, True]
     engines = page.evaluate("[...document.querySelectorAll('select.engines option')].map((one) => one.text)")
     assert engines == ["all", "MuJoCo", "PyBullet"]
@@ -302,7 +305,7 @@ def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Brow
     for scheme in ("light", "dark"):
         page = opened(browser, address, color_scheme=scheme)
         page.evaluate(CHOOSE % (0, 1))
-        page.evaluate("drawAll()")
+        page.wait_for_selector(CHOSEN)
         seen[scheme] = page.evaluate(colours)
         page.close()
     assert seen["light"] == ["rgb(255, 255, 255)", "#fff", "#000000"]
