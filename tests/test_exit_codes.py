@@ -13,10 +13,10 @@ from reference_lcp.errors import ExitCode, ParameterError, RunError
 from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.spec_file import EXAMPLE
+from tests.scenarios.runs.builders import certified
 from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
@@ -86,7 +86,7 @@ def code_of(line: str) -> int:
 def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two stores, of which the second has lost a result."""
     monkeypatch.chdir(tmp_path)
-    variant, result = Variant("reference"), Result(status="converged", transmittance_db=-3.0, period=1.0)
+    variant, result = Variant("reference"), certified(7, transmittance_db=-3.0, period=1.0)
     tasks = [SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=eta) for eta in (0.5, 0.9)]
     for name, held in ("before.sqlite", tasks), ("now.sqlite", tasks[:1]):
         with ResultStore(Path(name)) as store:

@@ -70,7 +70,7 @@ class ExactPeriod:
     @property
     def period(self) -> float:
         """Length [s]."""
-        return self.segments[-1].end - self.segments[0].start
+        return self.segments[-1].end
 
     @property
     def transitions(self) -> list[Transition]:

@@ -85,10 +85,10 @@ class Worker:
     def _reply(self, message: bytes) -> list[Result] | str:
         try:
             batch, identity, limit = pickle.loads(message)
-        except Exception as problem:  # such as a drive whose class this process cannot import
-            return f"the task cannot be read in a worker process: {type(problem).__name__}: {problem}"
-        with self._ended_after(limit):
-            here = identity_of(batch[0].variant)
+            with self._ended_after(limit):
+                here = identity_of(batch[0].variant)
+        except BaseException as problem:  # such as a drive whose class this process cannot import, or is ended by
+            return f"the task cannot be read in a worker process: {type(problem).__name__}: {text_of(problem)}"
         if here != identity:
             return f"not the same in the worker: {here}; expected: {identity}"
         reason = self.preparation_problem(batch[0].variant, batch[0].cells)

@@ -12,6 +12,8 @@ from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 STEPS = 400
 
+FRICTION = np.linspace(0.1, 0.7, 7)
+
 
 def test_explicit_step_with_coulomb_friction_is_equation_5() -> None:
     lane, state = _lane(), _state()
@@ -20,6 +22,21 @@ def test_explicit_step_with_coulomb_friction_is_equation_5() -> None:
     np.testing.assert_allclose(
         model.run(state, 0, STEPS).positions, expected.positions, rtol=0, atol=1e-12 * BASE_AMPLITUDE
     )
+
+
+def test_theta_weighs_springs_and_dashpots_at_both_ends_of_the_step() -> None:
+    """The difference of two motions under one load is a free one: M Δv / h + C v_θ + K x_θ = 0 in every step."""
+    lane, theta, state = _lane(friction_ratio=0.0), 0.7, _state()
+    model = LinearImplicitLane(lane, LinearStep.theta(lane.chain, lane.time_step, theta), ScalarFriction.coulomb(7))
+    moved, resting = model.run(state, 0, STEPS), model.run(State.at_rest(1, 7), 0, STEPS)
+    x = np.vstack([state.positions, moved.positions - resting.positions])
+    v = np.vstack([state.velocities, moved.velocities - resting.velocities])
+    weighed_x, weighed_v = (theta * each[1:] + (1 - theta) * each[:-1] for each in (x, v))
+    inertia = np.diff(v, axis=0) / lane.time_step @ lane.chain.mass_matrix
+    springs, dashpots = weighed_x @ lane.chain.stiffness_matrix, weighed_v @ lane.chain.damping_matrix
+    assert np.isfinite(springs).all()
+    np.testing.assert_allclose(inertia + dashpots, -springs, rtol=0, atol=1e-11 * np.max(np.abs(springs)))
+    np.testing.assert_allclose(np.diff(x, axis=0), lane.time_step * weighed_v, rtol=0, atol=1e-13 * np.max(np.abs(x)))
 
 
 def test_smooth_friction_is_that_of_the_slip_at_the_end_of_the_step() -> None:
@@ -46,8 +63,8 @@ def _run(lane: Lane, law: ScalarFriction) -> Trajectory:
     return LinearImplicitLane(lane, LinearStep.implicit(lane.chain, lane.time_step), law).run(_state(), 0, STEPS)
 
 
-def _lane() -> Lane:
-    chain = Chain.from_ratios(friction_ratio=np.linspace(0.1, 0.7, 7), inner_damping_ratio=0.02)
+def _lane(friction_ratio: float | np.ndarray = FRICTION) -> Lane:
+    chain = Chain.from_ratios(friction_ratio=friction_ratio, inner_damping_ratio=0.02)
     return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
 
 

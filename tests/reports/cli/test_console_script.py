@@ -69,6 +69,14 @@ def test_a_shell_completes_commands_scenarios_and_engines(words: str, expected: 
     assert done.stdout.split() == expected
 
 
+def test_the_script_of_completions_is_shown_and_is_no_fault(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        run_command(app, ["--show-completion", "bash"])
+    shown = capsys.readouterr()
+    assert (end.value.code, shown.err) == (0, "")
+    assert "_MULTIBODY_XVAL_COMPLETE" in shown.out
+
+
 def test_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_command(app, ["--version"]) == 0
     assert capsys.readouterr().out == f"multibody-xval {metadata.version('multibody-xval')}\n"

@@ -26,7 +26,6 @@ from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.local_processes import LocalWorker
 from scenarios.runs.parameters import Excitation
-from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.accuracy import task_at
 from scenarios.studies.figure3 import figure3
@@ -37,6 +36,7 @@ from scenarios.sweeps.run import compared_points, save_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
 from tests.scenarios.in_process import evaluator, rub_harder
+from tests.scenarios.runs.builders import certified
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
@@ -177,7 +177,7 @@ def stopped(tmp_path: Path) -> list[str]:
     asked = planned_report([], tmp_path / "sweep.toml", quick=False, stored_in=None).sweep
     with ResultStore(tmp_path / "sweep.sqlite") as store:
         tasks = [asked.task(Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
-        store.keep((task, Result(status="converged", transmittance_db=-1.0)) for task in tasks)
+        store.keep((task, certified(7, transmittance_db=-1.0)) for task in tasks)
     files = {"--sweep": "sweep.toml", "--store": "sweep.sqlite", "--out": "out"}
     return [word for option, name in files.items() for word in (option, str(tmp_path / name))]
 
@@ -240,7 +240,7 @@ def test_a_store_alone_is_shown_with_presets_at_the_headlines_points_that_it_has
     with ResultStore(file) as store:
         save_sweep(store, asked)
         task = task_at(installed, HEADLINE_POINTS[0], HEADLINE_STEPS)
-        store.keep([(task, Result(status="converged", transmittance_db=-1.0))])
+        store.keep([(task, certified(7, transmittance_db=-1.0))])
     planned = planned_report([], None, quick=False, stored_in=file)
     with ResultStore(file) as store:
         shown = collect.collect(planned.sweep, store, StoredResults(store), "", scope=planned.scope)

@@ -24,6 +24,11 @@ def steady(
     return SteadyStateTask(variant=variant, frequency_ratio=frequency_ratio, **(usual | more))
 
 
+def certified(cells: int = 2, **more) -> Result:
+    """Give a certified result of a chain whose contacts slip all the time."""
+    return Result(status="converged", **({"stuck_fraction": (0.0,) * cells, "creep": (0.0,) * cells} | more))
+
+
 class Invented(InProcessExecutor):
     """Gives results without a computation, and notes what it has run."""
 

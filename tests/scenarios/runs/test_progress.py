@@ -5,12 +5,11 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.progress import ProgressBars
-from scenarios.runs.result import Result
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.point import tasks_of
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
-from tests.scenarios.runs.builders import Invented, steady
+from tests.scenarios.runs.builders import Invented, certified, steady
 
 
 def counts(bars: ProgressBars) -> dict[str, tuple[int, int]]:
@@ -23,7 +22,7 @@ def counts(bars: ProgressBars) -> dict[str, tuple[int, int]]:
 
 
 def invented() -> Invented:
-    return Invented(lambda task: Result(status="converged", transmittance_db=task.frequency_ratio))
+    return Invented(lambda task: certified(task.cells, transmittance_db=task.frequency_ratio))
 
 
 def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> None:

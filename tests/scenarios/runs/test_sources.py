@@ -11,11 +11,10 @@ from engines.interface import registry
 from engines.interface.registry import engine
 from reference_lcp.process import ROOT
 from scenarios.runs import sources, task
-from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, digest_of, key_of
-from tests.scenarios.runs.builders import steady
+from tests.scenarios.runs.builders import certified, steady
 
-OLD, NEW = Result(status="converged", transmittance_db=1.0), Result(status="converged", transmittance_db=2.0)
+OLD, NEW = certified(transmittance_db=1.0), certified(transmittance_db=2.0)
 
 
 @pytest.fixture

@@ -18,11 +18,11 @@ from scenarios.runs.local_processes import LocalExecutor
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import Recorded, SteadyStateTask
-from tests.scenarios.runs.builders import Invented, numbers, steady
+from tests.scenarios.runs.builders import Invented, certified, numbers, steady
 
 
 def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
-    store.keep([(steady(), Result(status="converged", transmittance_db=1.0))])
+    store.keep([(steady(), certified(transmittance_db=1.0))])
     assert store.find(steady()).transmittance_db == 1.0
     for other in (steady(friction_ratio=0.4), steady(0.91), steady(steps_per_period=800), steady(variant="mujoco")):
         assert store.find(other) is None
@@ -30,7 +30,7 @@ def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
 
 CRASHED = Result.blocked("crashed", by_engine=True)
 KILLED = Result.blocked("the worker process was killed")
-GOOD = Result(status="converged", periods=30)
+GOOD = certified(periods=30)
 
 
 @pytest.mark.parametrize("release", [False, True], ids=["evaluate", "complete"])
@@ -123,7 +123,7 @@ def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monk
     taken, tasks = [], [steady(0.5 + 0.1 * k) for k in range(7)]
     store.keep([(tasks[4], Result(status=ResultStatus.PERIOD_LIMIT, periods=400))])
 
-    evaluator = Evaluator(store, Invented(lambda _task: Result(status="converged", periods=9)))
+    evaluator = Evaluator(store, Invented(lambda _task: certified(periods=9)))
     ends, in_memory = {}, []
 
     def note(task, end) -> None:
@@ -140,7 +140,7 @@ def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monk
 def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_path) -> None:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
-        store.keep([(steady(), Result(status=ResultStatus.CONVERGED, transmittance_db=1.0))])
+        store.keep([(steady(), certified(transmittance_db=1.0))])
         assert type(store.find(steady()).status) is ResultStatus
     with sqlite3.connect(file) as connection:
         connection.text_factory = bytes

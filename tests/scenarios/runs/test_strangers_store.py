@@ -31,13 +31,13 @@ from scenarios.sweeps.dataset import SWEEP
 from scenarios.sweeps.run import saved_sweeps
 from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.stored import read_all
-from tests.scenarios.runs.builders import steady
+from tests.scenarios.runs.builders import certified, steady
 
 PAGE, COUNT_OF_PAGES = 4096, 28
 """Size of a page of SQLite [bytes], and where the header of the file has the number of pages."""
 
 TASK = steady()
-RESULT = Result(status="converged", transmittance_db=-1.5, periods=30)
+RESULT = certified(transmittance_db=-1.5, periods=30)
 SWEEP_OF_TASK = Sweep((Variant("reference"),), {"friction_ratio": (0.3,), "frequency_ratio": (0.9,)})
 
 

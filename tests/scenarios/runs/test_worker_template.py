@@ -142,6 +142,11 @@ def said(executor: LocalExecutor, expression: str) -> str:
     return reason.removeprefix("the task cannot be read in a worker process: RuntimeError: ")
 
 
+def test_a_worker_that_is_ended_by_what_it_reads_names_the_end(shared) -> None:
+    """A module that an engine brings along may end the program when it is imported."""
+    assert said(shared, "sys.exit('no license')").endswith("worker process: SystemExit: no license")
+
+
 def test_fresh_worker_has_imported_the_suite_and_no_engine(shared) -> None:
     folders = Path(worker_template.__file__).parents[2].glob("engines/*/joint.py")
     adapters = {f"engines.{file.parent.name}" for file in folders}

@@ -31,6 +31,7 @@ from scenarios.sweeps.refinement import ForTheAccuracy
 from scenarios.sweeps.run import SweepSummary, compared_points, evaluate_sweep, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
+from tests.scenarios.runs.builders import certified
 
 CONTENT = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -186,7 +187,7 @@ def test_names_of_a_file_are_those_of_the_command_line(file: Path, engines: str,
 def test_summary_names_every_reason_once_and_the_periods_that_suffice() -> None:
     summary, variant = SweepSummary(), Variant("mujoco")
     for periods in range(1, 101):
-        summary.add(variant, Result(status="converged", periods=periods))
+        summary.add(variant, certified(7, periods=periods))
     for _ in range(2):
         summary.add(variant, Result.blocked("crashed"))
     for multiple in (3, 0, 1):
@@ -208,7 +209,7 @@ def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_mu
     ]
     with ResultStore(tmp_path / "s.sqlite") as store:
         store.keep([(asked[0], Result(status="period limit", periods=401, multiple=3))])
-        store.keep([(asked[1], Result(status="converged", periods=28))])
+        store.keep([(asked[1], certified(7, periods=28))])
         store._connection.create_function("digest", 3, digest_of)
         store._connection.execute(
             "UPDATE answers SET answer = json_remove(answer, '$.multiple'), digest = digest(CAST(key AS BLOB), "
@@ -217,7 +218,7 @@ def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_mu
         )
         assert list(store.results(asked)) == [
             Result(status="period limit", periods=401, multiple=3),
-            Result(status="converged", periods=28),
+            certified(7, periods=28),
             None,
         ]
 
