@@ -26,8 +26,8 @@ from scenarios.studies.friction_map import (
     map_sweep,
 )
 from scenarios.studies.headline import headline_points
+from scenarios.studies.response import ONE_CELL, response_curves
 from scenarios.studies.scale import scale_study, scale_tasks
-from scenarios.studies.unit_cell import unit_cell_curves
 from scenarios.studies.work_precision import (
     STUDY_STEPS,
     coarse_steps,
@@ -108,7 +108,7 @@ def collect(
     concluded = _conclusions(result, scope, evaluator)
     evaluator.stage("the headline's points")
     headline = _headline(sweep, scope, evaluator)
-    evaluator.stage("other steps, friction map and unit cell")
+    evaluator.stage("other steps, friction map and responses")
     steps = None
     scale = scale_study(scope.scaled, evaluator) if _is_canonical(sweep) else ()
     if _is_canonical(sweep):
@@ -123,7 +123,8 @@ def collect(
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
         headline=headline,
-        unit_cell=unit_cell_curves(evaluator, sweep.excitation) if headline else {},
+        unit_cell=response_curves(ONE_CELL, evaluator, sweep.excitation) if headline else {},
+        chain=response_curves(sweep.ratios, evaluator, sweep.excitation) if headline else {},
         creeps=held_creeps(scope.one_option, evaluator),
         scale=scale,
         catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),

@@ -9,7 +9,6 @@ from typing import Any
 import pandas as pd
 
 from engines.interface.variant import Variant
-from reference_lcp.validation import FloatArray
 from reports.data.catalogue import Outcomes
 from reports.data.options import Headline, SingleOption, headlines, option_curves, single_options
 from reports.data.points import by_variant, edge_table, point_table
@@ -21,6 +20,7 @@ from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.claims import Conclusions
 from scenarios.studies.friction_map import FrictionMap
+from scenarios.studies.response import Curves
 from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
@@ -52,8 +52,10 @@ class Report:
     headline: tuple[Point, ...] = ()
     """Points of all variants, those of no grid too, by which they are compared with the truth, see `headline_points`;
     without any, that is done on the grid."""
-    unit_cell: Mapping[float, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
-    """η_r and transmittance [dB] of a single cell by friction ratio, by the reference; none where it is not asked."""
+    unit_cell: Curves = field(default_factory=dict)
+    chain: Curves = field(default_factory=dict)
+    """Responses of a single cell and of the chain at the paper's friction ratios, by the reference; none where they are
+    not asked."""
     creeps: Mapping[Variant, float] = field(default_factory=dict)
     """How fast a block creeps that friction holds, with single options and without any, see `held_creeps` [µm/s]."""
     catalogue: Outcomes = field(default_factory=dict)

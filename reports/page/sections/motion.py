@@ -3,8 +3,6 @@
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import MATCHING_WINDOW
@@ -16,6 +14,7 @@ from reports.drawing.style import compared_variants
 from reports.figures.edges import edge_forest
 from reports.figures.stick_slip import hysteresis, raster
 from reports.figures.transmittance import (
+    FIGURE3,
     LINEAR_DB,
     LOWEST_DB,
     MAP_HIGHEST_DB,
@@ -23,7 +22,7 @@ from reports.figures.transmittance import (
     friction_map_figure,
     overview,
     panel,
-    unit_cell,
+    responses,
 )
 from reports.formatting import ratio
 from reports.page.section import Section
@@ -44,9 +43,9 @@ class Transmittance(Section):
     numbers = "transmittance.csv"
 
     def figures(self) -> list[Figure]:
-        lines = [overview(self.report)] if REFERENCE in self.result.sweep.variants else []
-        if any(np.isfinite(level).any() for _, level in self.report.unit_cell.values()):
-            lines.append(unit_cell(self.report))
+        lines = responses(self.report)
+        if REFERENCE in self.result.sweep.variants and not any(own.name == FIGURE3 for own in lines):
+            lines = [overview(self.report), *lines]
         return [*lines, *(panel(self.report, case) for case in self.result.cases[:MOST_PANELS])]
 
     def context(self) -> dict[str, Any]:

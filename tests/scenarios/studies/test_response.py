@@ -2,16 +2,15 @@
 
 import numpy as np
 
-from scenarios.runs.parameters import Excitation
 from scenarios.runs.result import Result
 from scenarios.studies.figure3 import FRICTION_RATIOS
-from scenarios.studies.unit_cell import ONE_CELL, unit_cell_curves
+from scenarios.studies.response import ONE_CELL, response_curves
 from scenarios.sweeps.refinement import free_resonances, resonances
 from tests.scenarios.studies.test_friction_map import Here
 
 
 def test_a_single_cell_resonates_as_two_masses_and_as_one_where_it_locks() -> None:
-    curves = unit_cell_curves(Here(), Excitation())
+    curves = response_curves(ONE_CELL, Here())
     assert tuple(curves) == FRICTION_RATIOS
     first, second = free_resonances(ONE_CELL)
     (locked,) = set(np.round(resonances(ONE_CELL), 9)) - set(np.round([first, second], 9))
@@ -28,4 +27,4 @@ def test_what_has_no_steady_state_is_a_gap() -> None:
         def evaluate(self, tasks):
             return [Result.missing() for _ in tasks]
 
-    assert all(np.isnan(level).all() for _, level in unit_cell_curves(Nobody(), Excitation()).values())
+    assert all(np.isnan(level).all() for _, level in response_curves(ONE_CELL, Nobody()).values())
