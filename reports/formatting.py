@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
+from decimal import ROUND_HALF_UP, Context, Decimal
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
@@ -25,19 +26,28 @@ def fixed(value: float, digits: int) -> str:
 RESIDUE = 1e-9
 """Sizes below it are shown as zero: round-off, in every unit that a page has."""
 
+SMALLEST_IN_TABLE = 0.01
+"""From it on, three decimals have two digits that count."""
+
+SMALLEST_PLAIN = Decimal("1e-4")
+"""Below it, a number is shorter as a power of ten."""
+
+TWO_DIGITS = Context(prec=2, rounding=ROUND_HALF_UP)
+
 
 def significant(value: float, sign: str = "") -> str:
-    """Give two significant digits: plain from a thousandth on, as a power of ten below, zero below `RESIDUE`.
+    """Give two significant digits: 15, 0.12, 1,700; zero below `RESIDUE`. With ``+`` as `sign`, differences have it.
 
-    With ``+`` as `sign` it stands before positive numbers too.
+    It is rounded as the table of accuracy is first, to three decimals: texts that are made from either are the same.
     """
     if not math.isfinite(value):
         return MISSING
     if abs(value) < RESIDUE:
         return "0"
-    rounded = float(f"{value:.1e}")
-    decimals = max(0, 1 - math.floor(math.log10(abs(rounded))))
-    return _minus(f"{rounded:{sign},.{decimals}f}" if abs(rounded) >= 1e-3 else f"{value:{sign}.1e}")
+    rounded = TWO_DIGITS.create_decimal(f"{value:.3f}" if abs(value) >= SMALLEST_IN_TABLE else f"{value:.2e}")
+    size = abs(rounded)
+    text = f"{rounded:,.0f}" if size >= 10 else f"{rounded:f}" if size >= SMALLEST_PLAIN else f"{float(rounded):.1e}"
+    return _minus(f"{sign}{text}" if value > 0 else text)
 
 
 def signed(value: float) -> str:
@@ -87,7 +97,8 @@ def printed_option(value: object) -> str:
 
 
 def typeset(text: str) -> Markup:
-    """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0, P0."""
+    """Escape `text`, set the indices of its symbols low (η_r, ω_max, λ_T, U0, P0) and give numbers a true minus."""
+    text = re.sub(r"(?<![\w.)−-])-(?=[\d.])|(?<=\de)-(?=\d)", "−", text)
     lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(_safe(text))))
     return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
 

@@ -11,9 +11,9 @@ from engines.interface.variant import Variant, default_variants, recommended_var
 from engines.shared.law_distance import stepped_by, unclaimed_reason
 from reference_lcp.errors import ParameterError
 from reports.data.collect import QUICK, Scope
+from reports.data.options import TITLES
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.few_points import FEW_POINTS, QUICK_POINTS, one_option_variants
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
@@ -21,6 +21,7 @@ from scenarios.studies.figure3 import (
     figure3,
     quick_frequency_ratios,
 )
+from scenarios.studies.one_option import one_option_variants
 from scenarios.sweeps.run import saved_sweeps
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep, check_size
@@ -49,11 +50,11 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
         return PlannedReport(sweep_of(file), Scope(), command_of(names, quick, file))
     if names:
         planned = _figure3(variants_named(names), quick)
-        scope = QUICK if quick else _scope(_predicted(planned))
+        scope = replace(QUICK if quick else _scope(_predicted(planned)), beside=_siblings(planned))
         return PlannedReport(planned, scope, command_of(names, quick, None))
     if stored_in is not None and not quick:
         stored = stored_sweep(stored_in)
-        scope = replace(_scope(_predicted(stored), _beside(stored)), beside_points=(*FEW_POINTS, *QUICK_POINTS))
+        scope = _scope(_predicted(stored), _beside(stored))
         return PlannedReport(stored, scope, command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
     beside = _beside(planned)
@@ -69,7 +70,7 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
 def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
     """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
 
-    A preview has none of these: at its two points errors may cancel. Recommended presets are beside it where a model
+    A preview has none of these. Recommended presets are beside it where a model
     has their steps: the others never settle, and take seconds a point.
     """
     recommended = tuple(own for own in recommended_variants() if beside and stepped_by(own) is not None)
@@ -105,6 +106,23 @@ def _default_sweep(quick: bool) -> Sweep:
 def _beside(planned: Sweep) -> tuple[Variant, ...]:
     """Give every other default variant: these are compared at a few points."""
     return tuple(variant for variant in default_variants() if variant not in planned.variants)
+
+
+def _siblings(planned: Sweep) -> tuple[Variant, ...]:
+    """Give the presets of README and page of the engines and formulations of a sweep that are not in it.
+
+    Without a model of its steps a recommended preset may never settle, and take seconds a point.
+    """
+    tuned = dict.fromkeys(own.tuned for own in planned.variants if own.engine != REFERENCE.engine)
+    siblings = []
+    for variant in tuned:
+        presets = variant.capabilities.presets[Formulation(variant.formulation)]
+        siblings += [replace(variant, preset_name=name) for name in TITLES if name in presets]
+    return tuple(
+        own
+        for own in siblings
+        if own not in planned.variants and (own.preset_name != "recommended" or stepped_by(own) is not None)
+    )
 
 
 def _predicted(planned: Sweep) -> tuple[Variant, ...]:

@@ -6,16 +6,31 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from engines import engine
+from engines.interface.variant import Variant
 from reference_lcp.process import run_command
 from reports.cli import console_script
+from reports.data.options import TITLES, UNSTEADY, error_text, headlines
+from reports.data.points import point_table
+from reports.data.variants import error_table, errors_of
+from reports.formatting import significant
+from scenarios.runs.parameters import OperatingPoint
+from scenarios.runs.store import opened_store
+from scenarios.studies.accuracy import accuracies
+from scenarios.studies.figure3 import figure3
+from scenarios.studies.headline import HEADLINE_POINTS, headline_points
+from scenarios.sweeps.compared import ComparedSweep
+from tests.scenarios import in_process
 from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README, ACCURACY, CARDS = (
+    (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "docs/accuracy.md", "docs/cards.md")
+)
 EXAMPLES = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 LINES = [line for block in re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL) for line in block.splitlines()]
 SUITE = [line for line in LINES if line.startswith("multibody-xval ")]
@@ -98,19 +113,23 @@ def test_links_lead_to_files() -> None:
     assert [link for link in links if not link.startswith("http") and not (ROOT / link).is_file()] == []
 
 
-def measured_errors() -> dict[tuple[str, str], str]:
-    """Give the text of each cell of the README's table by engine and formulation, from the measured table."""
+def measured() -> dict[tuple[str, str, str], str]:
+    """Give the text of the largest error by engine, formulation and preset, from the measured table."""
     cells: dict[tuple[str, str, str], str] = {}
-    for line in (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8").splitlines():
+    for line in ACCURACY.splitlines():
         row = [cell.strip() for cell in line.strip("|").split("|")]
         if len(row) > 6 and row[1] in {"joint", "contact"} and row[0] != "reference":
-            certified, points = row[-3].split("/")
-            error = row[5] + ("" if certified == points else r"\*")
-            steady = 2 * int(certified) >= int(points)
-            cells[row[0], row[1], row[2]] = error if steady else "unsteady"
+            known, points = map(int, row[-3].split("/"))
+            error = SimpleNamespace(size=float(row[5]), points_known=known, points=points, blocked=False)
+            cells[row[0], row[1], row[2]] = error_text(error)
+    return cells
+
+
+def measured_errors() -> dict[tuple[str, str], str]:
+    """Give the text of each cell of the README's table by engine and formulation."""
+    cells = {name: text.replace("*", r"\*") for name, text in measured().items()}
     pairs = {name[:2] for name in cells}
-    presets = ("default", "recommended", "tuned")
-    return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in presets) for pair in pairs}
+    return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in TITLES) for pair in pairs}
 
 
 def test_errors_in_the_table_of_results_are_those_of_the_measured_table() -> None:
@@ -124,6 +143,51 @@ def test_errors_in_the_table_of_results_are_those_of_the_measured_table() -> Non
         assert cells == expected, title
 
 
-def test_number_of_the_first_sentence_is_that_of_the_measured_table() -> None:
-    error = float(measured_errors()["mujoco", "joint"].split()[0])
-    assert f"joint friction is {error:.1f} dB off" in " ".join(README.split())
+def test_numbers_of_the_first_sentence_are_those_of_the_measured_table() -> None:
+    default, recommended, tuned = measured_errors()["mujoco", "joint"].split(" → ")
+    assert recommended == tuned
+    assert f"joint friction is {default} dB off by default, and {tuned} dB tuned" in " ".join(README.split())
+
+
+def worst_points() -> dict[tuple[str, str, str], OperatingPoint]:
+    """Give where the largest error on the map is, of every preset whose error is quoted."""
+    found = {}
+    for name, friction, eta in re.findall(r"^- ([\w:@=-]+): worst at \(([\d.]+), ([\d.]+)\)", ACCURACY, re.MULTILINE):
+        variant = Variant.recorded(name)
+        found[variant.engine, variant.formulation, variant.preset_name] = OperatingPoint(float(friction), float(eta))
+    return found
+
+
+def test_the_largest_error_of_the_map_is_at_one_of_the_headlines_points() -> None:
+    """So that five points of a report give the number of the whole map."""
+    quoted = {name: text for name, text in measured().items() if name[2] in TITLES and text != UNSTEADY}
+    worst = worst_points()
+    places = {name: worst[name] for name in quoted if name in worst}
+    assert len(places) > 60
+    assert set(places.values()) <= set(HEADLINE_POINTS), places
+    assert any(point not in HEADLINE_POINTS for point in worst.values()), "of presets that are not quoted"
+
+
+QUOTED = ("mujoco", "pybullet", "exudyn-regularised", "pymunk", "dart")
+"""Engines whose joints settle in a second or so a point."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", QUOTED)
+def test_readme_page_card_and_documentation_have_one_number(name: str) -> None:
+    if reason := engine(name).unavailable_reason():
+        pytest.skip(reason)
+    variants = [Variant(name, "joint", preset) for preset in ("default", "tuned")]
+    with opened_store(None) as store:
+        evaluator = in_process.evaluator(store)
+        points = headline_points(variants, evaluator)
+        (row,) = accuracies(variants[:1], evaluator) if name == "mujoco" else (None,)
+    table = point_table(ComparedSweep(figure3(variants), ()), headline=points)
+    (line,) = headlines(errors_of(error_table(table)))
+    cell = measured_errors()[name, "joint"].split(" → ")
+    shown = [cell[0], cell[2]]
+    assert [line.texts[0], line.texts[2]] == [text.removesuffix(r"\*") for text in shown]
+    assert f"| {engine(name).capabilities.title} | {' → '.join(cell)} |" in README
+    if row is not None:
+        assert significant(row.map_db) == shown[0]
+        assert f"| error to truth, largest [dB] | {shown[0]} | {shown[1]} |" in CARDS

@@ -13,7 +13,7 @@ from engines.interface.variant import FOR_THE_CHAIN, Variant
 from reports.page.sections.scenes import heat_map
 from reports.reproducers.recipe import has_recipe, recipe_text
 from scenarios.catalogue.scenes.table import printed_number
-from scenarios.studies.few_points import tuned_options
+from scenarios.studies.one_option import tuned_options
 
 FOLDER = Path(__file__).parent
 

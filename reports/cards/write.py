@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
 from reports.cards.card import GOAL_DB, Card, Row, VariantCard
 from reports.export.files import CARD, PAGE
-from reports.formatting import MISSING, card_number, environment
+from reports.formatting import MISSING, card_number, environment, significant
 from reports.page.section import SUITE_TEMPLATES
 from scenarios.studies.accuracy import ACCURACY_MAP, ACCURACY_MAP_STEPS
 from scenarios.tables import json_text, markdown_text
@@ -79,8 +79,8 @@ def _table(variants: Sequence[VariantCard]) -> list[tuple[str, list[Cell]]]:
     notes = [f"{own.certified} of {own.points} points certified" for own in variants]
     certified = [(own, note if own.certified < own.points else "") for own, note in zip(variants, notes, strict=True)]
     rows = [
-        ("error to truth, largest [dB]", [Cell(card_number(own.largest_db), note) for own, note in certified]),
-        ("error to truth, median [dB]", [Cell(card_number(own.median_db)) for own in variants]),
+        ("error to truth, largest [dB]", [Cell(significant(own.largest_db), note) for own, note in certified]),
+        ("error to truth, median [dB]", [Cell(significant(own.median_db)) for own in variants]),
     ]
     for name in dict.fromkeys(_label(row) for own in variants for row in own.rows):
         own_rows = [next((row for row in own.rows if _label(row) == name), None) for own in variants]

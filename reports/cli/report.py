@@ -106,7 +106,7 @@ MOST_ROWS = 9
 
 def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
     """Print what each engine comes to, why the comparison fails, and the line that says whether it does."""
-    from reports.formatting import significant
+    from reports.data.options import TITLES
     from scenarios import tables
     from scenarios.catalogue.verdict_table import verdict_table
     from scenarios.verdicts.finding import engine_failures
@@ -114,13 +114,10 @@ def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
     report = written.report
     if verbose and report.result.findings:
         tables.print_table(verdict_table(report.result.findings))
-    rows = [
-        (row.variant.title, *map(significant, (row.installed, row.recommended, row.tuned)), row.decides)
-        for row in report.headlines
-    ]
+    rows = [(row.variant.title, " → ".join(row.texts), row.decides) for row in report.headlines]
     shown = rows if verbose else rows[:MOST_ROWS]
     if rows:
-        print_table(("error to truth [dB]", "installed", "recommended", "tuned", "what decides it"), shown)
+        print_table(("largest error [dB]", " → ".join(TITLES.values()), "what decides it"), shown)
     if len(shown) < len(rows):
         print(f"and {len(rows) - len(shown)} more, with --verbose")
     for line in (*engine_failures(report.result.findings), *report.failures):

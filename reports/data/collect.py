@@ -17,7 +17,6 @@ from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.studies.claims import Conclusions, compared_conclusions, evaluated_conclusions
-from scenarios.studies.few_points import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
@@ -26,6 +25,8 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
+from scenarios.studies.headline import headline_points
+from scenarios.studies.response import ONE_CELL, response_curves
 from scenarios.studies.scale import scale_study, scale_tasks
 from scenarios.studies.work_precision import (
     STUDY_STEPS,
@@ -36,7 +37,7 @@ from scenarios.studies.work_precision import (
 )
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
-from scenarios.sweeps.point import tasks_of
+from scenarios.sweeps.point import Point, tasks_of
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
@@ -66,13 +67,11 @@ class Scope:
     starts: int = LEAST_POINTS
     """Fewest points of each variant whose steady state is searched from harmonic balance too."""
     beside: tuple[Variant, ...] = ()
-    """Variants that are compared with the truth at `beside_points` only, and have no verdict."""
-    beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
-    """Those of them that the grid does not hold are left out."""
+    """Variants that are compared with the truth at the headline's points only, and have no verdict."""
     recommended: tuple[Variant, ...] = ()
     """Likewise; they take part in no scenario."""
     one_option: tuple[Variant, ...] = ()
-    """Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too."""
+    """Variants that differ in one option from a preset, see `one_option_variants`; likewise."""
     scaled: tuple[Variant, ...] = ()
     """Variants that are simulated in softer and stiffer chains too, see `scale_study`."""
     claims: tuple[Variant, ...] = ()
@@ -83,10 +82,7 @@ class Scope:
     """Whether truths are proven that the table of proven levels does not have."""
 
 
-QUICK = Scope(
-    RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, steps=(), starts=2,
-    beside_points=QUICK_POINTS,
-)  # fmt: skip
+QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, steps=(), starts=2)
 """Two points a variant are searched both ways: a preview."""
 
 
@@ -110,7 +106,9 @@ def collect(
     result = with_truths(result, evaluator, proof=scope.proof)
     evaluator.stage("the paper's claims")
     concluded = _conclusions(result, scope, evaluator)
-    evaluator.stage("other steps, friction map and further variants")
+    evaluator.stage("the headline's points")
+    headline = _headline(sweep, scope, evaluator)
+    evaluator.stage("other steps, friction map and responses")
     steps = None
     scale = scale_study(scope.scaled, evaluator) if _is_canonical(sweep) else ()
     if _is_canonical(sweep):
@@ -124,13 +122,22 @@ def collect(
         steps=steps,
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
-        beside=few_points(result, (*scope.beside, *scope.recommended), scope.beside_points, evaluator),
-        one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
+        headline=headline,
+        unit_cell=response_curves(ONE_CELL, evaluator, sweep.excitation) if headline else {},
+        chain=response_curves(sweep.ratios, evaluator, sweep.excitation) if headline else {},
         creeps=held_creeps(scope.one_option, evaluator),
         scale=scale,
         catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),
         scenes=scene_numbers(store),
     )
+
+
+def _headline(sweep: Sweep, scope: Scope, evaluator: Evaluator) -> tuple[Point, ...]:
+    """Compare every variant with the truth at the headline's points, which are of the canonical chain."""
+    if not _is_canonical(sweep) or sweep.excitation.kind != "base":
+        return ()
+    shown = (*sweep.variants, *scope.beside, *scope.recommended, *scope.one_option)
+    return headline_points(tuple(dict.fromkeys(shown)), evaluator, sweep.excitation)
 
 
 def _conclusions(result: ComparedSweep, scope: Scope, evaluator: Evaluator) -> tuple[Conclusions, ...]:

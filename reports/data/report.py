@@ -20,6 +20,7 @@ from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.claims import Conclusions
 from scenarios.studies.friction_map import FrictionMap
+from scenarios.studies.response import Curves
 from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
@@ -48,10 +49,13 @@ class Report:
     """Of which points steady states were searched from elsewhere too, by variant."""
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Package, version, description and options by the name of a variant, where they were noted with the results."""
-    beside: tuple[Point, ...] = ()
-    """Points of variants that are compared with the truth at a few points only, and have no verdict."""
-    one_option: tuple[Point, ...] = ()
-    """Points of variants that differ in one option from a preset, at a few points of the grid."""
+    headline: tuple[Point, ...] = ()
+    """Points of all variants, those of no grid too, by which they are compared with the truth, see `headline_points`;
+    without any, that is done on the grid."""
+    unit_cell: Curves = field(default_factory=dict)
+    chain: Curves = field(default_factory=dict)
+    """Responses of a single cell and of the chain at the paper's friction ratios, by the reference; none where they are
+    not asked."""
     creeps: Mapping[Variant, float] = field(default_factory=dict)
     """How fast a block creeps that friction holds, with single options and without any, see `held_creeps` [µm/s]."""
     catalogue: Outcomes = field(default_factory=dict)
@@ -85,7 +89,7 @@ class Report:
 
     @cached_property
     def _every(self) -> pd.DataFrame:
-        return point_table(self.result, beside=self.beside, one_option=self.one_option)
+        return point_table(self.result, headline=self.headline)
 
     @cached_property
     def points(self) -> pd.DataFrame:
@@ -113,18 +117,6 @@ class Report:
         return lines
 
     @cached_property
-    def _wide(self) -> pd.DataFrame:
-        """Points of the grid, and those of variants that are compared with the truth at a few."""
-        return self._every[self._every["part"] != "one_option"]
-
-    @cached_property
-    def _few(self) -> pd.DataFrame:
-        """All points at the places of those with single options."""
-        places = {point.place[1:] for point in self.one_option}
-        every = zip(self._every["case"], self._every["frequency_ratio"], strict=True)
-        return self._every[[place in places for place in every]]
-
-    @cached_property
     def edges(self) -> pd.DataFrame:
         """Both edges of every curve, a row each."""
         return edge_table(self.result)
@@ -145,24 +137,28 @@ class Report:
         return ((variant, points, edges[variant]) for variant, points in by_variant(self.points, self.variants).items())
 
     @cached_property
-    def error_table(self) -> pd.DataFrame:
-        """How far each variant is from the truth, the smallest error first."""
-        return error_table(self._wide, self.result.sweep.case_axes)
+    def ruled(self) -> pd.DataFrame:
+        """The points by which variants are compared with the truth."""
+        return self._every[self._every["part"] == "headline"] if self.headline else self.points
 
     @cached_property
-    def errors(self) -> Errors:
-        """Its rows."""
+    def error_table(self) -> pd.DataFrame:
+        """How far each variant is from the truth, the smallest error first."""
+        return error_table(self.ruled, self.result.sweep.case_axes)
+
+    @cached_property
+    def _all_errors(self) -> Errors:
         return errors_of(self.error_table)
 
     @cached_property
-    def few_errors(self) -> Errors:
-        """Errors of the variants that differ in one option from a preset, and of all others at the same points."""
-        return errors_of(error_table(self._few)) if self.one_option else {}
+    def errors(self) -> Errors:
+        """Its rows, but for variants that differ in one option from a preset."""
+        return {own: row for own, row in self._all_errors.items() if not own.preset.settings or own in self.variants}
 
     @cached_property
     def single_options(self) -> list[SingleOption]:
         """Defaults with one option of the tuned preset each, the smallest error of an engine and formulation first."""
-        return single_options(self.few_errors, self.creeps)
+        return single_options(self._all_errors, self.creeps)
 
     @cached_property
     def headlines(self) -> list[Headline]:
@@ -171,10 +167,8 @@ class Report:
 
     @cached_property
     def option_curves(self) -> list[pd.DataFrame]:
-        """Errors over one option of an engine, where variants differ in that alone: over the grid, or a few points."""
-        wide, few = option_curves(self.errors, self._wide), option_curves(self.few_errors, self._few)
-        shown = {(curve["curve"][0], curve["option"][0]) for curve in wide}
-        return wide + [curve for curve in few if (curve["curve"][0], curve["option"][0]) not in shown]
+        """Errors over one option of an engine, where variants differ in that alone."""
+        return option_curves(self._all_errors, self.ruled)
 
     @cached_property
     def versions(self) -> list[dict[str, Any]]:
@@ -195,9 +189,10 @@ class Report:
     @cached_property
     def status(self) -> str:
         """Whether the comparison passes, and what its numbers come to, in one line."""
-        counts = counted(self.compared)
-        numbers = ", ".join(f"{count:,} {what}" for what, count in counts.items() if count or what == "agree")
-        return f"{'failed' if self.failures else 'passed'}: {numbers}"
+        agree, predicted, unexplained, rest = counted(self.compared).values()
+        judged = f"{agree:,} agree, {predicted:,} differ as the engine’s model predicts, {unexplained:,} unexplained"
+        open_ones = f"; not judged: {rest:,}, without a steady state or with too coarse a step" if rest else ""
+        return f"{'failed' if self.failures else 'passed'}: {judged}{open_ones}"
 
     @cached_property
     def stick_slip(self) -> list[dict[str, Any]]:

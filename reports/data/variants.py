@@ -47,6 +47,7 @@ def _errors(variant: Variant, points: pd.DataFrame, axes: Iterable[str]) -> dict
         "points_beyond_step": int((~(known["error_db"].abs() <= known["step_db"])).sum()),
         "points_known": len(known),
         "points": len(points),
+        "blocked": bool((points["status"] == ResultStatus.BLOCKED).all()),
         "same_equations": "yes" if solves_the_scheme else "no",
         "difference_from_scheme_db": largest(known, "scheme_db")["scheme_db"],
     }

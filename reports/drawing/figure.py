@@ -120,7 +120,7 @@ class Panel:
     title: str = ""
     """Above the panel in print, below it on the page."""
     names_at_right: Mapping[float, str] | None = None
-    """Text by value of y, in print, where there is no pointer."""
+    """Text by value of y; left out on narrow screens."""
 
 
 @dataclass(frozen=True)

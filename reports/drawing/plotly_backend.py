@@ -20,6 +20,15 @@ DASHES = 1.7
 COLOURS = "Cividis"
 """As in print."""
 
+BELOW_A_PANEL = 62
+"""Room for ticks and title below a panel of several side by side [px]."""
+
+MOST_GAP = 0.6
+"""Part of its height that this is at most."""
+
+BESIDE_A_PANEL = 170
+"""Room for names at the right of a panel [px]."""
+
 PANEL_GAP = 0.07
 """Between panels below each other, over the height of all."""
 
@@ -31,7 +40,7 @@ _AXIS = {
     "tickcolor": "#57606a",
     "automargin": True,
 }
-_LAYOUT = {
+_LAYOUT: dict[str, Any] = {
     "margin": {"l": 60, "r": 16, "t": 10, "b": 48},
     "font": {"family": "system-ui, Segoe UI, Liberation Sans, Arial, sans-serif", "size": 13, "color": "#1b1f24"},
     "plot_bgcolor": "#fff",
@@ -66,7 +75,18 @@ def plot(figure: Figure) -> dict[str, Any]:
     layout = _LAYOUT | {"height": figure.pixels, "legend": legend, "shapes": shapes} | _axes(figure)
     if figure.together:
         layout |= {"hovermode": "x unified"}
+    names = figure.panels[0].names_at_right if len(figure.panels) == 1 else None
+    if names:
+        layout["margin"] = _LAYOUT["margin"] | {"r": BESIDE_A_PANEL}
+        layout["annotations"] = [_name_at_right(text, place) for place, text in names.items()]
     return {"data": data, "layout": layout}
+
+
+def _name_at_right(text: str, y: float) -> dict[str, Any]:
+    return {
+        "text": text, "x": 1, "xref": "paper", "xanchor": "left", "y": round(y, 4), "yanchor": "middle",
+        "showarrow": False, "font": {"size": 8},
+    }  # fmt: skip
 
 
 def _number(k: int) -> str:
@@ -97,7 +117,8 @@ def _axes(figure: Figure) -> dict[str, Any]:
         axes[f"xaxis{_number(k)}"] = _axis(panel.x, panel.x.label or panel.title)
     if figure.columns > 1:
         _name_shared(axes, figure)
-        grid = {"rows": figure.rows, "columns": figure.columns, "pattern": "independent", "xgap": 0.12}
+        gap = min(BELOW_A_PANEL * figure.rows / figure.pixels, MOST_GAP)
+        grid = {"rows": figure.rows, "columns": figure.columns, "pattern": "independent", "xgap": 0.12, "ygap": gap}
         for k in range(1, len(figure.panels)):
             axes[f"yaxis{k + 1}"] |= {"matches": "y", "showticklabels": k % figure.columns == 0}
         return axes | {"grid": grid}

@@ -12,6 +12,12 @@ from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
 from scenarios.tables import csv_text, json_text, records
 
+HEADLINE_COLUMNS = (
+    "frequency_ratio", "steps_per_period", "status", "transmittance_db", "truth_db", "truth_error_db", "error_db",
+    "residual",
+)  # fmt: skip
+"""Columns of the points from which ``errors.csv`` is made."""
+
 
 def catalogue_table(known: Outcomes) -> pd.DataFrame:
     """Numbers by outcome of every variant in every scenario that is known."""
@@ -49,7 +55,9 @@ def table_files(report: Report) -> dict[str, str]:
     """Give every table as CSV, and the numbers of all but the transitions as JSON, with where they come from."""
     result = report.result
     points, edges = written(report.points, result, POINT_COLUMNS), written(report.edges, result, EDGE_COLUMNS)
-    errors = report.error_table.drop(columns=["variant", "size", "worst_case"]).rename(columns={"error_class": "class"})
+    headline = written(report.ruled, result, HEADLINE_COLUMNS)
+    left_out = ["variant", "size", "worst_case", "blocked"]
+    errors = report.error_table.drop(columns=left_out).rename(columns={"error_class": "class"})
     content = {
         "provenance": report.provenance,
         "errors": records(errors),
@@ -61,6 +69,7 @@ def table_files(report: Report) -> dict[str, str]:
     }
     return {
         "errors.csv": csv_text(errors),
+        "headline.csv": csv_text(headline),
         "band_edges.csv": csv_text(edges),
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),

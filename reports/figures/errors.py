@@ -34,7 +34,7 @@ NAMED = dict(zip(("default", "recommended", "tuned"), PRESETS, strict=False))
 LIMIT = Style("#666666", dash=DASHED, width=0.7)
 
 
-def installed_figure(errors: Errors) -> Figure | None:
+def installed_figure(errors: Errors, where: str) -> Figure | None:
     """Draw a row an engine and formulation, the largest error on top; ``None`` without any but the reference's."""
     rows: dict[str, list[Any]] = {}
     for variant, own in errors.items():
@@ -52,9 +52,7 @@ def installed_figure(errors: Errors) -> Figure | None:
     )
     return Figure(
         "installed",
-        "Largest error of transmittance to the exact motion: engines as installed, with what is recommended for any "
-        "model, and with options tuned to this chain; dashed: "
-        f"{WRONG_DB:g} dB, from which on a variant is wrong",
+        f"Largest error of transmittance at {where}; dashed: {WRONG_DB:g} dB, from which on an engine is wrong",
         [panel],
         height=0.9 + 0.27 * count,
         pixels=70 + 34 * count,

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pandas as pd
 
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
@@ -11,12 +12,17 @@ from reports.data.descriptions import file_name, named_axes
 from reports.data.report import Report
 from reports.drawing.figure import Axis, Draw, Figure, HeatMap, Mark, Panel, Rule, Series, difference_axis
 from reports.drawing.style import DASHED, DOTTED, RULE, SOLID, Style, compared_variants, curve_style, style_of
+from reports.formatting import ratio
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.friction_map import FrictionMap
+from scenarios.studies.response import Curves
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 FREQUENCY_LABEL = "frequency ratio η_r = ω/ω_r [-]"
+
+FIGURE3 = "figure3"
+"""Name of the figure of the reference's curves."""
 
 LOWEST_DB = -80.0
 """Lowest transmittance that is drawn: beyond, the motion is less than the ten-thousandth part of the base's."""
@@ -43,7 +49,7 @@ def overview(report: Report) -> Figure:
     ]
     marks: list[Mark] = [Rule("y", sweep.band.threshold_db, RULE), *curves]
     return Figure(
-        "figure3",
+        FIGURE3,
         f"The reference at all {named_axes(sweep)} ({sweep.fewest_steps} steps a period or more)",
         [Panel(_frequency_axis(sweep, FREQUENCY_LABEL), _transmittance_axis(report), marks)],
         height=2.9,
@@ -51,6 +57,41 @@ def overview(report: Report) -> Figure:
         legend_columns=min(len(curves), 6),
         together=True,
         legend_title=named_axes(sweep, plural=False).replace("friction ratio", "friction ratio μλ̃_N [-]"),
+    )
+
+
+def responses(report: Report) -> list[Figure]:
+    """Draw the paper's Figure 3, and the response of its unit cell, by the reference; none where nothing is known."""
+    drawn = {
+        FIGURE3: (f"The paper’s Figure 3: {report.result.sweep.ratios.cells} cells, by the reference", report.chain),
+        "unit-cell": ("The unit cell, of two degrees of freedom, by the reference", report.unit_cell),
+    }
+    return [
+        _response(name, caption, curves)
+        for name, (caption, curves) in drawn.items()
+        if any(np.isfinite(level).any() for _, level in curves.values())
+    ]
+
+
+def _response(name: str, caption: str, curves: Curves) -> Figure:
+    lines = [
+        Series(eta, level, curve_style(number), ratio(friction), hover="%{y:.2f} dB")
+        for number, (friction, (eta, level)) in enumerate(curves.items())
+    ]
+    highest = float(np.nanmax([level for _, level in curves.values()])) + 5
+    return Figure(
+        name,
+        caption,
+        [
+            Panel(
+                Axis(FREQUENCY_LABEL), Axis("transmittance [dB]", (LOWEST_DB, highest)), [Rule("y", 0.0, RULE), *lines]
+            )
+        ],
+        height=2.9,
+        pixels=440,
+        legend_columns=min(len(lines), 6),
+        together=True,
+        legend_title="friction ratio μλ̃_N [-]",
     )
 
 

@@ -23,8 +23,8 @@ FIGURES = "figures"
 """Folder of the figures, beside the page."""
 
 TABLES = (
-    "errors.csv", "transmittance.csv", "band_edges.csv", "transitions.csv", "work_precision.csv", "options.csv",
-    "scale.csv", "catalogue.csv", "report.json", "report.nc",
+    "errors.csv", "headline.csv", "transmittance.csv", "band_edges.csv", "transitions.csv", "work_precision.csv",
+    "options.csv", "scale.csv", "catalogue.csv", "report.json", "report.nc",
 )  # fmt: skip
 """Files of numbers beside the page."""
 

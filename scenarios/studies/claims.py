@@ -319,13 +319,23 @@ def _joined(parts: Sequence[str]) -> str:
     return f"{', that '.join(first)}, and that {last}" if first else last
 
 
+def _edge_errors(own: Conclusions, reference: Conclusions) -> dict[float, float]:
+    """Give by friction ratio how far each lower edge is above the reference's [η_r], where both have one."""
+    common = [f for f in own.bands if f in reference.bands]
+    return {f: own.bands[f].lower - reference.bands[f].lower for f in common if math.isfinite(own.bands[f].lower)}
+
+
+def farthest_edge(own: Conclusions, reference: Conclusions) -> float:
+    """Give how far a lower edge is off at most [η_r]; 0 where none is known."""
+    return max(map(abs, _edge_errors(own, reference).values()), default=0.0)
+
+
 def _farthest(own: Conclusions, reference: Conclusions) -> str:
     """Say how far the lower edge is off at most; nothing where it is by less than `MOVED`."""
-    common = [f for f in own.bands if f in reference.bands]
-    off = {f: own.bands[f].lower - reference.bands[f].lower for f in common if math.isfinite(own.bands[f].lower)}
-    worst = max(off, key=lambda f: abs(off[f]), default=None)
-    if worst is None or not abs(off[worst]) >= MOVED:
+    if not farthest_edge(own, reference) >= MOVED:
         return ""
+    off = _edge_errors(own, reference)
+    worst = max(off, key=lambda f: abs(off[f]))
     size = f"{own.bands[worst].lower:.4f} instead of {edge_text(reference.bands[worst].lower)}"
     return f"; its lower edge is off by up to {abs(off[worst]):.2g} (friction ratio {worst:g}: {size})"
 

@@ -8,8 +8,8 @@ from reports.page.sections.summary import Provenance, Summary
 from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts, Versions
 
 FIRST_SECTIONS = (
-    Summary, Verdicts, Versions, DeviationsSection, Claims, BandEdges, Transmittance, Catalogue, Scenes, ErrorMaps,
-    ScaleCurves, FrictionMapSection, StickSlip, WorkPrecision, OptionCurves, OpenPoints,
+    Summary, Claims, Transmittance, Scenes, ErrorMaps, FrictionMapSection, BandEdges, StickSlip, Versions, Catalogue,
+    ScaleCurves, WorkPrecision, OptionCurves, Verdicts, DeviationsSection, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)
 """Sections of every report, in order; those of other packages stand between."""

@@ -11,7 +11,7 @@ from scenarios.studies.figure3 import FRICTION_RATIOS
 class Claims(Section):
     """The answers of the reference with their numbers, then a row and a sentence a variant."""
 
-    title = "What the paper claims, and what each engine would conclude"
+    title = "The paper’s claims"
     template = "claims"
 
     @property

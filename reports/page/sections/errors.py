@@ -97,7 +97,7 @@ class WorkPrecision(Section):
 
     @property
     def shown(self) -> bool:
-        return bool(self._evaluated)
+        return bool(curves(self._evaluated))
 
     @property
     def _evaluated(self) -> list[StepPoint]:
@@ -144,4 +144,4 @@ class OptionCurves(Section):
         singles = self.report.single_options
         defaults = dict.fromkeys(single.default.variant for single in singles)
         groups = {variant: [own for own in singles if own.default.variant == variant] for variant in defaults}
-        return {"groups": groups, "points": len({point.place[1:] for point in self.report.one_option})}
+        return {"groups": groups, "points": len({point.place[1:] for point in self.report.headline})}

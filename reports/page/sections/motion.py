@@ -10,9 +10,11 @@ from reports.data.descriptions import axis_name
 from reports.data.points import rows_of
 from reports.data.stick_slip import CasePoint, points_at, stick_slip_places
 from reports.drawing.figure import Figure
+from reports.drawing.style import compared_variants
 from reports.figures.edges import edge_forest
 from reports.figures.stick_slip import hysteresis, raster
 from reports.figures.transmittance import (
+    FIGURE3,
     LINEAR_DB,
     LOWEST_DB,
     MAP_HIGHEST_DB,
@@ -20,6 +22,7 @@ from reports.figures.transmittance import (
     friction_map_figure,
     overview,
     panel,
+    responses,
 )
 from reports.formatting import ratio
 from reports.page.section import Section
@@ -40,12 +43,16 @@ class Transmittance(Section):
     numbers = "transmittance.csv"
 
     def figures(self) -> list[Figure]:
-        lines = [overview(self.report)] if REFERENCE in self.result.sweep.variants else []
+        lines = responses(self.report)
+        if REFERENCE in self.result.sweep.variants and not any(own.name == FIGURE3 for own in lines):
+            lines = [overview(self.report), *lines]
         return [*lines, *(panel(self.report, case) for case in self.result.cases[:MOST_PANELS])]
 
     def context(self) -> dict[str, Any]:
         return {
             "panels": min(len(self.result.cases), MOST_PANELS),
+            "cases": [case.title for case in self.result.cases[:MOST_PANELS]],
+            "engines": list(dict.fromkeys(v.capabilities.title for v in compared_variants(self.result.sweep))),
             "left_out": max(len(self.result.cases) - MOST_PANELS, 0),
             "over": "P0 / k_c" if self.result.sweep.excitation.kind == "force" else "the base's",
             "floor": FLOOR_DB,

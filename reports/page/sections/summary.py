@@ -6,27 +6,40 @@ from typing import Any
 
 from engines.interface.registry import engine
 from reports.data.descriptions import axis_name, drive_description
-from reports.data.options import Headline
+from reports.data.finding import finding
+from reports.data.options import TITLES, Headline, by_engine
 from reports.drawing.figure import Figure
 from reports.figures.chain_drawing import chain_drawing
 from reports.figures.errors import installed_figure
-from reports.formatting import ratio, significant
+from reports.formatting import fixed, ratio
 from reports.page.section import Section
-from reports.reproducers.recipe import has_recipe
+from reports.reproducers.recipe import code_lines, has_recipe, recipe_text
+from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
 
+LINES_TO_PASTE = 2
+"""Lines of a recipe that stand beside its engine; the others are folded."""
+
 
 class Summary(Section):
-    """One row a variant, the smallest error first."""
+    """The finding, a line an engine with what to paste, and the errors of all presets on one axis."""
 
     title = "Summary"
     template = "summary"
     numbers = "errors.csv"
 
     def figures(self) -> list[Figure]:
-        figure = installed_figure(self.report.errors)
+        figure = installed_figure(self.report.errors, self._where)
         return [] if figure is None else [figure]
+
+    @property
+    def _where(self) -> str:
+        """Name the points at which errors are compared."""
+        if not self.report.headline:
+            shown = sum(truth.above_floor for truth in self.result.truths.values())
+            return f"the {shown} points of this page above {fixed(FLOOR_DB, 0)} dB"
+        return f"{len(HEADLINE_POINTS)} points of the band"
 
     def context(self) -> dict[str, Any]:
         sweep, truths = self.result.sweep, self.result.truths.values()
@@ -34,9 +47,15 @@ class Summary(Section):
         chain = sweep.ratios.chain(0.0)
         return {
             "errors": list(self.report.errors.values()),
-            "finding": finding(self.report.headlines),
-            "rows": [(row, _recipe(row)) for row in self.report.headlines],
-            "few": self._few(),
+            "finding": finding(self.report.headlines, self.report.conclusions),
+            "engines": {title: (own, _pasted(own)) for title, own in by_engine(self.report.headlines).items()},
+            "titles": list(TITLES.values()),
+            "status": self.report.status,
+            "failures": self.report.failures,
+            "where": self._where,
+            "steps": HEADLINE_STEPS,
+            "headline": [f"({ratio(f)}, {ratio(eta)})" for f, eta in HEADLINE_POINTS] if self.report.headline else [],
+            "beside": [own.title for own in self.report.errors if own not in self.report.variants],
             "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
             "points": len(shown),
             "exact": sum(truth.exact for truth in shown),
@@ -59,43 +78,13 @@ class Summary(Section):
             "hertz": f"{chain.resonator_frequency / (2 * math.pi):.2g}" if self.report.scale else "",
         }
 
-    def _few(self) -> dict[str, Any] | None:
-        """Name the variants that are compared at a few points only, and their points; ``None`` without any."""
-        beside = self.report.beside
-        if not beside:
-            return None
-        places = [f"({point.case.numbers}, {ratio(point.frequency_ratio)})" for point in beside]
-        return {
-            "variants": list(dict.fromkeys(point.variant.title for point in beside)),
-            "points": list(dict.fromkeys(places)),
-        }
 
-
-def finding(rows: Sequence[Headline]) -> str:
-    """Say in two sentences how far engines are off as installed, and what is left with options."""
-    installed = [row for row in rows if not math.isnan(row.installed)]
-    best = [min(row.recommended, row.tuned, key=_or_infinite) for row in rows]
-    left = max((size for size in best if not math.isnan(size)), default=math.nan)
-    said = []
-    if installed:
-        worst = max(installed, key=lambda row: row.installed)
-        wrong = sum(row.installed >= WRONG_DB for row in installed)
-        said.append(
-            f"As installed, {wrong} of {len(installed)} engines are wrong by {significant(WRONG_DB)} dB or more; the "
-            f"farthest from the exact motion is {worst.variant.title}, by {significant(worst.installed)} dB."
-        )
-    if not math.isnan(left):
-        said.append(f"With options set, none is farther than {significant(left)} dB from the exact motion.")
-    return " ".join(said)
-
-
-def _or_infinite(size: float) -> float:
-    return math.inf if math.isnan(size) else size
-
-
-def _recipe(row: Headline) -> str:
-    """Give the command that prints what to paste; empty without a recipe."""
-    return f"multibody-xval recipe {row.variant.engine}" if has_recipe(engine(row.variant.engine)) else ""
+def _pasted(rows: Sequence[Headline]) -> dict[str, Any]:
+    """Give what to write in one's own model for an engine: lines of its recipe, and the whole of it."""
+    name = rows[0].variant.engine.partition("@")[0]
+    if not has_recipe(engine(name)):
+        return {"name": name, "first": [], "whole": ""}
+    return {"name": name, "first": code_lines(name)[:LINES_TO_PASTE], "whole": recipe_text(name)}
 
 
 class Provenance(Section):

@@ -71,10 +71,14 @@ addEventListener("afterprint", () => document.querySelectorAll("details[data-pri
 for (const choice of document.querySelectorAll(".choice")) {
   const figures = [...document.getElementById(choice.dataset.of).querySelectorAll("figure")];
   const show = (number) => figures.forEach((figure, k) => { figure.hidden = k !== number; });
-  const list = choice.querySelector("select");
+  const [list, engines] = choice.querySelectorAll("select");
   list.addEventListener("change", () => {
     show(list.selectedIndex);
     drawAll();
+  });
+  engines?.addEventListener("change", () => {
+    figures.forEach((figure) => { figure.dataset.engine = engines.value; });
+    figures.map((figure) => figure.querySelector('.plot[data-drawn="done"]')).filter(Boolean).forEach(plotted);
   });
   choice.hidden = false;
   show(0);
@@ -132,6 +136,7 @@ function arranged(plot, width) {
       layout[name].title = { ...layout[name].title, text: number % columns ? "" : label };
     }
   }
+  if (width < NARROW && layout.annotations) Object.assign(layout, { annotations: [], margin: { ...layout.margin, r: 16 } });
   if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
   for (const [name, axis] of Object.entries(width < NARROW ? layout : {})) {
     if (/^xaxis/.test(name) && layout.grid) axis.title = { ...axis.title, font: { size: 10 } };
@@ -169,8 +174,14 @@ function flat(trace) {
   return { ...trace, colorbar: { ...trace.colorbar, ...place, title } };
 }
 
+// The reference stands beside every engine.
+const ENGINES = [...document.querySelectorAll("select.engines option")].map(({ text }) => text);
+const names = (name, engine) => name === engine || name.startsWith(`${engine}, `);
+const isOf = (name, engine) => !name || names(name, engine) || !ENGINES.some((other) => names(name, other));
+
 // Black lines would not be seen on a dark page; on a map they lie on its colours, and stay.
-function traces(plot, width) {
+function traces(plot, width, engine) {
+  if (engine) return traces({ data: plot.data.filter(({ name }) => isOf(name, engine)) }, width);
   if (isMap(plot)) return width < NARROW ? plot.data.map(flat) : plot.data;
   if (!DARK.matches) return plot.data;
   return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
@@ -186,7 +197,8 @@ let library = null;
 // Anew, also where it was drawn: plotly does not move a scale of colours from the side to the foot of panels.
 function plotted(place) {
   const plot = plots[place.dataset.plot];
-  return Plotly.newPlot(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
+  const drawn = traces(plot, place.clientWidth, place.closest("figure").dataset.engine);
+  return Plotly.newPlot(place, drawn, arranged(plot, place.clientWidth), CONFIG);
 }
 
 async function draw(place) {

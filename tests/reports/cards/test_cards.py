@@ -54,7 +54,7 @@ def made_up() -> Card:
 
 def test_page_of_a_card_has_its_numbers_with_their_errors_and_the_script_as_it_is() -> None:
     page = html(made_up(), linked=True)
-    numbers = ("14.73", "5166", "0.8738", "−0.13", "no edge | nearby")
+    numbers = ("15", "5166", "0.8738", "−0.13", "no edge | nearby")
     for text in (*numbers, "print(&#34;a &lt; b&#34;)", "As &lt;it&gt; comes."):
         assert text in page
     assert 'href="index.html"' in page
@@ -116,9 +116,9 @@ def test_a_number_shows_its_error(value, exact, cell) -> None:
 
 
 def test_points_without_a_certified_steady_state_are_counted_beside_the_largest_error() -> None:
-    assert "| error to truth, largest [dB] | 14.73 (70 of 74 points certified) |" in markdown(made_up())
+    assert "| error to truth, largest [dB] | 15 (70 of 74 points certified) |" in markdown(made_up())
     whole = dataclasses.replace(made_up().variants[0], certified=74)
-    assert "| 14.73 |" in markdown(dataclasses.replace(made_up(), variants=(whole,)))
+    assert "| 15 |" in markdown(dataclasses.replace(made_up(), variants=(whole,)))
 
 
 def test_card_of_an_engine_without_scripts_names_no_command_that_would_be_refused() -> None:

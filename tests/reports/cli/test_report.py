@@ -27,7 +27,9 @@ from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.local_processes import LocalWorker
 from scenarios.runs.parameters import Excitation
 from scenarios.runs.store import ResultStore, opened_store
+from scenarios.studies.accuracy import task_at
 from scenarios.studies.figure3 import figure3
+from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
 from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import compared_points, save_sweep, stored_points
@@ -68,6 +70,7 @@ def test_the_default_report_shows_what_single_options_decide_and_five_scenarios(
     assert set(scope.scenarios) < set(CATALOGUE)
     assert len(scope.scenarios) == 5
     named = planned_report(["exudyn-bristle:joint:default"], None, quick=False, stored_in=None).scope
+    assert Variant("exudyn-bristle") in named.beside, "beside what is named stand its other presets"
     assert named.one_option == (), "no law says that it settles: a minute for five points"
 
 
@@ -131,7 +134,7 @@ def test_a_second_run_answers_from_the_store(
     arguments = ["--engine", "reference", "--workers", "1", "--out", str(tmp_path)]
     assert run_command(app, arguments) == 0
     *_, last = capsys.readouterr().out.splitlines()
-    assert last.startswith("passed: 0 agree; "), "the reference is not compared with itself"
+    assert last.startswith("passed: 0 agree, "), "the reference is not compared with itself"
     assert last.endswith(str(tmp_path / "index.html"))
     first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
     assert {file.name for file in tmp_path.iterdir()} == {*FILES, "figures", "results.sqlite"}
@@ -229,19 +232,19 @@ def test_a_store_alone_is_shown_with_all_engines_that_were_saved(
     assert origin["command"] == f"multibody-xval report --no-run --store {tmp_path / 'sweep.sqlite'}"
 
 
-def test_a_store_alone_is_shown_with_defaults_at_the_few_points_that_it_has_of_them(stopped: list[str]) -> None:
+def test_a_store_alone_is_shown_with_presets_at_the_headlines_points_that_it_has_of_them(stopped: list[str]) -> None:
     """As the report that filled it showed them; what was never run is not shown as missing."""
     file = Path(stopped[3])
     asked = planned_report([], Path(stopped[1]), quick=False, stored_in=None).sweep
     installed = Variant("mujoco", "contact", "default")
     with ResultStore(file) as store:
         save_sweep(store, asked)
-        task = asked.task(installed, Case.of(friction_ratio=0.3), 0.9)
+        task = task_at(installed, HEADLINE_POINTS[0], HEADLINE_STEPS)
         store.keep([(task, certified(7, transmittance_db=-1.0))])
     planned = planned_report([], None, quick=False, stored_in=file)
     with ResultStore(file) as store:
         shown = collect.collect(planned.sweep, store, StoredResults(store), "", scope=planned.scope)
-    assert [(point.variant, point.frequency_ratio) for point in shown.beside] == [(installed, 0.9)]
+    assert [(point.variant, point.frequency_ratio) for point in shown.headline] == [(installed, 1.4)]
 
 
 PUSHED = """\

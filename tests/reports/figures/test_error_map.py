@@ -39,7 +39,7 @@ def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Repo
     coarse = Case.of(friction_ratio=0.3)
     points = [p for p in report.result.points if p.case != coarse or p.frequency_ratio in (0.3, 0.9)]
     result = replace(report.result, points=points, edges=())
-    own = error_maps(replace(report, result=result, beside=()).points, result.cases, [RUNS])[RUNS]
+    own = error_maps(replace(report, result=result, headline=()).points, result.cases, [RUNS])[RUNS]
     wrong = result.curve(RUNS, Case.of(friction_ratio=0.0))[2]
     assert own.columns.tolist() == list(GRID)
     assert own.iloc[0, 2] == pytest.approx(ERROR + 0.03)
@@ -79,6 +79,6 @@ def test_colours_are_of_the_logarithm_and_common_to_all_maps_with_one_scale(repo
 def test_a_sweep_of_one_curve_has_no_map(result: ComparedSweep, report: Report) -> None:
     sweep = replace(result.sweep, axes={**result.sweep.axes, "friction_ratio": (0.3,)})
     points = [point for point in result.points if point.case.friction_ratio == 0.3]
-    single = replace(report, result=ComparedSweep(sweep, points), beside=())
+    single = replace(report, result=ComparedSweep(sweep, points), headline=())
     assert ErrorMaps(report).shown
     assert not ErrorMaps(single).shown

@@ -59,7 +59,7 @@ def points(report: Report, creeps: Mapping[str, float] = CREEPS) -> pd.DataFrame
         )
         for name, creep in creeps.items()
     ]
-    return point_table(report.result, beside=every)
+    return point_table(report.result, headline=every)
 
 
 @pytest.mark.usefixtures("presets")

@@ -15,6 +15,15 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 DRAWN = """[...document.querySelectorAll('figure:not([hidden]) .plot')].map(
     (place) => [place.dataset.plot, place.dataset.drawn])"""
 
+CHOOSE = """(() => {
+    const list = document.querySelectorAll('.choice[data-of=panels] select')[%d];
+    list.selectedIndex = %d;
+    list.dispatchEvent(new Event('change'));
+})()"""
+"""Chooses from the lists of cases and of engines; the second case is the friction ratio 0.3."""
+
+CHOSEN = '[data-plot="transmittance-0.3"][data-drawn="done"]'
+
 HEIGHT = 900
 """Of the window, in pixels."""
 
@@ -56,7 +65,9 @@ def page(browser: Browser, address: str) -> Iterator[Page]:
 def drawn(browser: Browser, address: str) -> Page:
     """The same with every plot drawn; for all tests."""
     page = opened(browser, address)
+    page.evaluate(CHOOSE % (0, 1))
     page.evaluate("drawAll()")
+    page.wait_for_selector(CHOSEN)
     return page
 
 
@@ -212,7 +223,7 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
     assert len(before) == 2
     assert before == [True, False]
     choose = """(async () => {
-        const list = document.querySelector('.choice select');
+        const list = document.querySelector('.choice[data-of=rasters] select');
         list.selectedIndex = 1;
         list.dispatchEvent(new Event('change'));
         const place = document.querySelectorAll('#rasters .plot')[1];
@@ -224,10 +235,25 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> Non
     assert page.evaluate(drawn) > 900
 
 
+def test_one_case_and_one_engine_are_chosen_and_the_reference_stands_beside_it(page: Page) -> None:
+    panels = "[...document.querySelectorAll('#panels figure')].map((one) => !one.hidden)"
+    assert page.evaluate(panels) == [True, False]
+    page.evaluate(CHOOSE % (0, 1))
+    page.wait_for_selector(CHOSEN)
+    assert page.evaluate(panels) == [False, True]
+    engines = page.evaluate("[...document.querySelectorAll('select.engines option')].map((one) => one.text)")
+    assert engines == ["all", "MuJoCo", "PyBullet"]
+    names = """[...document.querySelector('[data-plot="transmittance-0.3"]').data].map((one) => one.name)"""
+    assert "MuJoCo" in page.evaluate(names)
+    page.evaluate(CHOOSE % (1, 2))
+    page.wait_for_function(f"!{names}.includes('MuJoCo')")
+    assert "Reference (LCP)" in page.evaluate(names)
+
+
 def test_the_first_screen_holds_finding_table_and_picture(drawn: Page) -> None:
     """At 1440 x 900, and the way to every section stays in sight."""
     bottom = "document.querySelector('%s').getBoundingClientRect().bottom"
-    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".headline") < 900
+    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".engines") < 900
     assert drawn.evaluate(bottom % "[data-plot=installed] .main-svg") < 900
     drawn.evaluate("document.querySelector('#provenance').scrollIntoView()")
     top, last = drawn.evaluate(
@@ -255,7 +281,7 @@ def test_tables_fit_a_telephone(browser: Browser, address: str) -> None:
     widths = page.evaluate("[...document.querySelectorAll('.scroll')].map((one) => [one.scrollWidth, one.clientWidth])")
     assert len(widths) > 6
     assert all(inside <= room for inside, room in widths)
-    label = "getComputedStyle(document.querySelector('#summary td.n'), '::before').content"
+    label = "getComputedStyle(document.querySelector('#summary .engines td'), '::before').content"
     assert "as installed" in page.evaluate(label)
     named = "[...document.querySelectorAll('.cards td.n:not([colspan])')].every((one) => one.dataset.label)"
     assert page.evaluate(named), "folded ones too"
@@ -278,7 +304,8 @@ def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Brow
     seen = {}
     for scheme in ("light", "dark"):
         page = opened(browser, address, color_scheme=scheme)
-        page.evaluate("drawAll()")
+        page.evaluate(CHOOSE % (0, 1))
+        page.wait_for_selector(CHOSEN)
         seen[scheme] = page.evaluate(colours)
         page.close()
     assert seen["light"] == ["rgb(255, 255, 255)", "#fff", "#000000"]

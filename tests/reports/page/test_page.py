@@ -12,17 +12,18 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.descriptions import band_definition, compared_with
-from reports.data.options import headlines
+from reports.data.finding import finding
+from reports.data.options import error_text, headlines
 from reports.data.points import absent_edge
 from reports.data.report import Report, counted
 from reports.data.stick_slip import stick_slip_rows
 from reports.export.files import FILES, files_of
 from reports.page.render import LARGEST_PAGE, sections
-from reports.page.sections.summary import finding
 from reports.page.sections.verdicts import OpenPoints, Verdicts
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
-from scenarios.studies.figure3 import figure3
+from scenarios.studies.claims import Band, Conclusions, answers
+from scenarios.studies.figure3 import FRICTION_RATIOS, figure3
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge, compare_edge
@@ -34,6 +35,7 @@ from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.reports.conftest import made_errors
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
+LOWER_EDGES = dict(zip(FRICTION_RATIOS, (0.85, 0.75, 0.64, 0.76, 1.0, 1.17), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +86,8 @@ class Elements(HTMLParser):
 
 def test_page_has_every_section_in_order(page: str) -> None:
     assert Elements(page).headings == [
-        "Summary", "Verdicts", "Deviations and laws", "Band edges", "Transmittance", "Where the error is",
-        "Friction and frequency", "Stick and slip", "Work and precision", "Points that do not agree",
+        "Summary", "Transmittance", "Where the error is", "Friction and frequency", "Band edges", "Stick and slip",
+        "Work and precision", "Verdicts", "Deviations and laws", "Points that do not agree",
         "How these numbers were made",
     ]  # fmt: skip
 
@@ -180,12 +182,15 @@ def test_every_plot_has_its_files_and_those_with_numbers_their_table(markup: str
     assert tables["transmittance-0.3"] == ["transmittance.csv"]
 
 
-def test_the_first_screen_has_every_engine_on_one_axis_and_the_chain_is_folded_below(
+def test_the_first_screen_has_the_finding_what_to_paste_every_engine_on_one_axis_and_the_chain(
     markup: str, files: dict[str, bytes]
 ) -> None:
     summary = markup.split('id="summary"')[1].split("</section>", maxsplit=1)[0]
-    first, folded = summary.split("<details", maxsplit=1)
-    drawing = re.search(r'<svg class="chain".*?</svg>', folded, flags=re.DOTALL)
+    first = summary.split("<details>\n", maxsplit=1)[0]
+    assert first.index('class="lead"') < first.index('<table class="engines">') < first.index('class="plot"')
+    assert "multibody-xval recipe mujoco" in first
+    assert "impratio=" in first, "what to paste"
+    drawing = re.search(r'<svg class="chain".*?</svg>', first, flags=re.DOTALL)
     assert drawing is not None
     assert drawing[0].count('class="outer"') == drawing[0].count('class="inner"') == 7
     assert 'data-plot="installed"' in first
@@ -355,11 +360,35 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
 def test_the_largest_error_as_installed_comes_first_and_the_finding_names_it() -> None:
     tuned, default = Variant("mujoco"), Variant("mujoco", "joint", "default")
     contact = {replace(tuned, formulation="contact"): -0.12449, replace(default, formulation="contact"): -42.851}
-    rows = headlines(made_errors({tuned: -0.12449, default: 14.734, **contact}, points=4), [])
-    assert [(row.installed, row.tuned) for row in rows] == [(42.851, 0.12449), (14.734, 0.12449)]
-    assert finding(rows).startswith("As installed, 2 of 2 engines are wrong by 3.0 dB or more; ")
-    assert "MuJoCo, contact, by 43 dB" in finding(rows)
-    assert finding(rows).endswith("none is farther than 0.12 dB from the exact motion.")
+    rows = headlines(made_errors({tuned: -0.12449, default: 14.734, **contact}, points=4))
+    assert [(row.variant.formulation, row.texts) for row in rows] == [
+        ("contact", ["43", "–", "0.12"]), ("joint", ["15", "–", "0.12"]),
+    ]  # fmt: skip
+    assert finding(rows) == (
+        "As installed, 1 of 1 engines is off by 3 dB or more (MuJoCo, contact by 43 dB; MuJoCo by 15 dB); "
+        "tuned to this chain, none, and the largest error is 0.12 dB."
+    )
+
+
+def test_an_error_says_of_how_many_points_it_is() -> None:
+    """All of five are known, one is not, most are not, and the engine is not here."""
+    (row,) = made_errors({Variant("mujoco"): 14.734}, points=5).values()
+    texts = {}
+    for known, blocked in ((5, False), (4, False), (1, False), (0, True)):
+        row.points_known, row.blocked = known, blocked
+        texts[known] = error_text(row)
+    assert texts == {5: "15", 4: "15*", 1: "unsteady", 0: "–"}
+
+
+def test_the_finding_has_what_one_would_conclude_with_the_engine_that_is_farthest_off() -> None:
+    bands = {f: Band(edge, math.inf, 3.0, float(f >= 1)) for f, edge in LOWER_EDGES.items()}
+    installed = Variant("mujoco", preset_name="default")
+    near, far = (bands | {5.0: replace(bands[5.0], lower=edge)} for edge in (1.16, 1.10))
+    others = [(Variant("pybullet", preset_name="default"), near), (installed, far)]
+    answered = [Conclusions(own, given, answers(given)) for own, given in ((REFERENCE, bands), *others)]
+    said = finding([], answered)
+    assert said.startswith("The paper’s claims hold (3 of 3); with MuJoCo as installed one would conclude the same")
+    assert "5: 1.1000 instead of 1.1700" in said
 
 
 def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> None:
@@ -368,5 +397,5 @@ def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> N
         "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "MuJoCo, default", "PyBullet",
     ]  # fmt: skip
     assert "same equations" in table
-    assert "Compared with the truth at 2 points only, without a verdict: MuJoCo, default" in markup
+    assert "Compared with the truth at these points alone, without a verdict: MuJoCo, default" in markup
     assert "worst difference" not in markup

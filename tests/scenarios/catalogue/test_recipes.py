@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
+from reports.formatting import significant
 from reports.reproducers.recipe import recipe_text
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes.base import CREEP
@@ -55,8 +56,8 @@ def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
         if len(cells := [cell.strip() for cell in line.split("|")]) > 16
     }
     text = " ".join(recipe_text("mujoco").split())
-    joint = [rows["mujoco", "joint", preset][6] for preset in ("default", "recommended")]
-    assert f"off by {float(joint[0]):.1f} dB as installed and by {joint[1]} with this" in text
+    joint = [significant(float(rows["mujoco", "joint", preset][6])) for preset in ("default", "recommended")]
+    assert f"off by {joint[0]} dB as installed and by {joint[1]} with this" in text
     certified = [rows["mujoco", "contact", preset][15].partition("/") for preset in ("default", "recommended")]
     assert f"{certified[0][0]} and {certified[1][0]} of {certified[0][2]} motions repeat" in text
 
