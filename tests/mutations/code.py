@@ -2,21 +2,25 @@
 
 A copy of the project gets one operator that is another one, at random. The quick tests are run once to see which lines
 each of them executes (`coverage`); a mutant meets those of its line, then the tests that have most to do with its file.
-It is killed by the first test that fails, survives if all pass, and is not decided if time is up before.
+It is killed by the first test that fails, survives if all pass, and is not decided if time is up before, or if that
+test fails without the change too.
 """
 
 import argparse
 import ast
+import contextlib
 import os
 import random
 import re
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -34,6 +38,9 @@ DECIDED_IN = 60.0
 
 MOST_TESTS = 40
 """Tests of one line that are run: a line that everything executes is seen by few of them or by none."""
+
+MEMORY = 16 * 2**30
+"""Address space of a process that tests a change [bytes]: some changes fill a list for ever."""
 
 STATEMENT = 6
 """Lines of a statement before that of its operator, under the first of which it may be counted."""
@@ -148,21 +155,46 @@ def outcome(change: Change, copy: Path, tests: Sequence[str] = (), seconds: floa
     environment = os.environ | {"PYTHONPATH": str(copy)}
     if not tests and b"numba" in sound:  # what calls it is compiled with it
         environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=copy)
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider"]
     end = time.monotonic() + seconds
     try:
-        for chosen in filter(None, (tests, tests_of(change.file))):
-            left = max(end - time.monotonic(), 0.0)
-            run = subprocess.run(
-                [*command, *chosen], cwd=copy, env=environment, capture_output=True, timeout=left, check=False
-            )
-            if run.returncode not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
-                return KILLED
+        if tests and first_failure(tests, copy, environment, seconds):
+            return KILLED
+        failed = first_failure(tests_of(change.file), copy, environment, end - time.monotonic())
+        spoilt.write_bytes(sound)
+        if failed is None:
+            return SURVIVED
+        return UNDECIDED if first_failure([failed], copy, environment, seconds) else KILLED
     except subprocess.TimeoutExpired:
         return UNDECIDED
     finally:
         spoilt.write_bytes(sound)
-    return SURVIVED
+
+
+def first_failure(tests: Sequence[str], copy: Path, environment: Mapping[str, str], seconds: float) -> str | None:
+    """Name the first test that fails in a copy, or the first of all where the run itself does; nothing outlives it.
+
+    Raises
+    ------
+    subprocess.TimeoutExpired
+        If the tests do not end within these seconds.
+    """
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-n", "0", "-p", "no:cacheprovider", *tests]
+    with (
+        tempfile.TemporaryFile("w+") as output,
+        subprocess.Popen(
+            command, cwd=copy, env=environment, stdout=output, stderr=output, start_new_session=True
+        ) as run,
+    ):
+        try:
+            run.wait(max(seconds, 0.0))
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(run.pid, signal.SIGKILL)  # with all that it has started
+        output.seek(0)
+        failed = re.search(r"^(?:FAILED|ERROR) ([^\s\[]+)", output.read(), re.MULTILINE)
+    if run.returncode in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+        return None
+    return failed[1] if failed else tests[0]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -181,6 +213,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         copy = Path(folder) / "project"
         shutil.copytree(PROJECT, copy, ignore=shutil.ignore_patterns(".git", ".venv", ".*_cache", "_build"))
         lines = lines_of(copy, Path(folder)) if find_spec("coverage") else {}
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         for change in drawn:
             ended = outcome(change, copy, executing(change, lines), chosen.seconds)
             outcomes[ended] += 1

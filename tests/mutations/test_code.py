@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.mutations import code, lines
-from tests.mutations.code import KILLED, SURVIVED, Change, changes_of, executing, outcome, product_files
+from tests.mutations.code import KILLED, SURVIVED, UNDECIDED, Change, changes_of, executing, outcome, product_files
+from tests.scenarios.runs.builders import ended
 
 SMALL = "def least(a, b):\n    return a if a < b and not b + a == 1 else b\n"
 
@@ -46,6 +47,25 @@ def test_a_change_is_killed_by_a_test_that_sees_it_and_survives_others(project: 
     assert outcome(of[ast.Not], project) == KILLED
     assert outcome(of[ast.Lt], project) == SURVIVED
     assert (project / "reports/small.py").read_text() == SMALL
+
+
+def test_a_test_that_fails_without_the_change_kills_nothing(project: Path) -> None:
+    less = next(change for change in changes_of(Path("reports/small.py")) if change.operator is ast.Lt)
+    (project / "tests/golden/test_golden.py").write_text("def test_golden():\n    assert False\n")
+    assert outcome(less, project) == UNDECIDED
+
+
+def test_a_change_that_never_ends_is_not_decided_and_leaves_no_process(project: Path) -> None:
+    less = next(change for change in changes_of(Path("reports/small.py")) if change.operator is ast.Lt)
+    (project / "tests/golden/test_golden.py").write_text(
+        "import subprocess, sys\n"
+        "def test_golden():\n"
+        "    run = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=-1)\n"
+        "    open('pid', 'w').write(str(run.pid))\n"
+        "    run.wait()\n"
+    )
+    assert outcome(less, project, seconds=5) == UNDECIDED
+    assert ended([int((project / "pid").read_text())], within=5)
 
 
 def test_a_change_meets_the_passing_tests_that_execute_its_line(project: Path, tmp_path_factory) -> None:
