@@ -130,6 +130,7 @@ def test_a_step_that_there_is_not_is_refused(tmp_path) -> None:
     assert script(tmp_path) == 1  # ENGINE is missing
 
 
+@pytest.mark.slow
 def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> None:
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
     assert script(tmp_path, "now", ENGINE="mujoco", GRID="grid.toml", VARIANTS="") == 0

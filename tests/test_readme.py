@@ -55,6 +55,7 @@ def run_alone(example: str, folder: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_runs_by_itself(example, tmp_path: Path) -> None:
     printed = run_alone(example, tmp_path)

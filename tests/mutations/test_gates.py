@@ -126,16 +126,19 @@ def test_contract_stops_the_engine_and_not_its_sound_twin(stopped_by_contract, e
     assert sound([error])[0] not in stopped_by_contract
 
 
+@pytest.mark.slow
 def test_contract_stops_what_a_single_unit_and_a_single_friction_cannot_show() -> None:
     errors = [("force-drive", 1.0), ("coefficient-ignored", 1.0), ("bound-of-amplitude", 1.0), ("siconos-bound", 0.01)]
     assert ContractGate().caught([*wrong(errors), *sound(errors)]) == set(wrong(errors))
 
 
+@pytest.mark.slow
 def test_contract_stops_what_is_wrong_elsewhere_in_the_ranges_or_after_long_use() -> None:
     errors = [*ELSEWHERE, ("advance-short", 1.0)]
     assert ContractGate().caught([*wrong(errors), *sound(errors)]) == set(wrong(errors))
 
 
+@pytest.mark.slow
 def test_scenarios_stop_what_is_wrong_elsewhere_in_the_ranges_or_after_long_use(running) -> None:
     found = ScenarioGate(running, ["wide-range", "long-run"]).caught([*wrong(ELSEWHERE), *sound(ELSEWHERE)])
     assert found == set(wrong(ELSEWHERE))
@@ -158,6 +161,7 @@ def test_scenario_stops_what_no_law_predicts(running) -> None:
     assert ScenarioGate(running, ["unit-cell"]).caught([*wrong(SCENARIOS), *sound(SCENARIOS)]) == set(wrong(SCENARIOS))
 
 
+@pytest.mark.slow
 def test_report_stops_what_its_points_and_edges_show(running) -> None:
     report = ReportGate(running, (0.3,), (0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.5))
     assert report.caught([*wrong(REPORT), *sound(REPORT)]) == set(wrong(REPORT))

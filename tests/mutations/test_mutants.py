@@ -79,6 +79,7 @@ def distance(pair: tuple[Trajectory, Trajectory]) -> float:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mutant", MUTANTS.values(), ids=lambda mutant: mutant.name)
 def test_mutant_without_its_error_moves_as_its_original(mutant: Mutant) -> None:
     assert max(map(distance, two_runs(mutant, 0.0))) <= ROUND_OFF

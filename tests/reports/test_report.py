@@ -128,6 +128,7 @@ def test_part_of_a_dataset_is_reported_by_itself(data: xr.Dataset) -> None:
     assert {str(point.comparison.verdict) for point in part.points_of(part.sweep.variants[1])} == {"agree"}
 
 
+@pytest.mark.slow
 def test_report_of_a_sweep_over_more_than_friction_names_its_cases(data: xr.Dataset, tmp_path: Path) -> None:
     page = report(data, tmp_path / "report")
     assert page == tmp_path / "report" / "index.html"
@@ -204,6 +205,7 @@ def test_adaptive_frequencies_are_those_of_all_curves_together(tmp_path: Path) -
     assert "are not evaluated so far" not in page
 
 
+@pytest.mark.slow
 def test_a_report_shows_the_numbers_of_steps_that_its_store_holds_and_says_nothing_of_others(tmp_path: Path) -> None:
     """In a preview nothing is run for their sake."""
     planned = figure3((), (0.3,), (0.6, 0.9))

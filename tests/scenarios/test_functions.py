@@ -42,6 +42,7 @@ def by_reference(drive_of, **ratios) -> float:
     return steady_state(chain, drive_of(chain), with_error_bar=False).transmittance_db
 
 
+@pytest.mark.slow
 def test_script_without_a_main_guard_sweeps_checks_and_reports(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(SCRIPT)
     done = subprocess.run(

@@ -23,6 +23,7 @@ def wrong_engines(install):
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_law_of_another_chain_breaks_the_contract_and_predicts_nothing(name) -> None:
     with pytest.raises(AssertionError, match=FAULTS[name]):

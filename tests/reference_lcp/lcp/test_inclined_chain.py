@@ -182,6 +182,7 @@ def run_inclined(cell, steps_per_period):
     return moved(ResolvedLane(cell), cell.drive.period / steps_per_period, PERIODS * steps_per_period)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parameters", [(0.2, 0.3, 0.8, 1.3, 2), (0.4, 0.3, 0.8, 2.0, 2)], ids=str)
 def test_cell_that_lifts_off_lands_sticks_and_slips_agrees_with_its_events_at_first_order(parameters) -> None:
     """Contact that opens and closes, friction that follows the normal force, G_NT ≠ 0.

@@ -127,6 +127,7 @@ def test_a_store_of_another_program_is_refused_and_left_alone(
     assert foreign.read_bytes() == before
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("small_grid")
 def test_a_second_run_answers_from_the_store(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -261,6 +262,7 @@ transmittance_db = 0.1
 """Driven by a force, with a tolerance that a default keeps at one of the points only."""
 
 
+@pytest.mark.slow
 def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -363,6 +365,7 @@ def test_wrong_input_is_refused_and_leaves_no_folder(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_an_unmodelled_disagreement_is_code_1_after_the_page_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

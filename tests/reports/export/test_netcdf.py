@@ -93,6 +93,7 @@ def test_file_has_error_bars_and_what_is_allowed(read) -> None:
     assert bool(within.where(agrees, other=True).all())
 
 
+@pytest.mark.slow
 def test_report_of_the_file_has_the_numbers_of_the_sweep(data, file, tmp_path) -> None:
     folders = [Path(report(source, tmp_path / name)).parent for source, name in ((data, "a"), (str(file), "b"))]
     for name in ("transmittance.csv", "band_edges.csv", "transitions.csv"):

@@ -338,6 +338,7 @@ def agreeing(finding: Finding) -> Finding:
     return replace(finding, comparison=Comparison(Verdict.AGREE, "", 0.0, 1.0))
 
 
+@pytest.mark.slow
 def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: ComparedSweep) -> None:
     def said(shown: ComparedSweep) -> str:
         return files_of(Report(shown, ""))["index.html"].decode()

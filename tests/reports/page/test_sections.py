@@ -104,6 +104,7 @@ def test_two_figures_of_one_name_are_refused(report: Report) -> None:
         page("A page", [Twice(report)])
 
 
+@pytest.mark.slow
 def test_the_scale_stands_where_it_is_known_and_the_summary_names_it(report: Report) -> None:
     mujoco = Variant("mujoco", "joint", "default")
     assert "scale" not in {part.template for part in sections(report)}

@@ -134,6 +134,7 @@ def check_number(variant: Variant, scenario: str, folder) -> None:
     assert printed_by(text, folder, variant) == pytest.approx(value, rel=0, abs=allowed, nan_ok=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", WITH_TEMPLATE, ids=str)
 def test_script_alone_prints_the_creep_that_the_suite_has(variant, tmp_path) -> None:
     check_number(variant, "static-hold", tmp_path)

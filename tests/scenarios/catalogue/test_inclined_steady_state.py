@@ -21,6 +21,7 @@ def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inclined_steady_state, "BASELINE", (1, 2, 4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", each_variant([MUJOCO, Variant("dart", "contact", "sphere")]))
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(variant) -> None:
     assert not deviating(findings(SCENARIO, variant, REFERENCE))

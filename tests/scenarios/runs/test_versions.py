@@ -90,6 +90,7 @@ def test_functions_take_versions_and_name_missing_ones() -> None:
     assert np.ptp(data["transmittance_db"].values) == 0
 
 
+@pytest.mark.slow
 def test_a_dataset_of_a_version_that_is_not_there_is_read(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     data = sweep(["reference", "mujoco@3.99.0"], 0.3, [0.5, 0.9], chain={"cells": 1}, workers=1)
     monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path / "none"))

@@ -54,6 +54,7 @@ def test_points_and_edges_that_deviate_are_as_the_law_predicts() -> None:
     assert failures(result.findings) == []
 
 
+@pytest.mark.slow
 @needs_mujoco
 @pytest.mark.parametrize("factor", [0.99, 1.01])
 def test_an_engine_that_does_not_obey_its_law_is_unmodelled_at_points_and_edges(monkeypatch, factor) -> None:

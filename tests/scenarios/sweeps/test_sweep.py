@@ -222,6 +222,7 @@ def test_kill_that_comes_too_late_is_noticed(tmp_path: Path) -> None:
         kill_while_running(late, tmp_path / "none.sqlite", 1, worker_first=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
 def test_killed_sweep_goes_on_and_ends_with_the_same_table(tmp_path: Path) -> None:
     interrupted_sweep(tmp_path, rows=3, kills=2)
