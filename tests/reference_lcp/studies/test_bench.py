@@ -1,5 +1,7 @@
 """Cost and error of a point of figure 3 by several methods, harmonic balance among them."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,14 @@ from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.studies.bench import balanced_transmittance, bench_points, canonical_lane
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.studies.bench import (
+    LCPS_OF_A_SAMPLE,
+    _lemke,
+    balanced_transmittance,
+    bench_points,
+    canonical_lane,
+)
 
 
 @pytest.mark.parametrize("ratio", [0.5, 0.9, 1.4])
@@ -32,3 +41,11 @@ def test_the_scheme_is_nearer_to_the_exact_point_than_harmonic_balance_and_its_b
     assert barred["median_bar_db"] >= barred["median_error_db"] == scheme["median_error_db"]
     assert [row["failed"] for row in (scheme, barred, balance, exact)] == [0, 0, 0, 0]
     assert all(np.isfinite(row["seconds_per_point"]) and row["seconds_per_point"] > 0 for row in (scheme, balance))
+
+
+def test_steps_and_problems_of_lemkes_method_take_a_part_of_the_time_in_which_they_are_measured() -> None:
+    begin = time.perf_counter()
+    step, problem = _lemke()
+    elapsed = time.perf_counter() - begin
+    assert 0 < step * MINIMUM_STEPS_PER_PERIOD <= elapsed
+    assert 0 < problem * LCPS_OF_A_SAMPLE <= elapsed
