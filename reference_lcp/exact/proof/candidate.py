@@ -114,7 +114,7 @@ def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
         x = (x - motion.state((start + length) % cycle)) / 2
     u, v, du, dv = np.split(x, 4)
     row = np.searchsorted(motion.starts, start, side="right") - 1
-    first = np.where(chain.friction_bound > 0, motion.modes[row], 1)
+    first = motion.modes[row]
     ahead = sorted(((time - start) % cycle, cell, new) for time, cell, new in events)
     ahead = [event for event in ahead if event[0] < length]
     state = np.concatenate([u, v - u, du, np.where(first == 0, 0.0, dv - du)])

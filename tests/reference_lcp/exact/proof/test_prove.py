@@ -234,6 +234,12 @@ def test_modulation_that_repeats_after_two_periods_is_proven() -> None:
     assert proof.transmittance_db.radius < Decimal("1e-20")
 
 
+@pytest.mark.parametrize("rubs", [1, 2])
+def test_a_cell_without_friction_has_no_transitions_though_it_turns_round(rubs) -> None:
+    proof = proven(tuple("0.3" if cell == rubs else "0" for cell in (1, 2)), "0.9", cells=2, modulation="0.5")
+    assert {change.cell for change in proof.transitions} == {rubs}
+
+
 def test_more_digits_are_in_fewer_digits() -> None:
     few, many = (
         proven(cells=2),
