@@ -2,8 +2,8 @@
 
 A copy of the project gets one operator that is another one, at random. The quick tests are run once to see which lines
 each of them executes (`coverage`); a mutant meets those of its line, then the tests that have most to do with its file.
-It is killed by the first test that fails, survives if all pass, and is not decided if time is up before, or if that
-test fails without the change too.
+It is killed by the first test that fails, and survives if those of its line pass, though time may be up before all of
+its file have been run. Without tests of its line, or if what fails fails without the change too, it is not decided.
 """
 
 import argparse
@@ -155,17 +155,18 @@ def outcome(change: Change, copy: Path, tests: Sequence[str] = (), seconds: floa
     environment = os.environ | {"PYTHONPATH": str(copy)}
     if not tests and b"numba" in sound:  # what calls it is compiled with it
         environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=copy)
-    end = time.monotonic() + seconds
+    end, otherwise = time.monotonic() + seconds, UNDECIDED
     try:
         if tests and first_failure(tests, copy, environment, seconds):
             return KILLED
+        otherwise = SURVIVED if tests else UNDECIDED
         failed = first_failure(tests_of(change.file), copy, environment, end - time.monotonic())
         spoilt.write_bytes(sound)
         if failed is None:
             return SURVIVED
         return UNDECIDED if first_failure([failed], copy, environment, seconds) else KILLED
     except subprocess.TimeoutExpired:
-        return UNDECIDED
+        return otherwise
     finally:
         spoilt.write_bytes(sound)
 

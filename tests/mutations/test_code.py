@@ -66,6 +66,7 @@ def test_a_change_that_never_ends_is_not_decided_and_leaves_no_process(project: 
     )
     assert outcome(less, project, seconds=5) == UNDECIDED
     assert ended([int((project / "pid").read_text())], within=5)
+    assert outcome(less, project, ["tests/reports/test_small.py"], seconds=5) == SURVIVED
 
 
 def test_a_change_meets_the_passing_tests_that_execute_its_line(project: Path, tmp_path_factory) -> None:
