@@ -27,12 +27,12 @@ if TYPE_CHECKING:
         simulate,
         steady_state,
     )
-    from reports import report
+    from reports import band_edges, plot, report
     from scenarios import check, sweep
     from scenarios.verdicts.regression import compare_stores as compare
 
 _NAMES = {
-    "reports": ("report",),
+    "reports": ("band_edges", "plot", "report"),
     "scenarios": ("check", "sweep"),
     "scenarios.verdicts.regression": ("compare",),
     "engines": (
@@ -61,11 +61,13 @@ __all__ = [
     "SteadyState",
     "Trajectory",
     "Variant",
+    "band_edges",
     "check",
     "compare",
     "engine",
     "engine_names",
     "exact_steady_state",
+    "plot",
     "prove_steady_state",
     "report",
     "simulate",

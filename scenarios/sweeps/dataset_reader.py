@@ -121,7 +121,7 @@ class DatasetResults:
 
     def __init__(self, data: xr.Dataset):
         self.sweep = sweep_of(data)
-        self._results: dict[SteadyStateTask, Result] = {}
+        self.results: dict[SteadyStateTask, Result] = {}
         self.predictions: dict[GridPoint, dict[Metric, Prediction]] = {}
         self.points: list[GridPoint] = []
         for point, text in zip(self.sweep.grid_points(), _texts(data, self.sweep), strict=True):
@@ -132,14 +132,14 @@ class DatasetResults:
         """Add a point of the grid."""
         factors = (1.0, *refinements(point[0], self.sweep.tolerance))
         for factor, result in zip(factors, (stored.result, *stored.others), strict=False):
-            self._results[self.sweep.task(*point, factor)] = result
+            self.results[self.sweep.task(*point, factor)] = result
         metrics = {metric.name: metric for metric, _, _ in PREDICTED}
         self.predictions[point] = {metrics[name]: own for name, own in stored.predictions.items() if name in metrics}
         self.points.append(point)
 
     def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
         """Give the result of every task, in order."""
-        return [self._results.get(task) or Result.missing() for task in tasks]
+        return [self.results.get(task) or Result.missing() for task in tasks]
 
 
 def _texts(data: xr.Dataset, sweep: Sweep) -> list[str]:
