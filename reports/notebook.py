@@ -11,7 +11,7 @@ from matplotlib.figure import Figure as Canvas
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.output import replacing
+from reference_lcp.output import replacing, shown_in_notebooks
 from reference_lcp.studies.plot import checked_picture_format
 from reports.data.points import edge_table, written
 from reports.drawing.figure import Axis, Draw, Figure, Panel, Rule, Series
@@ -74,7 +74,7 @@ def figure_of(data: xr.Dataset, file: str | Path | None) -> Canvas:
         if picture is not None:
             with replacing(picture) as part:
                 canvas.savefig(part)
-    return canvas
+    return shown_in_notebooks(canvas)
 
 
 def _figure(data: xr.Dataset) -> Figure:

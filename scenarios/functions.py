@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from pydantic import ValidationError
 
@@ -20,7 +19,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.verdict_table import finding_table
+from scenarios.catalogue.verdict_table import VerdictTable, finding_table
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.evaluator import Evaluator
@@ -118,7 +117,7 @@ def check(
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
     retry_blocked: bool = False,
-) -> pd.DataFrame:
+) -> VerdictTable:
     """Run a scenario of the catalogue and judge every number of every engine.
 
     Parameters
@@ -132,10 +131,11 @@ def check(
 
     Returns
     -------
-    pandas.DataFrame
-        One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``,
-        ``value``, ``expected``, ``verdict``, ``difference``, ``allowed``, ``modelled`` (whether the law of the
-        preset predicts a disagreement), five numbers of that prediction, ``reason``.
+    VerdictTable
+        A pandas.DataFrame of one row a number, printed as one line: ``scenario``, ``case``, ``engine``,
+        ``formulation``, ``preset``, ``metric``, ``unit``, ``value``, ``expected``, ``verdict``, ``difference``,
+        ``allowed``, ``modelled`` (whether the law of the preset predicts a disagreement), five numbers of that
+        prediction, ``reason``.
 
     Raises
     ------
@@ -152,7 +152,8 @@ def check(
         ProgressBars(shown) as bars,
         Evaluator(stored, executor_for(workers, time_limit, scheduler), bars, retry_blocked=retry_blocked) as evaluator,
     ):
-        return finding_table({item: run_with_predictions(item, own, evaluator) for item, own in variants.items()})
+        found = {item: run_with_predictions(item, own, evaluator) for item, own in variants.items()}
+        return VerdictTable(finding_table(found))
 
 
 def _validated(content: Mapping[str, Any]) -> Sweep:

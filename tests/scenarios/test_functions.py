@@ -122,6 +122,18 @@ def test_check_gives_a_row_a_number() -> None:
     assert len(table) > 0
 
 
+@pytest.mark.usefixtures("here")
+def test_verdicts_are_one_line_and_their_parts_are_rows() -> None:
+    table = check("frictionless-limit", ["reference", "exudyn-regularised"])
+    line = repr(table)
+    assert "\n" not in line
+    assert f"on {len(table)} numbers" in line
+    assert table.counts.to_numpy().sum() == len(table)
+    assert "<table" in table._repr_html_()
+    part = table[table.engine == "reference"]
+    assert len(repr(part).splitlines()) > len(part) > 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
