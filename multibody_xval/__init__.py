@@ -12,14 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from engines import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset, Variant, engine, engine_names
+    from engines.interface.law import NotModelled
     from reference_lcp import (
         Chain,
         HarmonicBase,
         HarmonicForce,
+        Lane,
         NotProven,
         ParameterError,
         PeriodicOrbit,
         ProvenSteadyState,
+        State,
         SteadyState,
         Trajectory,
         exact_steady_state,
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
         simulate,
         steady_state,
     )
+    from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
     from reports import band_edges, plot, report
     from scenarios import check, sweep
     from scenarios.verdicts.regression import compare_stores as compare
@@ -38,10 +42,13 @@ _NAMES = {
     "engines": (
         "Capabilities", "Engine", "Formulation", "FrictionLaw", "Option", "Preset", "Variant", "engine", "engine_names",
     ),
+    "engines.interface.law": ("NotModelled",),
     "reference_lcp": (
-        "Chain", "HarmonicBase", "HarmonicForce", "NotProven", "ParameterError", "PeriodicOrbit", "ProvenSteadyState",
-        "SteadyState", "Trajectory", "exact_steady_state", "prove_steady_state", "simulate", "steady_state",
+        "Chain", "HarmonicBase", "HarmonicForce", "Lane", "NotProven", "ParameterError", "PeriodicOrbit",
+        "ProvenSteadyState", "State", "SteadyState", "Trajectory", "exact_steady_state", "prove_steady_state",
+        "simulate", "steady_state",
     ),
+    "reference_lcp.schemes.sequential": ("LaneModel", "SequentialSimulation"),
 }  # fmt: skip
 
 __all__ = [
@@ -52,12 +59,17 @@ __all__ = [
     "FrictionLaw",
     "HarmonicBase",
     "HarmonicForce",
+    "Lane",
+    "LaneModel",
+    "NotModelled",
     "NotProven",
     "Option",
     "ParameterError",
     "PeriodicOrbit",
     "Preset",
     "ProvenSteadyState",
+    "SequentialSimulation",
+    "State",
     "SteadyState",
     "Trajectory",
     "Variant",
