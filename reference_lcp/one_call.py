@@ -145,7 +145,7 @@ def _ranges(chosen: NDArray[np.bool_]) -> str:
     starts = np.flatnonzero(chosen & ~np.append(False, chosen[:-1])) + 1
     ends = np.flatnonzero(chosen & ~np.append(chosen[1:], False)) + 1
     if starts.size > MOST_RANGES:
-        return f"({np.count_nonzero(chosen)} of {chosen.size})"
+        return f"{np.count_nonzero(chosen)} of {chosen.size}"
     return ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in zip(starts.tolist(), ends.tolist(), strict=True))
 
 

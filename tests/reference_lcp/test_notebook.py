@@ -33,7 +33,7 @@ def test_line_says_that_a_motion_is_not_periodic_yet(chain: Chain) -> None:
 def test_cells_in_many_places_are_counted() -> None:
     chain = Chain.from_ratios(cells=8, friction_ratio=[30.0, 0.0] * 4)
     state = steady_state(chain, HarmonicBase.from_ratio(chain, 0.6), with_error_bar=False)
-    assert "cells (4 of 8) stick>" in repr(state)
+    assert "cells 4 of 8 stick>" in repr(state)
 
 
 def test_line_of_a_chain_has_spans_where_cells_differ(chain: Chain) -> None:
