@@ -99,8 +99,10 @@ def recorded_variants(data: xr.Dataset) -> dict[str, Any]:
     return json.loads(_DESCRIPTIONS.dump_json(read))
 
 
-def sweep_of(data: xr.Dataset) -> Sweep:
+def sweep_of(data: Any) -> Sweep:
     """Give the sweep whose results a dataset holds; of a part of one, such as ``data.sel(...)``, that part."""
+    if not isinstance(data, xr.Dataset):
+        raise ParameterError(f"data is a {type(data).__name__}; allowed: the dataset of a sweep, or data.sel(...) of it")
     try:
         whole = SWEEP.validate_json(data.attrs["sweep"])
     except KeyError:

@@ -93,6 +93,14 @@ def test_depths_below_what_is_drawn_do_not_stretch_the_axis(data: xr.Dataset) ->
     assert plot(deep).axes[0].get_ylim()[0] == -80.0
 
 
+@pytest.mark.parametrize("ask", [plot, band_edges])
+def test_what_is_no_dataset_is_named(ask, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="data is a DataFrame; allowed: the dataset of a sweep"):
+        ask(pd.DataFrame())
+    with pytest.raises(ParameterError, match="data is a DataFrame; allowed: the dataset of a sweep, or the path"):
+        report(pd.DataFrame(), tmp_path)
+
+
 def test_too_many_cases_for_one_figure_are_refused(data: xr.Dataset) -> None:
     many = xr.concat([data.assign_coords(friction_ratio=data.friction_ratio + k) for k in range(13)], "friction_ratio")
     with pytest.raises(ParameterError, match="26 cases; allowed: <= 24"):
