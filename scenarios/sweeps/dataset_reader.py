@@ -102,7 +102,7 @@ def recorded_variants(data: xr.Dataset) -> dict[str, Any]:
 def sweep_of(data: Any) -> Sweep:
     """Give the sweep whose results a dataset holds; of a part of one, such as ``data.sel(...)``, that part."""
     if not isinstance(data, xr.Dataset):
-        raise ParameterError(f"data is a {type(data).__name__}; allowed: the dataset of a sweep, or data.sel(...) of it")
+        raise ParameterError(f"data is a {type(data).__name__}; allowed: the dataset of a sweep, or a part of one")
     try:
         whole = SWEEP.validate_json(data.attrs["sweep"])
     except KeyError:
