@@ -12,14 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from engines import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset, Variant, engine, engine_names
+    from engines.interface.law import NotModelled
     from reference_lcp import (
         Chain,
         HarmonicBase,
         HarmonicForce,
+        Lane,
         NotProven,
         ParameterError,
         PeriodicOrbit,
         ProvenSteadyState,
+        State,
         SteadyState,
         Trajectory,
         exact_steady_state,
@@ -27,21 +30,25 @@ if TYPE_CHECKING:
         simulate,
         steady_state,
     )
-    from reports import report
+    from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
+    from reports import band_edges, plot, report
     from scenarios import check, sweep
     from scenarios.verdicts.regression import compare_stores as compare
 
 _NAMES = {
-    "reports": ("report",),
+    "reports": ("band_edges", "plot", "report"),
     "scenarios": ("check", "sweep"),
     "scenarios.verdicts.regression": ("compare",),
     "engines": (
         "Capabilities", "Engine", "Formulation", "FrictionLaw", "Option", "Preset", "Variant", "engine", "engine_names",
     ),
+    "engines.interface.law": ("NotModelled",),
     "reference_lcp": (
-        "Chain", "HarmonicBase", "HarmonicForce", "NotProven", "ParameterError", "PeriodicOrbit", "ProvenSteadyState",
-        "SteadyState", "Trajectory", "exact_steady_state", "prove_steady_state", "simulate", "steady_state",
+        "Chain", "HarmonicBase", "HarmonicForce", "Lane", "NotProven", "ParameterError", "PeriodicOrbit",
+        "ProvenSteadyState", "State", "SteadyState", "Trajectory", "exact_steady_state", "prove_steady_state",
+        "simulate", "steady_state",
     ),
+    "reference_lcp.schemes.sequential": ("LaneModel", "SequentialSimulation"),
 }  # fmt: skip
 
 __all__ = [
@@ -52,20 +59,27 @@ __all__ = [
     "FrictionLaw",
     "HarmonicBase",
     "HarmonicForce",
+    "Lane",
+    "LaneModel",
+    "NotModelled",
     "NotProven",
     "Option",
     "ParameterError",
     "PeriodicOrbit",
     "Preset",
     "ProvenSteadyState",
+    "SequentialSimulation",
+    "State",
     "SteadyState",
     "Trajectory",
     "Variant",
+    "band_edges",
     "check",
     "compare",
     "engine",
     "engine_names",
     "exact_steady_state",
+    "plot",
     "prove_steady_state",
     "report",
     "simulate",

@@ -1,5 +1,6 @@
 """What ends a command: refused input, a run that cannot go on, and exit codes; imports no NumPy."""
 
+import difflib
 import os
 from collections.abc import Sequence
 from enum import IntEnum
@@ -55,8 +56,14 @@ def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
 def checked_choice(name: str, value: str, allowed: Sequence[str]) -> str:
     """Give `value` if it is one of `allowed`, or raise `ParameterError` with the choices."""
     if value not in allowed:
-        raise ParameterError(f"{name} = {shown(value)} is unknown; allowed: {', '.join(allowed)}")
+        raise ParameterError(f"{name} = {shown(value)} is unknown; {choices(value, allowed)}")
     return value
+
+
+def choices(value: object, allowed: Sequence[str]) -> str:
+    """List the names that are allowed in place of `value`, and ask whether the one most like it was meant."""
+    near = difflib.get_close_matches(str(value)[:SHOWN], allowed, 1)
+    return f"allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]}?" if near else "")
 
 
 class ExitCode(IntEnum):

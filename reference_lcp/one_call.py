@@ -2,14 +2,16 @@
 
 import cmath
 import dataclasses
+import html
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import Drive, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
@@ -26,15 +28,25 @@ from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
     {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}
 )
 """Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
 
 
-@dataclass(frozen=True)
+WHOLE_PERIOD = 1 - 1e-9
+"""Stuck fraction from which on a contact sticks all the time: sums of durations have an error of round-off."""
+
+MOST_RANGES = 3
+"""Ranges of cells that one line names; where there are more, cells are counted."""
+
+
+@dataclass(frozen=True, repr=False)
 class SteadyState:
-    """A steady state and what is read from it."""
+    """A steady state and what is read from it; a notebook shows it as one line and a table of its contacts."""
 
     orbit: PeriodicOrbit
     """One period and its residual."""
@@ -60,6 +72,51 @@ class SteadyState:
         ratio = complex_transmittance(orbit)
         return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), stuck, changes)
 
+    def __repr__(self) -> str:
+        """Say in one line what the last mass does, with its error bar, and which contacts stick."""
+        status = "" if self.orbit.converged else f"not certified ({self.orbit.status}): "
+        numbers = f"{status}{self._level} dB, phase {self.phase:.3f} rad, {self.orbit.periods} periods"
+        return f"<SteadyState {numbers}{self._sticking}>".replace("-", "−")
+
+    @property
+    def _level(self) -> str:
+        """The transmittance to the first digit of its error bar, which is rounded up."""
+        bar = self.error_bar
+        if bar is not None and not bar.resolved:
+            return f"below {bar.floor_db:.0f}"
+        if bar is None or not 0 < bar.transmittance_db < math.inf:
+            return f"{self.transmittance_db:.4g}"
+        digits = max(0, -math.floor(math.log10(bar.transmittance_db)))
+        error = math.ceil(bar.transmittance_db * 10**digits) / 10**digits
+        return f"{self.transmittance_db:.{digits}f} ± {error:.{digits}f}"
+
+    @property
+    def _sticking(self) -> str:
+        whole = self.stuck_fraction >= WHOLE_PERIOD
+        modes = {"stick": whole, "stick and slip": ~whole & (self.stuck_fraction > 0)}
+        named = [f"{_ranges(own)} {mode}" for mode, own in modes.items() if own.any()]
+        return f"; cells {'; '.join(named)}" if named else "; no contact sticks"
+
+    def _repr_html_(self) -> str:
+        import pandas as pd
+
+        counts = np.bincount([change.cell for change in self.transitions], minlength=self.stuck_fraction.size + 1)[1:]
+        cells = pd.Index(range(1, self.stuck_fraction.size + 1), name="cell")
+        table = pd.DataFrame({"stuck fraction [-]": self.stuck_fraction, "transitions": counts}, cells)
+        return f"<p>{html.escape(repr(self))}</p>{table.to_html(max_rows=20)}"
+
+    def plot(self) -> "Figure":
+        """Draw displacement, relative velocity and friction of every cell over one period; grey where it sticks.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Three columns, a row a cell; over the displacement scale, that times ω, and the friction bound [-].
+        """
+        from reference_lcp.studies.plot import plot_period
+
+        return plot_period(self.orbit)
+
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; those of the error bar if there is one."""
         bar = {} if self.error_bar is None else self.error_bar.as_dict()
@@ -81,6 +138,15 @@ class SteadyState:
             **bar,
             **exact,
         }
+
+
+def _ranges(chosen: NDArray[np.bool_]) -> str:
+    """Name cells, shape (n,), such as ``1–4, 7``; count them where that takes more than `MOST_RANGES`."""
+    starts = np.flatnonzero(chosen & ~np.append(False, chosen[:-1])) + 1
+    ends = np.flatnonzero(chosen & ~np.append(chosen[1:], False)) + 1
+    if starts.size > MOST_RANGES:
+        return f"{np.count_nonzero(chosen)} of {chosen.size}"
+    return ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in zip(starts.tolist(), ends.tolist(), strict=True))
 
 
 def steady_state(

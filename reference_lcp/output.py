@@ -1,13 +1,18 @@
 """Output files: checked before any work, and complete or as they were, written beside and then renamed."""
 
+import io
 import os
 import tempfile
 import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reference_lcp.errors import ParameterError, RunError, checked_path
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 INSTALLED = Path(__file__).resolve().parents[1]
 """Where the packages of the suite lie."""
@@ -33,6 +38,18 @@ def replacing(file: Path) -> Iterator[Path]:
         raise RunError(f"{file} cannot be written: {problem.strerror or problem}; it is as it was") from None
     finally:
         part.unlink(missing_ok=True)
+
+
+def shown_in_notebooks(figure: "Figure") -> "Figure":
+    """Let a notebook show a figure: it knows those of pyplot alone, which a script would have to close."""
+
+    def png() -> bytes:
+        picture = io.BytesIO()
+        figure.savefig(picture, format="png", dpi=120)
+        return picture.getvalue()
+
+    figure._repr_png_ = png  # type: ignore[attr-defined]
+    return figure
 
 
 def write_whole(file: Path, content: str | bytes) -> None:

@@ -7,6 +7,7 @@ Ctrl-C ends a command within two seconds, also while its modules are imported: i
 import atexit
 import importlib.util
 import io
+import itertools
 import os
 import select
 import shutil
@@ -257,7 +258,7 @@ def _message(problem: Any, arguments: list[str]) -> str:
     """Say in one line what is wrong, with the value that was given for an option."""
     message = " ".join(problem.format_message().split())
     names = getattr(getattr(problem, "param", None), "opts", [])
-    for name, value in zip(arguments, [*arguments[1:], None], strict=True):
+    for name, value in itertools.zip_longest(arguments, arguments[1:]):
         if name in names and value is not None:
             return f"{message} (given: {value[:SHOWN]})"
         if name.partition("=")[0] in names:

@@ -38,11 +38,14 @@ class Written(NamedTuple):
     report: Report
 
 
-def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
+def write_report(data: object, folder: str | Path) -> Written:
     """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
     folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):
         return write_dataset_report(data, folder, "reports.report(data, folder)")
+    if not isinstance(data, str | Path):  # a DataFrame, such as `check` gives
+        kinds = "the dataset of a sweep, or the path of a .nc, .toml or .sqlite file"
+        raise ParameterError(f"data is a {type(data).__name__}; allowed: {kinds}")
     file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
         return write_sweep_report(sweep_of(file), folder, command)

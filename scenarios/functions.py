@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from pydantic import ValidationError
 
@@ -20,7 +19,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.verdict_table import finding_table
+from scenarios.catalogue.verdict_table import VerdictTable, finding_table
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.evaluator import Evaluator
@@ -35,7 +34,7 @@ from scenarios.sweeps.sweep import Sweep, check_size
 Numbers = float | Sequence[float] | FloatArray
 """One number, or several: a list, a tuple or an array."""
 
-AxisValues = Numbers | tuple[float, float, int] | Mapping[str, float]
+AxisValues = float | list[float] | FloatArray | tuple[float, float, int] | Mapping[str, float]
 """Values of an axis: numbers, (first, last, how many), or what a sweep file takes: first, last, accuracy_db."""
 
 
@@ -56,6 +55,7 @@ def sweep(
     scheduler: str | None = None,
     retry_blocked: bool = False,
     yes: bool = False,
+    **unknown: object,
 ) -> xr.Dataset:
     """Simulate every combination of values by every engine, and give the steady states as labelled arrays.
 
@@ -64,8 +64,8 @@ def sweep(
     engines
         Names ``ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]``, or ``all``; verdicts need ``reference`` among them.
     friction_ratio, frequency_ratio
-        μ λ_N / (k_c U0) >= 0 and η_r = ω / ω_r > 0: a number, several, or (first, last, how many). η_r may be an
-        adaptive grid: ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}``.
+        μ λ_N / (k_c U0) >= 0 and η_r = ω / ω_r > 0: a number, a list or array of them, or a tuple (first, last, how
+        many). η_r may be an adaptive grid: ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}``.
     vary, chain
         Other axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``; what is not varied, as in `Chain.from_ratios`.
     drive, amplitude
@@ -85,10 +85,17 @@ def sweep(
     ParameterError
         If something is outside its range.
     """
+    for name in unknown:
+        raise ParameterError(
+            f"sweep has no argument {name!r}; allowed: in chain={{{name!r}: ...}}, or in vary to vary it"
+        )
+    for name, given in {"vary": vary, "chain": chain}.items():
+        if given is not None and not isinstance(given, Mapping):
+            raise ParameterError(f"{name} = {shown(given)}; allowed: values by name")
     axes = {"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})}
     planned = _validated({
         "engines": _names(engines), "steps_per_period": steps_per_period,
-        "grid": {name: _axis(values) for name, values in axes.items()},
+        "grid": {name: _axis(name, values) for name, values in axes.items()},
         "chain": {name: _numbers(value) for name, value in (chain or {}).items()},
         "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
@@ -110,7 +117,7 @@ def check(
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
     retry_blocked: bool = False,
-) -> pd.DataFrame:
+) -> VerdictTable:
     """Run a scenario of the catalogue and judge every number of every engine.
 
     Parameters
@@ -124,10 +131,11 @@ def check(
 
     Returns
     -------
-    pandas.DataFrame
-        One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``,
-        ``value``, ``expected``, ``verdict``, ``difference``, ``allowed``, ``modelled`` (whether the law of the
-        preset predicts a disagreement), five numbers of that prediction, ``reason``.
+    VerdictTable
+        A pandas.DataFrame of one row a number, printed as one line: ``scenario``, ``case``, ``engine``,
+        ``formulation``, ``preset``, ``metric``, ``unit``, ``value``, ``expected``, ``verdict``, ``difference``,
+        ``allowed``, ``modelled`` (whether the law of the preset predicts a disagreement), five numbers of that
+        prediction, ``reason``.
 
     Raises
     ------
@@ -144,7 +152,8 @@ def check(
         ProgressBars(shown) as bars,
         Evaluator(stored, executor_for(workers, time_limit, scheduler), bars, retry_blocked=retry_blocked) as evaluator,
     ):
-        return finding_table({item: run_with_predictions(item, own, evaluator) for item, own in variants.items()})
+        found = {item: run_with_predictions(item, own, evaluator) for item, own in variants.items()}
+        return VerdictTable(finding_table(found))
 
 
 def _validated(content: Mapping[str, Any]) -> Sweep:
@@ -163,12 +172,15 @@ def _names(engines: str | Sequence[str]) -> list[str]:
     return list(names)
 
 
-def _axis(values: AxisValues) -> Any:
+def _axis(name: str, values: Any) -> Any:
     """Give the values of an axis as a sweep file has them."""
     if isinstance(values, Mapping):
         return dict(values)
-    if isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
-        return {"first": values[0], "last": values[1], "points": values[2]}
+    if isinstance(values, tuple):
+        if len(values) != 3 or not isinstance(values[2], int | np.integer):
+            ways = f"{list(values)} for these values, or (first, last, how many), the last one whole"
+            raise ParameterError(f"{name} = {shown(values)} is a tuple; allowed: {ways}")
+        return {"first": values[0], "last": values[1], "points": int(values[2])}
     try:
         return np.atleast_1d(np.asarray(values, dtype=float)).tolist()
     except (TypeError, ValueError, OverflowError):

@@ -8,7 +8,7 @@ from types import ModuleType
 import pytest
 
 from engines import engine
-from engines.interface.registry import engine_names
+from engines.interface.registry import engine_names, registered_engine
 from engines.interface.variant import variants_of
 from reports.cli.console_script import COMMANDS
 
@@ -47,6 +47,16 @@ def test_page_of_commands_has_options_with_their_help(page) -> None:
 def test_page_of_commands_names_commands_as_they_are_typed(page) -> None:
     _, _, sections = page.partition("\n## ")
     assert "python -m" not in sections
+
+
+def test_table_of_engines_has_the_licence_of_each() -> None:
+    rows = [line for line in (DOCS / "engines/index.md").read_text(encoding="utf-8").splitlines() if "](" in line]
+    cells = [line.split("|") for line in rows if line.count("|") == 7]
+    shown = {re.sub(r"[\[\]]|\(.*?\)", "", own[1]).strip(): own[3].strip() for own in cells}
+    for name in set(engine_names()) - {"reference"}:
+        known = registered_engine(name).capabilities
+        expected = known.licence.removeprefix("LicenseRef-").replace("A-O", "A O")
+        assert shown[known.title.partition(" (")[0]] == expected, name
 
 
 def markers(picture: Path) -> list[float]:

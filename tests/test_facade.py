@@ -2,6 +2,7 @@
 
 import os
 import pydoc
+import re
 import subprocess
 import sys
 import zipfile
@@ -45,6 +46,24 @@ def test_three_functions_run_beside_files_with_the_names_of_the_packages(folder:
     variants, numbers = done.stdout.splitlines()
     assert "'mujoco:noslip_iterations=3'" in variants
     assert numbers == "0 True True"
+
+
+@pytest.mark.slow
+def test_a_study_of_a_graded_chain_takes_twenty_lines(tmp_path: Path) -> None:
+    """That of the tutorial: sweep, figure, edges, stick and slip."""
+    page = (ROOT / "docs/tutorials/own_chain.md").read_text(encoding="utf-8")
+    (study,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert len(study.splitlines()) <= 20
+    (tmp_path / "study.py").write_text(study)
+    done = python(tmp_path, "study.py", MPLBACKEND="agg")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "graded.pdf").read_bytes().startswith(b"%PDF")
+    edges = [line.split() for line in done.stdout.splitlines() if line.endswith("agree")]
+    assert [(row[1], row[2]) for row in edges] == [
+        (engine, friction) for engine in ("reference", "mujoco") for friction in ("0.1", "0.3")
+    ]
+    assert [row[3] for row in edges[:2]] == [row[3] for row in edges[2:]], "MuJoCo tuned takes the reference's step"
+    assert done.stdout.splitlines()[-1].startswith("<SteadyState −5.71")
 
 
 def test_a_file_that_was_imported_before_is_named(folder: Path) -> None:

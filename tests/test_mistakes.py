@@ -43,6 +43,7 @@ COMMAND_LINES = [
     ("run laws --out laws.txt", r"allowed: \.md or \.csv"),
     ("engines law mujocko", r"engine = 'mujocko' is unknown"),
     ("engines --jason", r"No such option.*--json"),
+    ("reprot --quick", r"No such command 'reprot'.*Did you mean 'report'"),
     ("run accuracy --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
     (
         "run accuracy --engine mujoco:glue",
@@ -130,7 +131,7 @@ SWEEP_FILES = [
         SWEEP + "[chain]\nouter_mass_ratio = [1.0, 2.0]\n",
         r"chain.outer_mass_ratio has 2 values and the chain 7 cells; allowed: one number, or as many",
     ),
-    (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: .*example"),
+    (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: cells, mass_ratio"),
     ("steps_per_period = 3\n" + SWEEP, r"steps_per_period = 3; .*16"),
     ("steps_per_period = " + "9" * 4301 + SWEEP, r"is no TOML: .*4300 digits"),
     ("engines = " + "[" * 3000 + "]" * 3000, r"is no TOML: arrays and tables in one another"),

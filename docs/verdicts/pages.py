@@ -49,17 +49,29 @@ def outcomes(rows: pd.DataFrame) -> dict[str, int]:
 
 
 def heat_map(rows: pd.DataFrame) -> Iterator[str]:
-    """Give the lines of an HTML table: a row a variant, a column a scenario."""
-    scenarios = [name for name in CATALOGUE if name in set(rows["scenario"])]
-    yield '<div class="verdict-map"><table><thead><tr><th>engine, formulation, preset</th>'
+    """Give the lines of HTML tables: a column a scenario, a row a variant below its engine; defaults are folded."""
+    installed = rows["preset"].str.startswith("default")
+    yield from _map(rows, rows[~installed])
+    yield "<details><summary>As installed: the presets <code>default</code></summary>"
+    yield from _map(rows, rows[installed])
+    yield "</details>"
+
+
+def _map(every: pd.DataFrame, rows: pd.DataFrame) -> Iterator[str]:
+    scenarios = [name for name in CATALOGUE if name in set(every["scenario"])]
+    yield '<div class="verdict-map"><table><thead><tr><th>formulation, preset</th>'
     yield from (f'<th><a href="scenarios/{name}.html"><span>{name}</span></a></th>' for name in scenarios)
-    yield "</tr></thead><tbody>"
-    for (engine, variant), own in rows.groupby(["engine", "variant"], sort=False):
-        yield f'<tr><th><a href="engines/{engine}.html">{engine}</a> {escape(str(variant))}</th>'
-        by_scenario = dict(list(own.groupby("scenario")))
-        yield from (_cell(str(engine), str(variant), name, by_scenario.get(name)) for name in scenarios)
-        yield "</tr>"
-    yield "</tbody></table></div>"
+    yield "</tr></thead>"
+    for engine, of_engine in rows.groupby("engine", sort=False):
+        title = f'<a href="engines/{engine}.html">{engine}</a>'
+        yield f'<tbody><tr><th class="engine" scope="rowgroup" colspan="{1 + len(scenarios)}">{title}</th></tr>'
+        for variant, own in of_engine.groupby("variant", sort=False):
+            by_scenario = dict(list(own.groupby("scenario")))
+            yield f"<tr><th>{escape(str(variant))}</th>"
+            yield from (_cell(str(engine), str(variant), name, by_scenario.get(name)) for name in scenarios)
+            yield "</tr>"
+        yield "</tbody>"
+    yield "</table></div>"
 
 
 def _cell(engine: str, variant: str, scenario: str, rows: pd.DataFrame | None) -> str:

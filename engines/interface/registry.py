@@ -9,7 +9,7 @@ from typing import Any
 
 from engines.interface.engine import VERSIONS, Engine
 from engines.interface.law import Law
-from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
+from engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.errors import ParameterError, checked_choice, text_of
@@ -166,8 +166,22 @@ def _check_engine(registered: Any) -> None:
         raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of engines.Engine")
     if not isinstance(registered.capabilities, Capabilities):
         raise TypeError(f"its capabilities are a {type(registered.capabilities).__name__}; allowed: Capabilities")
+    for formulation, presets in registered.capabilities.presets.items():
+        for name, preset in presets.items():
+            _check_preset(f"preset {formulation}:{name}", preset)
     for text in _texts(registered.capabilities):
         text.encode()  # results are stored under some, and reports print all
+
+
+def _check_preset(name: str, preset: Any) -> None:
+    """Raise unless this is a preset, and each of its options an option."""
+    if not isinstance(preset, Preset):
+        raise TypeError(f"its {name} is a {type(preset).__name__}; allowed: Preset")
+    options: Mapping[str, Any] = preset.options
+    for option, own in options.items():
+        if not isinstance(own, Option):
+            what = f"option {option} of its {name} is a {type(own).__name__}"
+            raise TypeError(f"{what}; allowed: Option(value, default, reason) or Option.own(value, meaning)")
 
 
 def _texts(value: object) -> Iterator[str]:

@@ -218,7 +218,7 @@ class OutOfProcessEngine(Engine):
         """Reason why the engine cannot be used, and what to do; ``None`` if it can."""
         versions = _versions_or_reason(self.name, self.interpreter, self.server)
         remedy = f"apt install {self.capabilities.package}, or let {self.variable} name a Python that has it"
-        return f"{versions}; {remedy}" if isinstance(versions, str) else None
+        return f"{remedy} ({versions})" if isinstance(versions, str) else None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         process = self.process()

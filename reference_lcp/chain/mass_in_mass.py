@@ -1,10 +1,11 @@
 """The mass-in-mass chain with an internal Coulomb contact in every cell."""
 
 import dataclasses
+import html
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,9 @@ from reference_lcp.validation import (
     checked_scalar,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _REQUIREMENTS = {
     "outer_mass": "> 0",
     "inner_mass": "> 0",
@@ -33,7 +37,7 @@ _REQUIREMENTS = {
 }
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Chain:
     """A row of mass-in-mass cells (Sethi, Banerjee, Manna, figure 2), in SI units.
 
@@ -128,6 +132,35 @@ class Chain:
             friction_coefficient=np.asarray(mu),
         )
 
+    def __repr__(self) -> str:
+        """Name the parameters in one line, from the smallest to the largest value where cells differ."""
+        parts = [
+            f"masses {_span(self.outer_mass)} and {_span(self.inner_mass)} kg",
+            f"springs {_span(self.chain_stiffness)} and {_span(self.inner_stiffness)} N/m",
+            f"dashpots {_span(self.chain_damping)} and {_span(self.inner_damping)} N s/m",
+            f"friction bound {_span(self.friction_bound)} N",
+        ]
+        return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
+
+    def _repr_html_(self) -> str:
+        import pandas as pd
+
+        cells = pd.Index(range(1, self.cells + 1), name="cell")
+        rows = {name: getattr(self, name) for name in _REQUIREMENTS}
+        return f"<p>{html.escape(repr(self))}</p>{pd.DataFrame(rows, cells).T.to_html(max_cols=20)}"
+
+    def plot(self) -> "Figure":
+        """Draw the transmittance of the chain on a moving base with all contacts free, and with all of them stuck.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            [dB] over the frequency ratio η_r = ω / ω_r from 0.1 to 3.
+        """
+        from reference_lcp.chain.linear_response import plot_limits
+
+        return plot_limits(self)
+
     @property
     def friction_bound(self) -> FloatArray:
         """Largest friction force μ λ_N of each contact [N], shape (n,)."""
@@ -182,6 +215,11 @@ class Chain:
 
     def __hash__(self) -> int:
         return hash(tuple(getattr(self, name).tobytes() for name in _REQUIREMENTS))
+
+
+def _span(values: FloatArray) -> str:
+    low, high = values.min(), values.max()
+    return f"{low:.4g}" if low == high else f"{low:.4g}…{high:.4g}"
 
 
 def _dashpot(name: str, ratio: ArrayLike, stiffness: FloatArray, mass: FloatArray) -> FloatArray:

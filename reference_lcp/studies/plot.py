@@ -1,15 +1,18 @@
 """A picture of one period of a steady state."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import contact_modes
-from reference_lcp.output import replacing
+from reference_lcp.output import replacing, shown_in_notebooks
 from reference_lcp.validation import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def checked_picture_format(file: Path) -> Path:
@@ -22,7 +25,7 @@ def checked_picture_format(file: Path) -> Path:
     return file
 
 
-def plot_period(orbit: PeriodicOrbit, file: Path) -> None:
+def plot_period(orbit: PeriodicOrbit) -> "Figure":
     """Draw displacement, relative velocity and friction of every cell over one period; grey where a contact sticks."""
     from matplotlib.figure import Figure
 
@@ -48,6 +51,11 @@ def plot_period(orbit: PeriodicOrbit, file: Path) -> None:
         axis.set_xlabel("time / period [-]")
     handles = axes[0, 0].get_legend_handles_labels()[0]
     figure.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
+    return shown_in_notebooks(figure)
+
+
+def save_picture(figure: "Figure", file: Path) -> None:
+    """Write a figure, complete or not at all."""
     with replacing(file) as part:
         figure.savefig(part, dpi=150)
 

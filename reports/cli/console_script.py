@@ -31,7 +31,15 @@ COMMANDS = {
 """The module of `reports.cli` that has each command, and what the command does in a sentence."""
 
 
-class CommandsOnUse(TyperGroup):
+class HelpAlone(TyperGroup):
+    """A group that shows its help where no command is given."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Take the words that were typed."""
+        return super().parse_args(ctx, args or ["--help"])
+
+
+class CommandsOnUse(HelpAlone):
     """A group that imports the module of a command when that is used: its help needs none of them."""
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -46,6 +54,7 @@ class CommandsOnUse(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Give the command itself, with the arguments that are left for it."""
+        self.commands = {name: self.get_command(ctx, name) for name in COMMANDS}  # of which typer suggests one
         name, _, rest = super().resolve_command(ctx, args)
         return name, loaded(name), rest
 
@@ -57,9 +66,7 @@ def loaded(name: str | None) -> Any:
     return getattr(command, "commands", {}).get(name, command)
 
 
-app = typer.Typer(
-    name="multibody-xval", cls=CommandsOnUse, add_completion=True, pretty_exceptions_enable=False, no_args_is_help=True
-)
+app = typer.Typer(name="multibody-xval", cls=CommandsOnUse, add_completion=True, pretty_exceptions_enable=False)
 
 
 def print_version(wanted: bool) -> None:

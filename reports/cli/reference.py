@@ -165,7 +165,7 @@ def run(
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
     from reference_lcp.one_call import steady_state
-    from reference_lcp.studies.plot import plot_period
+    from reference_lcp.studies.plot import save_picture
 
     announce_compilation()
     chain = Chain.from_ratios(friction_ratio=friction_ratio, **vars(parameters))
@@ -179,7 +179,7 @@ def run(
     proven = proof.answer(question)
     _show(as_json, state.as_dict() | steps | proven, lambda: _print(state, reason, proven))
     if plot is not None:
-        plot_period(state.orbit, plot)
+        save_picture(state.plot(), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
 

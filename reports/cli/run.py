@@ -156,8 +156,8 @@ def _add_scenarios() -> None:
     summaries[ALL_SCENARIOS] = "Run every scenario of the catalogue, and print a table of scenarios and variants."
     for name, summary in summaries.items():
         text = (
-            f"{summary}\n\nExit code 0: every disagreement is as its law predicts, and three in four numbers of each "
-            "preset are certified, with an engine that does not fail; 1: otherwise; "
+            f"{summary}\n\nExit code 0: every disagreement is as its law predicts, and of the numbers of each preset "
+            "that count at most one in four says nothing or is of an engine that fails; 1: otherwise; "
             "2: wrong input; 3: results or --out could not be written; "
             "130: interrupted.\n\n"
             f"Example: multibody-xval run {name}{' --record quake.csv' if name == RECORD else ''} --engine mujoco "

@@ -14,6 +14,7 @@ import typer
 from reference_lcp.errors import ExitCode
 from reference_lcp.output import checked_output_file
 from reference_lcp.terminal import print_table, visible
+from reports.cli.console_script import HelpAlone
 from reports.cli.options import Work, check_outs, grouped, opened
 from scenarios.sweeps import UNCONFIRMED_POINTS
 
@@ -134,7 +135,7 @@ def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
     print_table(["engine:formulation:preset", *map(str, Verdict), "largest [dB]", f"at {axes}"], rows)
 
 
-store_app = typer.Typer(no_args_is_help=True)
+store_app = typer.Typer(cls=HelpAlone)
 
 
 @store_app.callback()

@@ -68,6 +68,11 @@ class Report:
     """Errors in softer and stiffer chains; none if they are no part of the report."""
 
     @property
+    def of_dataset(self) -> bool:
+        """Whether it is made of a dataset, which holds the points of its grid and nothing between them."""
+        return bool(self.recorded)
+
+    @property
     def missing(self) -> Mapping[Variant, int]:
         """Points of the grid that are not evaluated so far, by variant; variants without any are left out."""
         return Counter(point.variant for point in self.result.points if point.result.status is ResultStatus.MISSING)

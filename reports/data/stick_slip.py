@@ -24,10 +24,19 @@ COMPARED = (
 
 
 def stick_slip_places(result: ComparedSweep) -> list[CasePoint]:
-    """Give the `STICK_SLIP_POINTS` in every case of their friction ratio."""
-    return [
+    """Give the `STICK_SLIP_POINTS` in every case of their friction ratio; where the grid has none, `_most_mixed`."""
+    usual = [
         (case, eta) for friction, eta in STICK_SLIP_POINTS for case in result.cases if case.friction_ratio == friction
     ]
+    held = [place for place in usual if REFERENCE in points_at(result, *place)]
+    return held or [place for case in result.cases for place in _most_mixed(result, case)]
+
+
+def _most_mixed(result: ComparedSweep, case: Case) -> list[CasePoint]:
+    """Give the point of a case at which the reference sticks nearest half of the time; none where it never changes."""
+    curve = [point for point in result.curve(REFERENCE, case) if point.result.converged and point.result.transitions]
+    nearest = min(curve, key=lambda point: abs(mean(point.result.stuck_fraction) - 0.5), default=None)
+    return [] if nearest is None else [(case, nearest.frequency_ratio)]
 
 
 def points_at(result: ComparedSweep, case: Case, frequency_ratio: float) -> dict[Variant, Point]:

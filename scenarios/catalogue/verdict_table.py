@@ -1,5 +1,6 @@
 """Verdicts as tables: for the terminal, for documents, for other programs."""
 
+import html
 import math
 import platform
 from collections import Counter
@@ -251,6 +252,33 @@ FINDING_COLUMNS: tuple[Column[_Row], ...] = (
 def finding_table(results: Results) -> pd.DataFrame:
     """Give every finding, with full precision."""
     return full_table(FINDING_COLUMNS, [(scenario, finding) for scenario, own in results.items() for finding in own])
+
+
+class VerdictTable(pd.DataFrame):
+    """Verdicts, a row a number; printed as one line, and shown in a notebook as the counts of each variant.
+
+    A part of it, such as ``table[table.verdict == "disagree"]``, is shown row by row.
+    """
+
+    @property
+    def _constructor(self) -> type[pd.DataFrame]:
+        return pd.DataFrame
+
+    @property
+    def counts(self) -> pd.DataFrame:
+        """How many numbers of each variant in each scenario have which verdict, a row a variant."""
+        names = ["scenario", "engine", "formulation", "preset"]
+        modelled = self["modelled"].map({True: ", as its law predicts"}).fillna("")
+        return self.assign(verdict=self["verdict"] + modelled).value_counts([*names, "verdict"]).unstack(fill_value=0)
+
+    def __repr__(self) -> str:
+        """Count the verdicts."""
+        counts = self.counts
+        each = ", ".join(f"{count:,} {verdict}" for verdict, count in counts.sum().items())
+        return f"<verdicts on {len(self):,} numbers, {len(counts)} rows of scenario and variant: {each}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self))}</p>{self.counts.to_html()}"
 
 
 def _content(results: Results, command: str) -> dict[str, object]:

@@ -77,6 +77,10 @@ class Evaluator(Closing):
                 self.progress.recall([task])
                 ended(task, known)
 
+    def know(self, results: Iterable[tuple[Task, Result]]) -> None:
+        """Take results that something else than the store has; what was blocked is tried again."""
+        self._results.update((task, own) for task, own in results if own.status is not ResultStatus.BLOCKED)
+
     def new_tasks(self, tasks: Sequence[Task]) -> list[Task]:
         """Give the tasks that this evaluator has not evaluated so far, each once."""
         return [task for task in dict.fromkeys(tasks) if task not in self._results]

@@ -1,6 +1,6 @@
 """Parameters of a task: the chain in ratios, its excitation, the modulation of its normal force."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
@@ -9,7 +9,7 @@ from reference_lcp import defaults
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
-from reference_lcp.errors import ParameterError, checked_choice, shown
+from reference_lcp.errors import ParameterError, checked_choice, choices, shown
 from reference_lcp.validation import (
     LARGEST_DECIBEL,
     LARGEST_PARAMETER,
@@ -147,7 +147,8 @@ def first_error(problem: ValidationError, known: str) -> ParameterError:
     if kind == "value_error":
         return ParameterError(str(error["ctx"]["error"]))
     if kind in ("extra_forbidden", "unexpected_keyword_argument"):
-        return ParameterError(f"{key} is unknown; allowed: {known}")
+        allowed = [each.name for each in fields(ChainRatios)] if key.startswith("chain.") else known.split(", ")
+        return ParameterError(f"{key} is unknown; {choices(error['loc'][-1], allowed)}")
     if kind == "missing":
         return ParameterError(f"{key} is missing")
     message = f"{error['msg'][0].lower()}{error['msg'][1:]}"

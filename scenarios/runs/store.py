@@ -46,6 +46,10 @@ def checked_store(file: Path) -> Path:
     path = checked_path("store", file)
     if path.exists() and not path.is_file():
         raise ParameterError(f"store {file} is a folder or a device; allowed: a file")
+    if not path.absolute().parent.is_dir():
+        raise ParameterError(
+            f"store {file}: there is no folder {path.parent}; allowed: a file in a folder that is there"
+        )
     return file
 
 

@@ -99,8 +99,10 @@ def recorded_variants(data: xr.Dataset) -> dict[str, Any]:
     return json.loads(_DESCRIPTIONS.dump_json(read))
 
 
-def sweep_of(data: xr.Dataset) -> Sweep:
+def sweep_of(data: Any) -> Sweep:
     """Give the sweep whose results a dataset holds; of a part of one, such as ``data.sel(...)``, that part."""
+    if not isinstance(data, xr.Dataset):
+        raise ParameterError(f"data is a {type(data).__name__}; allowed: the dataset of a sweep, or a part of one")
     try:
         whole = SWEEP.validate_json(data.attrs["sweep"])
     except KeyError:
@@ -121,7 +123,7 @@ class DatasetResults:
 
     def __init__(self, data: xr.Dataset):
         self.sweep = sweep_of(data)
-        self._results: dict[SteadyStateTask, Result] = {}
+        self.results: dict[SteadyStateTask, Result] = {}
         self.predictions: dict[GridPoint, dict[Metric, Prediction]] = {}
         self.points: list[GridPoint] = []
         for point, text in zip(self.sweep.grid_points(), _texts(data, self.sweep), strict=True):
@@ -132,14 +134,14 @@ class DatasetResults:
         """Add a point of the grid."""
         factors = (1.0, *refinements(point[0], self.sweep.tolerance))
         for factor, result in zip(factors, (stored.result, *stored.others), strict=False):
-            self._results[self.sweep.task(*point, factor)] = result
+            self.results[self.sweep.task(*point, factor)] = result
         metrics = {metric.name: metric for metric, _, _ in PREDICTED}
         self.predictions[point] = {metrics[name]: own for name, own in stored.predictions.items() if name in metrics}
         self.points.append(point)
 
     def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
         """Give the result of every task, in order."""
-        return [self._results.get(task) or Result.missing() for task in tasks]
+        return [self.results.get(task) or Result.missing() for task in tasks]
 
 
 def _texts(data: xr.Dataset, sweep: Sweep) -> list[str]:

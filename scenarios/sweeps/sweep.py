@@ -9,7 +9,7 @@ from functools import cached_property
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.errors import ParameterError, shown
+from reference_lcp.errors import ParameterError, choices, shown
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_CELLS, MOST_STEPS, checked_array, checked_count
 from scenarios.runs.parameters import ChainRatios, Excitation
 from scenarios.runs.task import SteadyStateTask
@@ -217,7 +217,7 @@ def baseline_of(variants: Sequence[Variant]) -> Variant | None:
 def check_axis(name: str, values: Sequence[float]) -> None:
     """Raise a `ParameterError` unless these may be the values of an axis."""
     if name not in AXES:
-        raise ParameterError(f"grid.{name} is unknown; allowed: {', '.join(AXES)}")
+        raise ParameterError(f"grid.{name} is unknown; {choices(name, AXES)}")
     if not values or len(set(values)) < len(values):
         raise ParameterError(f"grid.{name} = {shown(list(values))}; allowed: at least one value, none of them twice")
     if len(values) > MOST_VALUES:

@@ -71,10 +71,10 @@ class BandEdges(Section):
 
     @property
     def shown(self) -> bool:
-        return bool(self.result.edges)
+        return bool(self.result.edges) or self.report.of_dataset
 
     def figures(self) -> list[Figure]:
-        return [edge_forest(self.report)]
+        return [edge_forest(self.report)] if self.result.edges else []
 
     def context(self) -> dict[str, Any]:
         variants = self.result.sweep.variants
@@ -90,7 +90,7 @@ class BandEdges(Section):
                     "error_bar": cells[REFERENCE, case, edge].allowed,
                     "cells": [cells[variant, case, edge] for variant in variants],
                 }
-                for case in self.result.cases
+                for case in (self.result.cases if self.result.edges else ())
                 for edge in Edge
             ],
             "resolution": EDGE_RESOLUTION,

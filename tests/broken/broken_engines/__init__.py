@@ -65,6 +65,13 @@ class OptionIsNoText(Reference):
     )
 
 
+class OptionIsANumber(Reference):
+    """One of its options is a number, without default and reason."""
+
+    name = "broken-type"
+    capabilities = replace(Reference.capabilities, presets={"joint": {"tuned": Preset("", {"iterations": 50})}})
+
+
 class UnspeakableError(Exception):
     """An error whose message cannot be read."""
 

@@ -25,6 +25,7 @@ REASONS = {
     "broken-number": "TypeError: its version() gives a int; allowed: a text",
     "broken-bytes": f"UnicodeEncodeError: {NO_TEXT.format(1)}",
     "broken-option": f"UnicodeEncodeError: {NO_TEXT.format(0)}",
+    "broken-type": "TypeError: option iterations of its preset joint:tuned is a int; allowed: Option(value, default,",
     "broken-speech": "UnspeakableError: its message cannot be read (LookupError)",
     "broken-reason": "RuntimeError: no reason",
 }

@@ -349,7 +349,7 @@ def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.Mon
     assert reason is not None
     assert "/nowhere/python3 does not start" in reason
     remedy = "apt install python3-pyode, or let MULTIBODY_XVAL_TESTED_PYTHON name a Python that has it"
-    assert reason.endswith(remedy)
+    assert reason.startswith(remedy)
 
 
 def test_a_python_without_the_engine_is_tried_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -359,6 +359,6 @@ def test_a_python_without_the_engine_is_tried_once(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("MULTIBODY_XVAL_TESTED_PYTHON", sys.executable)
     reasons = {Tested().unavailable_reason() for _ in range(3)}
     assert len(reasons) == 1
-    assert "No module named 'no_such_engine'; apt install" in str(reasons.pop())
+    assert str(reasons.pop()).endswith("No module named 'no_such_engine')")
     assert log.read_text() == "asked "
     Tested().process().close()

@@ -4,6 +4,8 @@ import cmath
 import dataclasses
 import functools
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -159,6 +161,28 @@ def test_certified_steady_state_may_repel_where_normal_forces_depend_on_the_moti
     moved = State(end.positions + offset, end.velocities, end.internal_state)
     after = simulation.advance(moved, 0, 30 * STEPS)
     assert np.max(np.abs(after.positions - end.positions)) > 100 * np.max(offset)
+
+
+PHYSICS = (Path(__file__).parents[3] / "docs/physics.md").read_text(encoding="utf-8").replace("−", "-")
+ROWS = re.findall(
+    r"^\| ([\d.]+), ([\d.]+), ([+-]?\d+)°, ([\d.]+).*? \| (\d+) \| (\S+) \| ([\d.]+)", PHYSICS, re.MULTILINE
+)
+
+
+def test_all_rows_of_the_published_table_are_read() -> None:
+    assert len(ROWS) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", ROWS, ids=" ".join)
+def test_published_steady_states_are_what_the_search_finds(row: tuple[str, ...]) -> None:
+    friction, eta, degrees, modulation, steps, level, multiplier = row
+    place = float(friction), float(eta), float(degrees)
+    found = orbit(*place, modulation=float(modulation), steps=int(steps), longest_multiple=1)
+    assert found.converged
+    assert f"{SteadyState.of(found).transmittance_db:.3f}" == level
+    growth = multiplier_of(found)
+    assert growth == pytest.approx(float(multiplier), abs=0.5 * 10.0 ** -len(multiplier.partition(".")[2]))
 
 
 def test_search_from_rest_names_what_no_motion_from_rest_reaches() -> None:

@@ -30,6 +30,14 @@ def test_help_names_every_command_and_imports_none(tmp_path: Path) -> None:
     assert found.stdout.splitlines()[-1] == "['reports.cli.console_script']"
 
 
+@pytest.mark.parametrize("group", ["", "store"])
+def test_a_group_alone_shows_its_help(group: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, group.split()) == 0
+    shown = capsys.readouterr()
+    assert "Usage: multibody-xval" in shown.out
+    assert not shown.err
+
+
 def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) -> None:
     for name in ("engines", "scenarios", "reports", "reference_lcp"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('the file of the working folder')\n")

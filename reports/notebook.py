@@ -1,0 +1,128 @@
+"""What a notebook asks of the dataset of a sweep: the edges of its attenuation bands, and its curves as a figure."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure as Canvas
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.output import replacing, shown_in_notebooks
+from reference_lcp.studies.plot import checked_picture_format
+from reports.data.points import edge_table, written
+from reports.drawing.figure import Axis, Draw, Figure, Panel, Rule, Series
+from reports.drawing.matplotlib_backend import PRINT_STYLE, drawn
+from reports.drawing.style import RULE, Style, curve_style, style_of
+from reports.figures.transmittance import FREQUENCY_LABEL, LOWEST_DB
+from scenarios.runs import TIME_LIMIT
+from scenarios.runs.dask_cluster import executor_for
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.progress import ProgressBars
+from scenarios.runs.result import ResultStatus
+from scenarios.runs.store import opened_store
+from scenarios.sweeps.compared import compare_sweep
+from scenarios.sweeps.dataset import STATUSES
+from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants, sweep_of
+from scenarios.sweeps.sweep import Sweep
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+
+EDGE_COLUMNS = ("edge", "frequency_ratio", "absent", "difference", "allowed", "verdict", "outcome", "reason")
+
+MOST_PANELS = 24
+"""Cases that one figure shows."""
+
+PANEL_HEIGHT = 2.0
+"""Of one row of panels in print [inch]."""
+
+
+def edges_of(data: xr.Dataset, store: str | Path | None, workers: int | None, time_limit: float | None) -> pd.DataFrame:
+    """Refine both edges of every curve of a dataset; see `reports.band_edges`."""
+    known = DatasetResults(data)
+    _check_versions(data, known.sweep)
+    sweep = known.sweep.with_reference()
+    with (
+        opened_store(None if store is None else checked_path("store", store)) as stored,
+        ProgressBars(sweep.variants) as bars,
+        Evaluator(stored, executor_for(workers, time_limit or TIME_LIMIT), bars) as evaluator,
+    ):
+        evaluator.know(known.results.items())
+        evaluator.stage("band edges")
+        result = compare_sweep(sweep, evaluator)
+    return written(edge_table(result), result, EDGE_COLUMNS)
+
+
+def _check_versions(data: xr.Dataset, sweep: Sweep) -> None:
+    """Refuse to refine the curve of one version of an engine with another one."""
+    recorded = recorded_variants(data)
+    for variant in sweep.variants:
+        of, noted = engine(variant.engine), recorded.get(str(variant), {}).get("version")
+        installed = of.version() if of.unavailable_reason() is None else None
+        if noted != installed:
+            problem = f"the data are of {variant.engine} {noted}, and {installed or 'none'} is installed"
+            raise ParameterError(f"{problem}; allowed: the same version, or data.sel(...) without {variant}")
+
+
+def figure_of(data: xr.Dataset, file: str | Path | None) -> Canvas:
+    """Draw the transmittance of a dataset; see `reports.plot`."""
+    picture = None if file is None else checked_picture_format(checked_path("file", file))
+    with mpl.rc_context(PRINT_STYLE):
+        canvas = drawn(_figure(data))
+        if picture is not None:
+            with replacing(picture) as part:
+                canvas.savefig(part)
+    return shown_in_notebooks(canvas)
+
+
+def _figure(data: xr.Dataset) -> Figure:
+    sweep = sweep_of(data)
+    if len(sweep.cases) > MOST_PANELS:
+        raise ParameterError(
+            f"the data have {len(sweep.cases)} cases; allowed: <= {MOST_PANELS}, such as data.sel(...)"
+        )
+    shown = [own for own in sweep.variants if own != CONVERGED or REFERENCE not in sweep.variants]
+    curves = {(own, case.title): _curve(data, own, case.by_axis) for own in shown for case in sweep.cases}
+    alone = len(shown) == 1  # one panel with a curve a case
+    levels = np.concatenate([curve.to_numpy() for curve in curves.values()])
+    known = np.append(levels[np.isfinite(levels)], sweep.band.threshold_db)
+    y = Axis("transmittance [dB]", (max(LOWEST_DB, known.min() - 5), known.max() + 5))
+    threshold = Rule("y", sweep.band.threshold_db, RULE)
+    if alone:
+        lines = [
+            _series(curve, curve_style(number), title) for number, ((_, title), curve) in enumerate(curves.items())
+        ]
+        panels = [Panel(Axis(FREQUENCY_LABEL), y, [threshold, *lines], shown[0].title)]
+    else:
+        panels = [
+            Panel(
+                Axis(), y if number % 2 == 0 else Axis(range=y.range),
+                [threshold, *(_series(curves[own, case.title], style_of(sweep, own), own.title) for own in shown)],
+                case.title,
+            )
+            for number, case in enumerate(sweep.cases)
+        ]  # fmt: skip
+    columns = min(len(panels), 2)
+    rows = -(-len(panels) // columns)
+    return Figure(
+        "transmittance", "", panels, height=0.9 + PANEL_HEIGHT * rows, pixels=0, columns=columns,
+        legend_columns=2 * columns, x_label="" if alone else FREQUENCY_LABEL, wide=columns > 1,
+    )  # fmt: skip
+
+
+def _curve(data: xr.Dataset, variant: Variant, case: dict[str, float]) -> pd.Series:
+    """Give the transmittance [dB] of one curve by η_r: only of its own points, NaN where there is no steady state."""
+    place = {"variant": str(variant), **case}
+    held = {name: value for name, value in place.items() if name in data.dims}
+    own = data[["transmittance_db", "status"]].sel(held).reset_coords(drop=False)
+    eta = np.atleast_1d(data["frequency_ratio"].values)
+    status, level = np.atleast_1d(own["status"].values), np.atleast_1d(own["transmittance_db"].values)
+    level = np.where(status == STATUSES.index(ResultStatus.CONVERGED), level, np.nan)
+    return pd.Series(level, eta)[status != STATUSES.index(ResultStatus.MISSING)].sort_index()
+
+
+def _series(curve: pd.Series, style: Style, name: str) -> Series:
+    draw: Draw = "lines" if style.symbol in ("dot", "x-thin", "cross-thin") else "lines+markers"
+    return Series(curve.index, curve, style, name, draw)
