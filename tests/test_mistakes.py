@@ -87,6 +87,7 @@ COMMAND_LINES = [
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
     ("probe none.xml", r"MODEL = 'none.xml' does not load"),
     ("recipe mujoko", r"engine = 'mujoko'.*mujoco"),
+    ("recipe siconos", r"engine = siconos has no recipe: it has no options to recommend; allowed: .*mujoco"),
     ("run proofs --sample 0", r"sample = 0.*>= 1"),
     ("run recipes --workers 0", r"workers = 0.*>= 1"),
     ("animate --friction-ratio -1", r"friction_ratio = -1.*>= 0"),

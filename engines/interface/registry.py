@@ -32,7 +32,7 @@ class LawEngine(Engine):
     def __init__(self, modelled: Engine, version: str):
         self.name = f"{modelled.name}{LAW_SUFFIX}"  # type: ignore[misc]
         self.capabilities = _capabilities(modelled.capabilities)  # type: ignore[misc]
-        self._version = version
+        self._modelled, self._version = modelled, version
 
     def version(self) -> str:
         """Version of the suite."""
@@ -46,6 +46,15 @@ class LawEngine(Engine):
     def unavailable_reason(self) -> str | None:
         """``None``: models need nothing but the suite."""
         return None
+
+    def preset(self, formulation: str, preset: str) -> Preset:
+        """Give the model of a preset; one with changed options may have a model where the preset itself has none."""
+        if ":" not in preset:
+            return super().preset(formulation, preset)
+        modelled = _presets({preset: self._modelled.preset(formulation, preset)})
+        if not modelled:
+            raise ParameterError(f"{self.name}:{formulation}:{preset} has no model of its steps")
+        return modelled[preset]
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         law = law_of(preset)

@@ -82,7 +82,7 @@ def pyramidal_contact(preset: Preset) -> Law:
     """Give the law of a sphere with a pyramid of four edges: held at a fixed depth or, with a preload, free."""
     lifting = preset.represents(NormalForce.LIFTING)
     return Law(
-        formula=f"{HELD_FORMULA}; {FREE_FORMULA}" if lifting else HELD_FORMULA,
+        formula=FREE_FORMULA if preset.is_free else f"{HELD_FORMULA}; {FREE_FORMULA}" if lifting else HELD_FORMULA,
         constants={
             "τ": Constant(
                 preset["normal time constant"], "s", "normal time constant; of a free sphere, solref", ideal=math.inf

@@ -1,28 +1,22 @@
 """Scenes as users of ODE write them, as data from which `scene_server` builds them in another Python."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from engines.interface.scene import (
-    BELT,
-    FINGER,
-    FINGER_MASS,
     GRAVITY,
-    LEVEL,
     LINK_INERTIA,
     LINK_LENGTH,
     LINK_MASS,
     ArmScene,
     ContactScene,
     JointScene,
-    Quaternion,
     SceneSetting,
-    Vector,
 )
 from engines.isolated.out_of_process import ServedScene, process_of
+from engines.shared.solids import solids
 
 STEP = 0.01
 """Chosen [s]: ODE has no default."""
@@ -32,21 +26,7 @@ SERVER = Path(__file__).with_name("scene_server.py")
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> ServedScene:
     """Build a scene with contacts: the followed box comes last."""
-    solids: list[tuple[str, Sequence[float], float, Vector, Quaternion]] = []
-    plane: dict[str, Any] = {}
-    if scene.grip:
-        reach, height = scene.finger
-        solids.append(("fixed", FINGER, FINGER_MASS, (-reach, 0.0, height), LEVEL))
-        solids.append(("pressed", FINGER, FINGER_MASS, (reach, 0.0, height), LEVEL))
-    elif scene.belt:
-        solids.append(("driven", BELT, 1.0, (0.0, 0.0, -BELT[2]), LEVEL))
-    else:
-        plane = {"normal": scene.normal}
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        solids.append(("free", [box.side / 2] * 3, box.mass, place, scene.orientation))
-    columns = zip(("kind", "half", "mass", "place", "orientation"), zip(*solids, strict=True), strict=True)
-    acting = {"friction": scene.friction, "belt": scene.belt, "grip": scene.grip, "gravity": GRAVITY}
-    return _served({**dict(columns), **acting, **plane}, setting, "mode", "soft_cfm")
+    return _served(solids(scene), setting, "mode", "soft_cfm")
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> ServedScene:

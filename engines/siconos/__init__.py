@@ -7,6 +7,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from engines.shared.script_units import script_in_si
 from engines.siconos.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_EULER, JOINT_TUNED
+from engines.siconos.scene import STEP, contacts
 from reference_lcp.validation import FloatArray
 
 DEEP = 1e9
@@ -52,4 +53,6 @@ class Siconos(OutOfProcessEngine):
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", deep=DEEP),
         Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja"),
     }
-    no_scenes: ClassVar[str] = "its adapter does without Siconos's mechanics, where bodies and collisions are"
+    scene_step: ClassVar[float] = STEP
+    scene_worlds: ClassVar = {Formulation.CONTACT: contacts}
+    no_scenes: ClassVar[str] = "beside constraints of bodies Siconos solves for no relay, which a joint's friction is"

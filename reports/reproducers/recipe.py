@@ -11,6 +11,7 @@ from reference_lcp.errors import ParameterError, checked_choice
 from reports.formatting import environment
 from reports.reproducers.script import beside
 from scenarios.catalogue.scenes.base import COMMON_STEP
+from scenarios.catalogue.scenes.recipes import NOTHING_TO_RECOMMEND
 
 TEMPLATE = "recipe.jinja"
 """File beside an adapter. It reads the options that the presets ``recommended`` change, as texts by name, in
@@ -36,7 +37,9 @@ def recipe_text(name: str) -> str:
     adapter = registered_engine(name)
     if not has_recipe(adapter):
         allowed = ", ".join(each for each in engine_names() if has_recipe(registered_engine(each)))
-        raise ParameterError(f"engine = {name} has no recipe: {adapter.no_scenes}; allowed: {allowed}")
+        recommends = any(RECOMMENDED in presets for presets in adapter.capabilities.presets.values())
+        reason = NOTHING_TO_RECOMMEND if adapter.scene_worlds and not recommends else adapter.no_scenes
+        raise ParameterError(f"engine = {name} has no recipe: {reason}; allowed: {allowed}")
     step = adapter.scene_step if Formulation.CONTACT in adapter.scene_worlds else COMMON_STEP
     presets = {kind: own[RECOMMENDED] for kind, own in adapter.capabilities.presets.items() if RECOMMENDED in own}
     values = {str(kind): _values(adapter, kind, step) for kind in presets}

@@ -114,6 +114,10 @@ def option_sets(recommended: Variant) -> dict[tuple[str, ...], Variant]:
     return sets
 
 
+NOTHING_TO_RECOMMEND = "it has no options to recommend"
+"""Of an engine whose scenes have no recommended preset."""
+
+
 def named_recipes(names: Sequence[str]) -> list[Variant]:
     """Give the recipes of engines by name, of one formulation or of both; of all engines that have scenes without any.
 
@@ -126,8 +130,12 @@ def named_recipes(names: Sequence[str]) -> list[Variant]:
     wanted = [(name, kind) for text in names for name, kind in _parsed(text)]
     for name, formulation in wanted:
         gap = engine(name).unavailable_reason() or engine(name).scene_gap(formulation)
+        if gap is None and len(general_variants(name, formulation)) == 1:
+            gap = NOTHING_TO_RECOMMEND
         if gap is not None:
-            raise ParameterError(f"engine = {name}:{formulation}: {gap}; allowed: one with scenes")
+            raise ParameterError(
+                f"engine = {name}:{formulation}: {gap}; allowed: one with scenes, and options to recommend"
+            )
     found = [
         general_variants(name, formulation)[1:] for name, formulation in wanted or every if _has(name, formulation)
     ]
@@ -176,7 +184,7 @@ def recipe_results(name: str, evaluator: Evaluator) -> tuple[Numbers, dict[str, 
     worst = worst_numbers(finding_table(found)).loc[name].dropna(how="all")
     numbers = {str(number): {str(key): float(value) for key, value in row.items()} for number, row in worst.iterrows()}
     pairs = {formulation: general_variants(name, formulation) for formulation in Formulation if _has(name, formulation)}
-    return numbers, {str(kind): step_ratio(pair[-1], pair[0]) for kind, pair in pairs.items()}
+    return numbers, {str(kind): step_ratio(pair[-1], pair[0]) for kind, pair in pairs.items() if len(pair) > 1}
 
 
 def _by_variant(variants: Iterable[Variant], found: Sequence[Finding]) -> dict[Variant, tuple[Finding, ...]]:

@@ -115,6 +115,17 @@ def test_a_law_is_that_of_the_changed_options() -> None:
     assert changed.law.preset["solref_friction"] == (0.01, 1.0)
 
 
+@pytest.mark.parametrize("name", ["mujoco", "mujoco-warp", "genesis"])
+def test_a_contact_that_is_held_has_its_law_too(name: str) -> None:
+    """It is another one than that of a free contact, and runs although the preset itself may have none."""
+    free, held = (Variant.recorded(f"{name}:contact:default{own}") for own in ("", ":across=held"))
+    stated = held.preset.stated_law()
+    assert isinstance(stated, Law)
+    assert stated.formula != getattr(free.preset.stated_law(), "formula", "")
+    assert held.law is not None
+    held.law.build([sample_lane(2)]).advance(State.at_rest(1, 2), 0, 1)
+
+
 def test_a_law_of_a_time_constant_is_not_that_of_a_rate() -> None:
     for value in ("-0.95/h,-0.95/h", "-475,-475"):
         preset = Variant.recorded(f"mujoco:joint:default:solref_friction={value}").preset
@@ -139,6 +150,8 @@ def test_a_formula_of_the_step_is_the_number_that_the_engine_takes(name: str) ->
 def test_a_law_that_does_not_know_a_changed_option_is_none() -> None:
     law = Variant.recorded("mujoco:joint:default:iterations=2").preset.stated_law()
     assert law == NotModelled("its law does not say what iterations changes")
+    with pytest.raises(ParameterError, match="mujoco@law:joint:default:iterations=2 has no model of its steps"):
+        Variant.recorded("mujoco@law:joint:default:iterations=2")
 
 
 def test_a_changed_preset_does_not_claim_to_be_the_scheme() -> None:
