@@ -80,7 +80,7 @@ def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
         with pytest.raises(ParameterError, match=message):
             ResultStore(file)
         assert file.read_bytes() == before
-    with pytest.raises(ParameterError, match="cannot be used"):
+    with pytest.raises(ParameterError, match="there is no folder"):
         ResultStore(tmp_path / "missing" / "results.sqlite")
 
 
