@@ -54,6 +54,7 @@ def invented(task: SteadyStateTask) -> Result:
         steps_per_period=task.steps_per_period,
         period=1.0,
         stuck_fraction=(0.5,) * 5 + (1.0, 1.0),
+        creep=(0.0,) * 7,
         transitions=tuple(changes),
         seconds=0.01,
     )
