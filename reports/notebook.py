@@ -11,7 +11,7 @@ from matplotlib.figure import Figure as Canvas
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.output import replacing, shown_in_notebooks
+from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
 from reference_lcp.studies.plot import checked_picture_format
 from reports.data.points import edge_table, written
 from reports.drawing.figure import Axis, Draw, Figure, Panel, Rule, Series
@@ -68,7 +68,7 @@ def _check_versions(data: xr.Dataset, sweep: Sweep) -> None:
 
 def figure_of(data: xr.Dataset, file: str | Path | None) -> Canvas:
     """Draw the transmittance of a dataset; see `reports.plot`."""
-    picture = None if file is None else checked_picture_format(checked_path("file", file))
+    picture = None if file is None else checked_picture_format(checked_output_file("file", checked_path("file", file)))
     with mpl.rc_context(PRINT_STYLE):
         canvas = drawn(_figure(data))
         if picture is not None:

@@ -105,3 +105,8 @@ def test_too_many_cases_for_one_figure_are_refused(data: xr.Dataset) -> None:
     many = xr.concat([data.assign_coords(friction_ratio=data.friction_ratio + k) for k in range(13)], "friction_ratio")
     with pytest.raises(ParameterError, match="26 cases; allowed: <= 24"):
         plot(many)
+
+
+def test_a_figure_in_a_missing_folder_is_refused_before_it_is_drawn(data, tmp_path) -> None:
+    with pytest.raises(ParameterError, match=r"the folder .*missing does not exist"):
+        plot(data, tmp_path / "missing" / "figure.pdf")
