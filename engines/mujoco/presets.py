@@ -67,10 +67,17 @@ def stops_in_one_step(width: float) -> tuple[OfStep, str]:
 CHOSEN_STIFFNESS = (SOLREF[0], "Of solref [s]; its stiffness is chosen so that N = λ_N.")
 ELLIPTIC = ("elliptic", "The pyramid's edges change the normal force with friction.")
 
+HARD_COEFFICIENT = 0.01
+
+EDGES_ROUND_OFF = 8 * 2.0**-53 / HARD_COEFFICIENT
+"""Eight roundings of the edges' forces, as many as of a step's position, whose difference is a friction so much less."""
+
 PRESSED_HARDER = {
     "solimp": Option((SOFTEST, SOFTEST), SOLIMP, "MuJoCo's softest: friction hardly raises the normal force."),
     "coefficient": Option(
-        0.01, None, "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ²."
+        HARD_COEFFICIENT,
+        None,
+        "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ².",
     ),
 }
 """Of contacts solved by Newton."""
@@ -200,6 +207,7 @@ CONTACT_NEWTON = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    residual_slip_compliance=EDGES_ROUND_OFF,
 )
 
 SOFT_EDGES = (
