@@ -62,7 +62,7 @@ def widest_band(damping_ratio: float, evaluator: GivesResults) -> WidestBand:
     """Search it for the paper's chain with a damping ratio ζ, by the reference."""
     coarse = _lower_edges(COARSE_FRICTION_RATIOS, damping_ratio, MINIMUM_STEPS_PER_PERIOD, evaluator)
     near = COARSE_FRICTION_RATIOS[coarse <= np.nanmin(coarse) + MARGIN]
-    offsets = np.arange(-COARSE_STEP, COARSE_STEP + FINE_STEP / 2, FINE_STEP)
+    offsets = np.linspace(-COARSE_STEP, COARSE_STEP, 1 + round(2 * COARSE_STEP / FINE_STEP))
     fine = _extrapolated(np.unique(np.round(np.add.outer(near, offsets), 4)), damping_ratio, evaluator)
     best = int(np.nanargmin(fine.edge))
     as_low = fine.friction[fine.edge <= fine.edge[best] + fine.error[best]]
