@@ -38,6 +38,9 @@ ENGINES = """
 The numbers are lower edges $\\eta_r$ by friction ratio. A dash is an edge without a steady state on the way to it.
 """
 
+SAME = " one would conclude the same as with the reference."
+"""How the sentence of such a variant ends."""
+
 LOWEST = """
 ## The widest band
 
@@ -60,9 +63,10 @@ def main(store: Path, page: Path, names: list[str]) -> None:
     reference, *others = found
     stated = [f"{name}: {text}: {own.answer}; {own.numbers}" for (name, text), own in
               zip(STATED.items(), reference.claims, strict=True)]  # fmt: skip
+    said = [text for own in others if not (text := sentence(own, reference)).endswith(SAME)]
     lines = [
         INTRODUCTION, *markdown_list(stated), ENGINES, *markdown_lines(text_table(CLAIM_COLUMNS, found)), "",
-        *markdown_list(sentence(own, reference) for own in others),
+        *markdown_list([*said, f"With each of the others{SAME}"]),
         LOWEST, *markdown_lines(text_table(WIDEST_COLUMNS, bands)), FLAT,
     ]  # fmt: skip
     page.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
