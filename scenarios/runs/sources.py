@@ -40,8 +40,7 @@ def _sources(modules: frozenset[str]) -> str:
         file = waiting.pop()
         found.add(file)
         waiting |= _imported(file) - found
-    digest = hashlib.sha256(b"".join(_digest(file) for file in sorted(found, key=lambda file: file.parts[-3:])))
-    return digest.hexdigest()[:LENGTH]
+    return hashlib.sha256(b"".join(sorted(map(_digest, found)))).hexdigest()[:LENGTH]
 
 
 @cache

@@ -1,7 +1,12 @@
 """A corrected adapter does not take the answers that it gave before for its own."""
 
+import importlib
 import json
+import os
+import shutil
 import sqlite3
+import subprocess
+import sys
 from contextlib import closing
 
 import numba
@@ -99,3 +104,35 @@ def test_no_other_engine_is_asked_for_what_computes_an_answer(monkeypatch) -> No
     for adapter in adapters:
         sources.sources_of(adapter)
     assert asked == ["reference", "mujoco", "mujoco"]
+
+
+ROOMS = ("reference_lcp", "engines", "scenarios", "multibody_xval")
+
+
+def test_digest_is_the_same_wherever_the_suite_lies(tmp_path) -> None:
+    """A store goes on in another checkout, or in an environment that is made anew."""
+    command = "from scenarios.runs.sources import sources_of as of; from engines.interface.registry import engine;"
+    digests = set()
+    for folder in (tmp_path / "a", tmp_path / "z"):
+        for room in ROOMS:
+            shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+        code = f"{command} print(*(of(engine(name)) for name in ('reference', 'mujoco')))"
+        printed = subprocess.run(
+            [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(folder)}, cwd=folder,
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        digests.add(printed.stdout)
+    assert len(digests) == 1
+    assert len(set(digests.pop().split())) == 2
+
+
+@pytest.mark.parametrize(("asked", "files"), [("outer", {"__init__.py", "joint.py"}), ("outer.joint", {"joint.py"})])
+def test_digest_of_an_engine_from_elsewhere_is_of_its_whole_package(tmp_path, monkeypatch, asked, files) -> None:
+    package = tmp_path / "outer"
+    package.mkdir()
+    for name in ("__init__.py", "joint.py"):
+        (package / name).write_text(f"# {name}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("outer", "outer.joint"):
+        monkeypatch.setitem(sys.modules, name, importlib.import_module(name))
+    assert {file.name for file in sources._files(asked)} == files
