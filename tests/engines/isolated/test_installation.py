@@ -172,6 +172,13 @@ def test_a_disk_without_room_is_found_out_before(folder: Path, monkeypatch: pyte
     assert left_in(folder) == []
 
 
+def test_a_disk_with_just_enough_room_is_taken(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = plan()
+    monkeypatch.setattr(shutil, "disk_usage", lambda _folder: Space(known.size))
+    install(known)
+    assert left_in(folder) == [NAME]
+
+
 def test_a_disk_that_is_full_meanwhile_leaves_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     real, known = installation.run_uv, plan()
 

@@ -17,7 +17,7 @@ from reference_lcp.observables.stick_slip import largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.steady.attraction import largest_multiplier
-from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits
+from reference_lcp.steady.orbits import FROM_REST, LONGEST_MULTIPLE, periodic_orbits
 from tests.reference_lcp.cases import driven
 
 AMPLITUDE, STEPS, CELLS = 0.01, 400, 7
@@ -146,6 +146,7 @@ def test_steady_states_are_certified_and_attract(point, opens) -> None:
     assert found.residual <= CERTIFIED
     assert multiplier_of(found) < 1
     assert found.reason.startswith("reached from rest; attracts, largest multiplier 0.99")
+    assert found.periods > FROM_REST, "of the motion from rest, and of two searches"
     assert bool(np.any(open_fraction(found) > 0.1)) is opens
 
 

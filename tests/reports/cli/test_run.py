@@ -223,10 +223,15 @@ def test_csv_and_json_hold_every_finding_in_full() -> None:
     assert list(rows[0]) == [column.key for column in FINDING_COLUMNS]
     assert [float(row["difference"]) for row in rows if row["difference"]] == [0.5, -3.0, 9.0]
     content = json.loads(VERDICT_FORMATS[".json"](RESULTS, "command"))
+    assert content["passes"] is True
     assert len(content["findings"]) == 5
     assert content["findings"][4]["allowed"] is None
     assert content["findings"][3]["modelled"] is True
     assert content["scenarios"][0]["parameters"] == ["length = 0.12"]
+    wrong = ByHand()
+    wrong.wrong = Variant("mujoco")
+    fails = json.loads(VERDICT_FORMATS[".json"]({wrong: wrong.run((), None)}, "command"))
+    assert fails["passes"] is False
 
 
 def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, capsys) -> None:

@@ -1,10 +1,12 @@
 """One option at a time: which variants differ from a preset in one option, and what the page says of them."""
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from engines.interface.variant import Variant
+from reports import plan
 from reports.data.collect import held_creeps
 from reports.data.options import headlines, single_options
 from reports.plan import planned_report
@@ -107,3 +109,12 @@ def test_the_default_report_has_recommended_presets_whose_steps_a_model_has() ->
         assert Variant("mujoco", "joint", "recommended") in scope.recommended
         assert Variant("mujoco", "contact", "recommended") not in scope.recommended, "it hops, and never settles"
     assert planned_report(["mujoco"], None, quick=False, stored_in=None).scope.recommended == ()
+
+
+def test_a_report_is_of_what_its_store_has_and_a_preview_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    stored = planned_report(["pymunk"], None, quick=True, stored_in=None).sweep
+    monkeypatch.setattr(plan, "stored_sweep", lambda _file: stored)
+    store, planned = Path("results.sqlite"), partial(planned_report, (), None)
+    assert planned(quick=False, stored_in=store).sweep == stored
+    assert planned(quick=True, stored_in=store) == planned(quick=True, stored_in=None)
+    assert planned(quick=False, stored_in=None).sweep != stored
