@@ -210,7 +210,10 @@ def _variants(text: str) -> list[Variant]:
     name, formulation, preset = [*names, *("joint", "tuned")[len(names) - 1 :]]
     if name != ALL:
         check_installed(name, engine(name).unavailable_reason())
-    listed = [each for own in (engine_names() if name == ALL else [name]) for each in variants_of(own)]
+    optional = preset != ALL
+    listed = [
+        each for own in (engine_names() if name == ALL else [name]) for each in variants_of(own, optional=optional)
+    ]
     if formulation != ALL:
         checked_choice(f"formulation of {name}", formulation, _each(each.formulation for each in listed))
         listed = [each for each in listed if each.formulation == formulation]

@@ -20,6 +20,7 @@ from reference_lcp.errors import ParameterError
             ["mujoco", "mujoco:joint:default", "mujoco:contact", "mujoco:contact:newton", "mujoco:contact:default"],
         ),
         ("mujoco:joint:yield", ["mujoco:joint:yield"]),
+        ("mujoco:all:recommended", ["mujoco:joint:recommended", "mujoco:contact:recommended"]),
     ],
 )
 def test_parts_that_are_left_out_are_joint_and_tuned_and_all_is_every_one(name: str, variants: list[str]) -> None:
@@ -28,6 +29,12 @@ def test_parts_that_are_left_out_are_joint_and_tuned_and_all_is_every_one(name: 
 
 def test_all_engines_are_each_joint_and_tuned() -> None:
     assert {(each.formulation, each.preset_name) for each in variants_named(["all"])} == {("joint", "tuned")}
+
+
+def test_a_preset_of_all_engines_is_named_though_it_is_optional() -> None:
+    listed = set(map(str, variants_named(["all:all:recommended"])))
+    assert {"mujoco:joint:recommended", "pybullet:contact:recommended"} <= listed
+    assert {name.rpartition(":")[2] for name in listed} == {"recommended"}
 
 
 def test_variants_are_named_once() -> None:
@@ -40,7 +47,7 @@ def test_variants_are_named_once() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("mujoco:all:best", "preset of mujoco = 'best' is unknown; allowed: tuned, default, newton"),
+        ("mujoco:all:best", "preset of mujoco = 'best' is unknown; allowed: tuned, .*recommended, default, newton"),
         ("mujoco:glue:all", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
         ("all:joint:best", "preset of all = 'best' is unknown"),
         ("mujoco:all:noslip_iterations=3", "sets noslip_iterations=3 in several variants; allowed: in one"),
