@@ -26,10 +26,11 @@ def test_harmonic_balance_without_friction_is_the_linear_response(ratio) -> None
     assert balanced_transmittance(lane, 400) == pytest.approx(expected, rel=1e-9)
 
 
-def test_harmonic_balance_of_contacts_that_hardly_slip_is_the_response_of_stuck_ones() -> None:
+@pytest.mark.parametrize("ratio", [0.5, 0.6], ids=["anywhere", "beside a resonance without friction"])
+def test_harmonic_balance_of_contacts_that_hardly_slip_is_the_response_of_stuck_ones(ratio) -> None:
     """The smoothed law creeps where Coulomb's sticks, by a part in ten thousand of the velocity scale."""
     chain = Chain.from_ratios(friction_ratio=100.0)
-    lane = Lane.periodic(chain, HarmonicForce(1.0, 0.5 * chain.resonator_frequency), 400)
+    lane = Lane.periodic(chain, HarmonicForce(1.0, ratio * chain.resonator_frequency), 400)
     assert balanced_transmittance(lane, 400) == pytest.approx(stuck_transmittance(chain, lane.drive), rel=1e-3)
 
 

@@ -12,7 +12,9 @@ from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_response
 from scenarios.runs.evaluator import StoredResults
 from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import opened_store
+from scenarios.studies import claims
 from scenarios.studies.claims import (
     CLAIM_COLUMNS,
     MOVED,
@@ -24,9 +26,11 @@ from scenarios.studies.claims import (
     sentence,
 )
 from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios, default_frequency_ratios, figure3
+from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tables import markdown_lines, text_table
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator, rub_harder
+from tests.scenarios.runs.builders import certified
 
 ROOT = Path(__file__).parents[3]
 
@@ -151,6 +155,19 @@ def test_a_band_that_is_elsewhere_changes_the_answer(
     claim = answers(MADE | changed)[number]
     assert claim.answer is answer
     assert text in claim.concluded
+
+
+@pytest.mark.parametrize(("deepest", "known"), [(-20.0, True), (-5.0, False)])
+def test_a_point_without_a_steady_state_leaves_a_band_open_unless_others_are_deep(deepest: float, known: bool) -> None:
+    """Where no other point is below -10 dB there may be a band, and there may be none."""
+    lost = Result(status=ResultStatus.PERIOD_LIMIT, transmittance_db=-30.0, residual=1.0)
+    curve = {0.3: certified(transmittance_db=1.0), 1.2: certified(transmittance_db=deepest), 1.4: lost}
+    curve |= {1.6: certified(transmittance_db=-3.0)}
+    band = claims._band(curve, 0.8, None, BandDefinition())
+    assert (band is not None) is known
+    without = claims._band({eta: own for eta, own in curve.items() if own is not lost}, 0.8, None, BandDefinition())
+    assert without is not None
+    assert without.lower == (0.8 if known else math.inf)
 
 
 def test_a_band_covers_a_share_whatever_its_ends() -> None:
