@@ -1,7 +1,7 @@
 """``python -m tests.mutations.code --count 40 --seed 1``: would the tests notice one wrong operator in the product?
 
 A copy of the project gets one operator that is another one, at random. The quick tests are run once to see which lines
-each of them executes (`coverage`); a mutant meets those of its line, then the tests that have most to do with its file.
+each of them executes (`coverage`); a mutant meets those of its line, then those that have most to do with its file.
 It is killed by the first test that fails, and survives if those of its line pass, though time may be up before all of
 its file have been run. Without tests of its line, or if what fails fails without the change too, it is not decided.
 """
@@ -27,6 +27,8 @@ from pathlib import Path
 
 import pytest
 
+from engines.contract.plugin import OPTION
+from engines.interface.registry import engine, engine_names
 from tests.mutations.lines import Lines, lines_of
 
 PROJECT = Path(__file__).parents[2]
@@ -125,7 +127,10 @@ def product_files() -> list[Path]:
 
 
 def tests_of(file: Path) -> list[str]:
-    """Give the tests of a file: its own or its engine's, those that name its module, golden answers, its folder's."""
+    """Give the tests of a file: its own or its engine's, those that name its module, golden answers, its folder's.
+
+    Of a file of an adapter the contract too, with the options that hold its engines alone to it.
+    """
     module = ".".join(file.with_suffix("").parts).removesuffix(".__init__")
     every = sorted((PROJECT / "tests").rglob("test_*.py"))
     own = [test for test in every if test.stem in (f"test_{file.stem}", f"test_{file.parent.name}")]
@@ -134,7 +139,17 @@ def tests_of(file: Path) -> list[str]:
     while not folder.is_dir():
         folder = folder.parent
     beside = sorted(naming, key=lambda test: folder not in test.parents)
-    return [str(test.relative_to(PROJECT)) for test in dict.fromkeys([*own, *beside, PROJECT / "tests/golden", folder])]
+    engines = engines_of(file)
+    first = [*own, PROJECT / "engines/contract"] if engines else own
+    tests = dict.fromkeys([*first, *beside, PROJECT / "tests/golden", folder])
+    return [*(str(test.relative_to(PROJECT)) for test in tests), *(f"{OPTION}={name}" for name in engines)]
+
+
+def engines_of(file: Path) -> list[str]:
+    """Name the installed engines whose adapter is in the folder of a file."""
+    package = ".".join(file.parts[:2]) + "."
+    own = [name for name in engine_names() if f"{type(engine(name)).__module__}.".startswith(package)]
+    return [name for name in own if engine(name).unavailable_reason() is None]
 
 
 def executing(change: Change, lines: Lines) -> list[str]:
@@ -160,11 +175,13 @@ def outcome(change: Change, copy: Path, tests: Sequence[str] = (), seconds: floa
         if tests and first_failure(tests, copy, environment, seconds):
             return KILLED
         otherwise = SURVIVED if tests else UNDECIDED
-        failed = first_failure(tests_of(change.file), copy, environment, end - time.monotonic())
+        every = tests_of(change.file)
+        failed = first_failure(every, copy, environment, end - time.monotonic())
         spoilt.write_bytes(sound)
         if failed is None:
             return SURVIVED
-        return UNDECIDED if first_failure([failed], copy, environment, seconds) else KILLED
+        again = [failed, *(option for option in every if option.startswith(OPTION))]
+        return UNDECIDED if first_failure(again, copy, environment, seconds) else KILLED
     except subprocess.TimeoutExpired:
         return otherwise
     finally:

@@ -86,4 +86,8 @@ def test_every_change_of_the_product_can_be_compiled() -> None:
 
 
 def test_tests_of_an_adapter_are_those_of_its_engine() -> None:
-    assert code.tests_of(Path("engines/rapier/joint.py"))[0] == "tests/engines/adapters/test_rapier.py"
+    own, contract, *_, option = code.tests_of(Path("engines/mujoco/joint.py"))
+    assert own == "tests/engines/adapters/test_mujoco.py"
+    assert (contract, option) == ("engines/contract", "--xval-engine=mujoco")
+    assert code.engines_of(Path("engines/exudyn/joint.py")) == ["exudyn-bristle", "exudyn-regularised"]
+    assert code.engines_of(Path("engines/shared/law_distance.py")) == []
