@@ -1,6 +1,8 @@
 """The table of engines in the index of the target sheets, from the verdicts of the scenario `published`.
 
 python docs/targets/answers.py published.csv docs/targets/answers.csv
+
+Rows of the table stay where there are no verdicts of their variant.
 """
 
 import sys
@@ -10,6 +12,8 @@ import pandas as pd
 
 MARKS = {"agree": "", "disagree": " *", "own step too coarse": " c", "inconclusive": " ?"}
 """Behind a value; where there is none, the verdict stands in its place."""
+
+VARIANT = "engine:formulation:preset"
 
 
 def cell(row: pd.Series) -> str:
@@ -26,11 +30,12 @@ def write(verdicts: Path, table: Path) -> None:
     """Write a row a variant, a column a published number."""
     rows = pd.read_csv(verdicts).query("scenario == 'published'")
     rows = rows[~rows["reason"].str.contains("not installed")]
-    rows["engine:formulation:preset"] = rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"]
+    rows[VARIANT] = rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"]
     rows["cell"] = rows.apply(cell, axis="columns")
-    wide = rows.pivot_table(
-        index="engine:formulation:preset", columns="case", values="cell", aggfunc="first", sort=False
-    )
+    wide = rows.pivot_table(index=VARIANT, columns="case", values="cell", aggfunc="first", sort=False)
+    if table.exists():
+        before = pd.read_csv(table, index_col=VARIANT, dtype=str)
+        wide = pd.concat([before.drop(wide.index, errors="ignore"), wide])
     wide.to_csv(table, lineterminator="\n")
 
 
