@@ -257,7 +257,8 @@ def finding_table(results: Results) -> pd.DataFrame:
 class VerdictTable(pd.DataFrame):
     """Verdicts, a row a number; printed as one line, and shown in a notebook as the counts of each variant.
 
-    A part of it, such as ``table[table.verdict == "disagree"]``, is shown row by row.
+    A part of it, such as ``table[table.verdict == "disagree"]``, is shown row by row. As a figure:
+    ``table.counts.plot.barh(stacked=True)``.
     """
 
     @property

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
@@ -131,6 +132,9 @@ def test_verdicts_are_one_line_and_their_parts_are_rows() -> None:
     assert f"on {len(table)} numbers" in line
     assert table.counts.to_numpy().sum() == len(table)
     assert "<table" in table._repr_html_()
+    bars = table.counts.plot.barh(stacked=True)
+    assert sum(bar.get_width() for bar in bars.patches) == len(table)
+    plt.close(bars.figure)
     part = table[table.engine == "reference"]
     assert len(repr(part).splitlines()) > len(part) > 0
 
