@@ -70,7 +70,7 @@ ELLIPTIC = ("elliptic", "The pyramid's edges change the normal force with fricti
 HARD_COEFFICIENT = 0.01
 
 EDGES_ROUND_OFF = 8 * 2.0**-53 / HARD_COEFFICIENT
-"""Eight roundings of the edges' forces, as many as of a step's position, whose difference is a friction so much less."""
+"""Eight roundings, as many as a step of a position has, of the edges' forces: their difference is so much less."""
 
 PRESSED_HARDER = {
     "solimp": Option((SOFTEST, SOFTEST), SOLIMP, "MuJoCo's softest: friction hardly raises the normal force."),
