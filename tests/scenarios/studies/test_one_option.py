@@ -112,7 +112,7 @@ def test_the_default_report_has_recommended_presets_whose_steps_a_model_has() ->
 
 
 def test_a_report_is_of_what_its_store_has_and_a_preview_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    stored = planned_report(["pymunk"], None, quick=True, stored_in=None).sweep
+    stored = planned_report(["mujoco"], None, quick=True, stored_in=None).sweep
     monkeypatch.setattr(plan, "stored_sweep", lambda _file: stored)
     store, planned = Path("results.sqlite"), partial(planned_report, (), None)
     assert planned(quick=False, stored_in=store).sweep == stored
