@@ -13,6 +13,8 @@ from reports.data.collect import Scope, collect, collect_dataset
 from reports.data.points import NAMES, POINT_COLUMNS
 from reports.data.report import Report
 from reports.export.files import files_of, report_dataset
+from reports.page.render import FIGURES
+from reports.write import check_folder
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
 from scenarios.runs.store import ResultStore
@@ -222,3 +224,10 @@ def test_a_report_shows_the_numbers_of_steps_that_its_store_holds_and_says_nothi
     assert "at 50, 400 steps a period" in page
     assert "from 50 to 400 steps a period" in page
     assert "6400" not in page.split('id="work_precision"')[1].split("</section>")[0].split("<img")[0]
+
+
+def test_a_store_among_the_figures_is_refused_and_one_beside_the_page_is_not(tmp_path: Path) -> None:
+    """Figures of an earlier report are removed before others are written."""
+    check_folder("--out", tmp_path, [None, tmp_path / "results.sqlite", tmp_path.parent / FIGURES / "results.sqlite"])
+    with pytest.raises(ParameterError, match=f"lies among the figures .*; allowed: a file outside {FIGURES}"):
+        check_folder("--out", tmp_path, [tmp_path / "results.sqlite", tmp_path / FIGURES / "results.sqlite"])
