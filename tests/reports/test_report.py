@@ -227,7 +227,7 @@ def test_a_report_shows_the_numbers_of_steps_that_its_store_holds_and_says_nothi
 
 
 def test_a_store_among_the_figures_is_refused_and_one_beside_the_page_is_not(tmp_path: Path) -> None:
-    """Figures of an earlier report are removed before others are written."""
+    """A figure could be written over it."""
     check_folder("--out", tmp_path, [None, tmp_path / "results.sqlite", tmp_path.parent / FIGURES / "results.sqlite"])
     with pytest.raises(ParameterError, match=f"lies among the figures .*; allowed: a file outside {FIGURES}"):
         check_folder("--out", tmp_path, [tmp_path / "results.sqlite", tmp_path / FIGURES / "results.sqlite"])
