@@ -9,11 +9,15 @@ from scenarios.runs.evaluator import StoredResults
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.attenuation_band import Crossing, Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_reader import DatasetResults
+from scenarios.sweeps.edges import BandEdge, RefinedEdges
+from scenarios.sweeps.predictions import _predicted_edge
 from scenarios.sweeps.sweep import GivenTolerance, Sweep
-from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
+from scenarios.verdicts.finding import Comparison, Finding, Verdict, failures, unmodelled
+from scenarios.verdicts.prediction import LawPeriod
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import be_late, evaluator, press_harder
 
@@ -67,6 +71,17 @@ def test_an_engine_that_does_not_obey_its_law_is_unmodelled_at_points_and_edges(
 
 
 @needs_mujoco
+@pytest.mark.parametrize(("own", "of_law"), [(None, None), (0.7, None), (None, 0.7), (0.7, 0.7)])
+def test_an_edge_that_is_not_there_is_as_the_law_predicts_if_the_law_has_none_either(own, of_law) -> None:
+    (case,) = planned().cases
+    disagrees = Comparison(Verdict.DISAGREE, "", difference=0.1, per_amplitude=1.0)
+    edge = BandEdge(LAWFUL, case, Edge.LOWER, own, disagrees, expected=0.6)
+    crossings = {} if of_law is None else {(LAWFUL.law, case, Edge.LOWER): Crossing(of_law)}
+    predicted = _predicted_edge(edge, RefinedEdges(crossings, set()), LawPeriod(0.0, 1e-6))
+    assert predicted.prediction is not None
+    assert predicted.finding.modelled is (own == of_law)
+
+
 def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open() -> None:
     given = GivenTolerance(transmittance_db=1e-3, baseline=REFERENCE)
     result = compared(dataclasses.replace(planned(), tolerance=given))
