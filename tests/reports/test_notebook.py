@@ -75,6 +75,7 @@ def test_stick_and_slip_is_shown_where_contacts_do_both(data: xr.Dataset) -> Non
 def test_figure_has_a_panel_a_case_and_a_curve_an_engine(data: xr.Dataset, tmp_path: Path) -> None:
     figure = plot(data, tmp_path / "figure.pdf")
     assert [axes.get_title() for axes in figure.axes] == ["friction ratio 0.15", "friction ratio 0.25"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["transmittance [dB]", ""]
     text = (tmp_path / "figure.pdf").read_bytes()
     assert b"/CIDFontType2" in text
     assert b"/Type3" not in text
