@@ -27,7 +27,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["_build", "jupyter_execute", "scenes/recipes"]
+exclude_patterns = ["_build", "jupyter_execute", "scenes/recipes", "engines/batch_cost.md"]
 html_theme = "furo"
 html_title = "multibody-xval"
 html_static_path = ["_static"]
