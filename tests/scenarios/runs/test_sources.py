@@ -1,6 +1,5 @@
 """A corrected adapter does not take the answers that it gave before for its own."""
 
-import importlib
 import json
 import os
 import shutil
@@ -8,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 from contextlib import closing
+from types import ModuleType
 
 import numba
 import pytest
@@ -132,7 +132,8 @@ def test_digest_of_an_engine_from_elsewhere_is_of_its_whole_package(tmp_path, mo
     package.mkdir()
     for name in ("__init__.py", "joint.py"):
         (package / name).write_text(f"# {name}\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    for name in ("outer", "outer.joint"):
-        monkeypatch.setitem(sys.modules, name, importlib.import_module(name))
+    for name, file in (("outer", "__init__.py"), ("outer.joint", "joint.py")):
+        module = ModuleType(name)
+        module.__file__ = str(package / file)
+        monkeypatch.setitem(sys.modules, name, module)
     assert {file.name for file in sources._files(asked)} == files

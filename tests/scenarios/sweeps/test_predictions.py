@@ -70,7 +70,6 @@ def test_an_engine_that_does_not_obey_its_law_is_unmodelled_at_points_and_edges(
     assert failures(result.findings) == [f"unmodelled: {len(wrong)} disagreements, of {LAWFUL}"]
 
 
-@needs_mujoco
 @pytest.mark.parametrize(("own", "of_law"), [(None, None), (0.7, None), (None, 0.7), (0.7, 0.7)])
 def test_an_edge_that_is_not_there_is_as_the_law_predicts_if_the_law_has_none_either(own, of_law) -> None:
     (case,) = planned().cases
@@ -82,6 +81,7 @@ def test_an_edge_that_is_not_there_is_as_the_law_predicts_if_the_law_has_none_ei
     assert predicted.finding.modelled is (own == of_law)
 
 
+@needs_mujoco
 def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open() -> None:
     given = GivenTolerance(transmittance_db=1e-3, baseline=REFERENCE)
     result = compared(dataclasses.replace(planned(), tolerance=given))
