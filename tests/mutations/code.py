@@ -127,10 +127,7 @@ def product_files() -> list[Path]:
 
 
 def tests_of(file: Path) -> list[str]:
-    """Give the tests of a file: its own or its engine's, those that name its module, golden answers, its folder's.
-
-    Of a file of an adapter the contract too, with the options that hold its engines alone to it.
-    """
+    """Give the tests of a file: its own, an adapter's contract, those that name it, golden answers, its folder's."""
     module = ".".join(file.with_suffix("").parts).removesuffix(".__init__")
     every = sorted((PROJECT / "tests").rglob("test_*.py"))
     own = [test for test in every if test.stem in (f"test_{file.stem}", f"test_{file.parent.name}")]
@@ -139,16 +136,15 @@ def tests_of(file: Path) -> list[str]:
     while not folder.is_dir():
         folder = folder.parent
     beside = sorted(naming, key=lambda test: folder not in test.parents)
-    engines = engines_of(file)
-    first = [*own, PROJECT / "engines/contract"] if engines else own
-    tests = dict.fromkeys([*first, *beside, PROJECT / "tests/golden", folder])
-    return [*(str(test.relative_to(PROJECT)) for test in tests), *(f"{OPTION}={name}" for name in engines)]
+    contract = [PROJECT / "engines/contract"] if engines_of(file) else []
+    tests = dict.fromkeys([*own, *contract, *beside, PROJECT / "tests/golden", folder])
+    return [str(test.relative_to(PROJECT)) for test in tests]
 
 
 def engines_of(file: Path) -> list[str]:
     """Name the installed engines whose adapter is in the folder of a file."""
-    package = ".".join(file.parts[:2]) + "."
-    own = [name for name in engine_names() if f"{type(engine(name)).__module__}.".startswith(package)]
+    adapters = {name: type(engine(name)).__module__.split(".") for name in engine_names()}
+    own = [name for name, module in adapters.items() if tuple(module[:2]) == file.parts[:2]]
     return [name for name in own if engine(name).unavailable_reason() is None]
 
 
@@ -175,13 +171,12 @@ def outcome(change: Change, copy: Path, tests: Sequence[str] = (), seconds: floa
         if tests and first_failure(tests, copy, environment, seconds):
             return KILLED
         otherwise = SURVIVED if tests else UNDECIDED
-        every = tests_of(change.file)
-        failed = first_failure(every, copy, environment, end - time.monotonic())
+        alone = [f"{OPTION}={name}" for name in engines_of(change.file)]
+        failed = first_failure([*tests_of(change.file), *alone], copy, environment, end - time.monotonic())
         spoilt.write_bytes(sound)
         if failed is None:
             return SURVIVED
-        again = [failed, *(option for option in every if option.startswith(OPTION))]
-        return UNDECIDED if first_failure(again, copy, environment, seconds) else KILLED
+        return UNDECIDED if first_failure([failed, *alone], copy, environment, seconds) else KILLED
     except subprocess.TimeoutExpired:
         return otherwise
     finally:

@@ -86,8 +86,18 @@ def test_every_change_of_the_product_can_be_compiled() -> None:
 
 
 def test_tests_of_an_adapter_are_those_of_its_engine() -> None:
-    own, contract, *_, option = code.tests_of(Path("engines/mujoco/joint.py"))
-    assert own == "tests/engines/adapters/test_mujoco.py"
-    assert (contract, option) == ("engines/contract", "--xval-engine=mujoco")
+    own, contract, *_ = code.tests_of(Path("engines/mujoco/joint.py"))
+    assert (own, contract) == ("tests/engines/adapters/test_mujoco.py", "engines/contract")
     assert code.engines_of(Path("engines/exudyn/joint.py")) == ["exudyn-bristle", "exudyn-regularised"]
     assert code.engines_of(Path("engines/shared/law_distance.py")) == []
+
+
+def test_an_adapter_meets_the_contract_with_its_engine_alone(monkeypatch, tmp_path: Path) -> None:
+    change, asked = next(changes_of(Path("engines/mujoco/joint.py"))), list[list[str]]()
+    (tmp_path / change.file).parent.mkdir(parents=True)
+    (tmp_path / change.file).write_bytes((code.PROJECT / change.file).read_bytes())
+    monkeypatch.setattr(code, "first_failure", lambda tests, *_: asked.append(list(tests)) or tests[1])
+    assert outcome(change, tmp_path) == UNDECIDED, "it fails without the change too"
+    first, again = asked
+    assert first == [*code.tests_of(change.file), "--xval-engine=mujoco"]
+    assert again == ["engines/contract", "--xval-engine=mujoco"]
