@@ -11,7 +11,17 @@ from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.store import opened_store
-from scenarios.studies.claims import CLAIM_COLUMNS, LOCKED, MOVED, RANGE, STATED, evaluated_conclusions, sentence
+from scenarios.studies.claims import (
+    CLAIM_COLUMNS,
+    LOCKED,
+    MOVED,
+    RANGE,
+    STATED,
+    Conclusions,
+    evaluated_conclusions,
+    farthest_edge,
+    sentence,
+)
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.widest_band import WIDEST_COLUMNS, widest_band
 from scenarios.tables import markdown_lines, markdown_list, text_table
@@ -38,9 +48,6 @@ ENGINES = """
 The numbers are lower edges $\\eta_r$ by friction ratio. A dash is an edge without a steady state on the way to it.
 """
 
-SAME = " one would conclude the same as with the reference."
-"""How the sentence of such a variant ends."""
-
 LOWEST = """
 ## The widest band
 
@@ -54,6 +61,12 @@ The columns *within 0.001* give the friction ratios whose edge is at most 0.001 
 """
 
 
+def _is_apart(own: Conclusions, reference: Conclusions) -> bool:
+    """Whether a variant answers a claim otherwise or not at all, or has an edge that has moved."""
+    answers, expected = ([claim.answer for claim in each.claims] for each in (own, reference))
+    return answers != expected or farthest_edge(own, reference) >= MOVED
+
+
 def main(store: Path, page: Path, names: list[str]) -> None:
     """Write the page of these variants, with what the store has of them."""
     variants = [variant for variant in variants_named(names) if variant.preset_name in PRESETS]
@@ -63,10 +76,10 @@ def main(store: Path, page: Path, names: list[str]) -> None:
     reference, *others = found
     stated = [f"{name}: {text}: {own.answer}; {own.numbers}" for (name, text), own in
               zip(STATED.items(), reference.claims, strict=True)]  # fmt: skip
-    said = [text for own in others if not (text := sentence(own, reference)).endswith(SAME)]
+    apart = [sentence(own, reference) for own in others if _is_apart(own, reference)]
     lines = [
         INTRODUCTION, *markdown_list(stated), ENGINES, *markdown_lines(text_table(CLAIM_COLUMNS, found)), "",
-        *markdown_list([*said, f"With each of the others{SAME}"]),
+        *markdown_list([*apart, "With each of the others one would conclude the same as with the reference."]),
         LOWEST, *markdown_lines(text_table(WIDEST_COLUMNS, bands)), FLAT,
     ]  # fmt: skip
     page.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
