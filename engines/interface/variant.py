@@ -210,10 +210,8 @@ def _variants(text: str) -> list[Variant]:
     name, formulation, preset = [*names, *("joint", "tuned")[len(names) - 1 :]]
     if name != ALL:
         check_installed(name, engine(name).unavailable_reason())
-    optional = preset != ALL
-    listed = [
-        each for own in (engine_names() if name == ALL else [name]) for each in variants_of(own, optional=optional)
-    ]
+    engines = engine_names() if name == ALL else [name]
+    listed = [each for own in engines for each in variants_of(own, optional=preset != ALL)]
     if formulation != ALL:
         checked_choice(f"formulation of {name}", formulation, _each(each.formulation for each in listed))
         listed = [each for each in listed if each.formulation == formulation]

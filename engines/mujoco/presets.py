@@ -77,7 +77,7 @@ PRESSED_HARDER = {
     "coefficient": Option(
         HARD_COEFFICIENT,
         None,
-        "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ².",
+        f"Contacts are pressed with F / {HARD_COEFFICIENT}: what friction adds to the normal force goes with μ².",
     ),
 }
 """Of contacts solved by Newton."""
