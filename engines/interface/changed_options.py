@@ -16,18 +16,24 @@ MOST_COUNT = 2**31 - 1
 
 SWITCHES = {"true": True, "false": False}
 
+NONE = "none"
+"""Leaves an option out, as presets do that are without it."""
 
-def changed_preset(preset: Preset, settings: Sequence[str], all_presets: Iterable[Preset], name: str) -> Preset:
+
+def changed_preset(
+    preset: Preset, settings: Sequence[str], all_presets: Iterable[Preset], installed: Preset, name: str
+) -> Preset:
     """Give a preset with some options changed by texts ``NAME=VALUE``; the preset itself where nothing is.
 
     It claims no longer to share the reference's scheme, and its law is that of the changed options where the law is
-    computed from every one of them. The texts that an option takes are those that `all_presets` have.
+    computed from every one of them. The texts that an option takes are those that `all_presets` have. What `installed`,
+    the engine as it comes, is without can be left out.
     """
     known = list(all_presets)
     values: dict[str, Any] = {}
     reached = preset
     for setting in settings:
-        option, value = _read(reached, setting, known, name)
+        option, value = _read(reached, setting, known, installed, name)
         if option in values:
             raise ParameterError(f"option {option} of {name} is set twice; allowed: once")
         values[option] = value
@@ -55,9 +61,10 @@ def _changed(preset: Preset, changes: Mapping[str, Any], name: str) -> Preset:
 
 
 def _options(preset: Preset, changes: Mapping[str, Any]) -> dict[str, Option]:
-    """Give all options, some with other values."""
-    changed = {option: replace(preset.options[option], value=value) for option, value in changes.items()}
-    return {**preset.options, **changed}
+    """Give all options, some with other values, and without those that are ``None``."""
+    left_out = {name for name, value in changes.items() if value is None}
+    changed = {name: replace(preset.options[name], value=value) for name, value in changes.items()}
+    return {name: option for name, option in {**preset.options, **changed}.items() if name not in left_out}
 
 
 def _law_of_changed(unchanged: Preset, changes: Sequence[str], preset: Preset) -> Law | NotModelled:
@@ -88,22 +95,26 @@ def value_text(value: Any) -> str:
         return ",".join(map(value_text, value))
     if isinstance(value, OfStep):
         return ",".join(value.text.split())
+    if value is None:
+        return NONE
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _read(preset: Preset, setting: str, known: Sequence[Preset], name: str) -> tuple[str, Any]:
+def _read(preset: Preset, setting: str, known: Sequence[Preset], installed: Preset, name: str) -> tuple[str, Any]:
     """Read ``NAME=VALUE``."""
     option, _, text = setting.partition("=")
     settable = [each for each, own in preset.engine_options.items() if not own.fixed]
     settable += [each for each in preset.options if each == ACROSS]
     if option not in settable:
-        allowed = ", ".join(f"{each} ({_type_text(preset, each, known)})" for each in settable) or "none"
+        allowed = ", ".join(f"{each} ({_type_text(preset, each, known, installed)})" for each in settable) or "none"
         raise ParameterError(f"option {shown(option)} cannot be set in {name}; allowed: {allowed}")
+    if text == NONE and _can_be_left_out(preset, option, installed):
+        return option, None
     formulas = {value_text(formula): formula for formula in _formulas(option, known)}
     value = formulas.get(text) or _value(text, _numbers(preset[option]), _texts(option, known))
     if value is None:
         raise ParameterError(
-            f"{option} = {shown(text)} of {name}; allowed: {_type_text(preset, option, known)}, such as "
+            f"{option} = {shown(text)} of {name}; allowed: {_type_text(preset, option, known, installed)}, such as "
             f"{value_text(preset[option])}"
         )
     return option, value
@@ -165,15 +176,24 @@ def _formulas(option: str, known: Sequence[Preset]) -> list[OfStep]:
     return list(dict.fromkeys(value for value in _set_or_default(option, known) if isinstance(value, OfStep)))
 
 
+def _can_be_left_out(preset: Preset, option: str, installed: Preset) -> bool:
+    """Tell whether the engine has no value of its own for an option, and comes without it."""
+    own = installed.options.get(option)
+    return preset.options[option].default is None and (own is None or own.value is None)
+
+
 def _set_or_default(option: str, known: Sequence[Preset]) -> list[Any]:
     settings = [preset.options[option] for preset in known if option in preset.options]
     return [value for setting in settings for value in (setting.value, setting.default)]
 
 
-def _type_text(preset: Preset, option: str, known: Sequence[Preset]) -> str:
+def _type_text(preset: Preset, option: str, known: Sequence[Preset], installed: Preset) -> str:
     """Say what an option takes."""
-    formulas = " or ".join(map(value_text, _formulas(option, known)))
-    return _type_of_numbers(preset, option, known) + (f", or {formulas}" if formulas else "")
+    words = [
+        *map(value_text, _formulas(option, known)),
+        *([NONE] if _can_be_left_out(preset, option, installed) else []),
+    ]
+    return _type_of_numbers(preset, option, known) + (f", or {' or '.join(words)}" if words else "")
 
 
 def _type_of_numbers(preset: Preset, option: str, known: Sequence[Preset]) -> str:

@@ -126,7 +126,8 @@ class Engine(ABC):
         if not settings:
             return presets[name]
         every = [each for group in by_formulation.values() for each in group.values()]
-        return changed_preset(presets[name], settings, every, f"{self.name}:{formulation}:{name}")
+        installed = presets.get("default", presets[name])
+        return changed_preset(presets[name], settings, every, installed, f"{self.name}:{formulation}:{name}")
 
     def prepare(self, cells: int, formulation: str, preset: str) -> None:
         """Do what `preparation` names, for chains of this length: build its batches, and take a step of each.

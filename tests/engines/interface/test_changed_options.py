@@ -65,6 +65,8 @@ def test_a_variant_has_one_name_however_it_is_written(written: str, name: str) -
         ("mujoco:solref_friction=-0.9/h,-0.9/h", "allowed: 2 values with commas between, or -0.95/h,-0.95/h"),
         ("exudyn-regularised:zone=nan", "zone = 'nan' .* allowed: a number"),
         ("rapier:can_sleep=1", "allowed: true or false"),
+        ("ode:contact:recommended:soft_cfm=hard", "allowed: a number, or none, such as 1e-05"),
+        ("sapien:contact:inertia=none", r"inertia = 'none' .* allowed: a number, such as 1e\+30$"),
         ("mujoco:cone=elliptic:cone=elliptic", "is set twice; allowed: once"),
         ("reference:substeps=2", "allowed: none"),
         ("mujoco:units=SI", "option 'units' cannot be set in mujoco:joint:tuned"),
@@ -166,7 +168,7 @@ def test_a_law_that_cannot_be_computed_from_a_value_refuses_it() -> None:
 
     soft = Preset("Soft.", {"width": Option(1.0, 1.0, "As it is.")}, law=law)
     with pytest.raises(ParameterError, match=r"width=0\.0 of soft is not what its law takes: ZeroDivisionError"):
-        changed_preset(soft, ["width=0"], [soft], "soft")
+        changed_preset(soft, ["width=0"], [soft], soft, "soft")
 
 
 def test_what_is_set_also_holds_where_the_normal_force_changes() -> None:

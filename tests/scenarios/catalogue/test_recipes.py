@@ -10,7 +10,7 @@ from reports.formatting import significant
 from reports.reproducers.recipe import recipe_text
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes.base import CREEP
-from scenarios.catalogue.scenes.recipes import Measurement
+from scenarios.catalogue.scenes.recipes import Measurement, option_sets
 from scenarios.runs.store import opened_store
 from tests.scenarios.in_process import evaluator, findings
 
@@ -20,6 +20,20 @@ ACCURACY = Path(__file__).parents[3] / "docs" / "accuracy.md"
 def measured(variant: Variant, *names: str) -> Measurement:
     found = tuple(each for name in names for each in findings(CATALOGUE[name], variant))
     return Measurement(variant, (), found, (), 1.0)
+
+
+@pytest.mark.parametrize("name", ["drake", "genesis", "mujoco", "newton", "ode", "pybullet", "rapier"])
+def test_a_set_of_options_is_the_engine_as_it_comes_but_for_these(name: str) -> None:
+    recommended = Variant(name, "contact", "recommended")
+    installed = replace(recommended, preset_name="default").preset
+    recipe = recommended.preset.changed_from(installed)
+    sets = {names: own for names, own in option_sets(recommended).items() if set(names) <= set(recipe)}
+    assert len(sets) == 2 ** len(recipe) > 1
+    for names, variant in sets.items():
+        assert {option: variant.preset[option] for option in names} == {
+            option: recommended.preset[option] for option in names
+        }
+        assert set(variant.preset.changed_from(installed)) == set(names)
 
 
 def creep_of(variant: Variant, name: str) -> float:
