@@ -26,6 +26,7 @@ COMMANDS = {
     "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
     "reproduce": ("shown", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
+    "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
     "animate": ("shown", "Show the chain in motion over one period."),
 }
 """The module of `reports.cli` that has each command, and what the command does in a sentence."""

@@ -1,0 +1,88 @@
+"""``multibody-xval truth``: benchmark problems with their exact motion, and what is judged by them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reference_lcp.errors import ExitCode
+from reference_lcp.terminal import print_table, visible
+from reports.cli.console_script import HelpAlone
+
+app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
+truth_app = typer.Typer(cls=HelpAlone)
+
+Name = Annotated[str, typer.Argument(metavar="NAME", help="The problem; `truth list` has the names.")]
+
+
+@app.callback()
+def suite() -> None:
+    """Keep the words of the command as they are: an application of one command has none."""
+
+
+@truth_app.callback()
+def truth_group() -> None:
+    """List benchmark problems with their exact motion, and judge a motion that any program wrote."""
+
+
+@truth_app.command("list")
+def list_problems() -> None:
+    """List the problems.
+
+    Exit code 0: listed; 2: wrong input; 130: interrupted.
+
+    Example: multibody-xval truth list
+    """
+    from truth import problems
+
+    rows = [(each.name, str(len(each.masses)), f"{each.time_step:.4g}", each.title) for each in problems().values()]
+    print_table(("problem", "bodies", "step [s]", "what"), rows)
+
+
+@truth_app.command()
+def show(name: Name) -> None:
+    """Print the file of a problem: what to build, its exact motion, what a step may be off.
+
+    Exit code 0: printed; 2: wrong input; 130: interrupted.
+
+    Example: multibody-xval truth show block-stops
+    """
+    from truth import problem_named
+    from truth.record import text_of
+
+    print(text_of(problem_named(name)), end="")
+
+
+@truth_app.command()
+def check(
+    name: Name,
+    motion: Annotated[
+        Path, typer.Argument(help="CSV file: `time`, `x0`, `x1` … [m] of every body, and perhaps `v0`, `v1` … [m/s].")
+    ],
+    *,
+    time_step: Annotated[
+        float | None, typer.Option(help="Step of the program that wrote it [s]; without it, that of the problem.")
+    ] = None,
+) -> None:
+    """Compare a motion that any program wrote with the exact one.
+
+    It has a row at each of the problem's times, and may have others. What it may be off is in proportion to the step.
+    Exit code 0: within what a step of first order may be off; 1: beyond; 2: wrong input; 130: interrupted.
+
+    Example: multibody-xval truth check block-stops motion.csv --time-step 0.001
+    """
+    from truth import judged, problem_named, read_motion
+
+    problem = problem_named(name)
+    found = judged(problem, read_motion(motion, problem), time_step)
+    for one in found:
+        unit = {"position": "m", "velocity": "m/s"}[one.quantity]
+        text = f"{'ok' if one.passes else 'FAILED'}: {one.quantity} of body {one.body} at {one.time:.6g} s is off by"
+        print(visible(f"{text} {one.error:.3g} {unit}; allowed: {one.allowed:.3g} {unit}"))
+    if not all(one.passes for one in found):
+        raise typer.Exit(ExitCode.FAILED)
+
+
+app.add_typer(truth_app, name="truth")
