@@ -21,7 +21,7 @@ from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
-GROUPS = {"multibody-xval store"}
+GROUPS = {"multibody-xval store", "multibody-xval truth"}
 """Commands that only hold others."""
 
 REFERENCE = "reference --cells 1 --frequency-ratio 0.9"

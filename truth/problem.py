@@ -109,7 +109,8 @@ class Problem(_Record):
     """[m/s], likewise."""
     position_error: list[NotNegative]
     """What a scheme of first order may be off with the step above [m], one a body: twice as much as the symplectic
-    Euler scheme is, or as the motion is if it comes a step late. 0 for what stands still."""
+    Euler scheme is, or as the motion is if it comes a step late; of what stands still, the rounding of single
+    precision."""
     velocity_error: list[NotNegative]
     """[m/s], likewise."""
     observables: dict[str, Enclosed]

@@ -35,6 +35,9 @@ SMALLEST = 1e-13
 MARGIN = 2.0
 """What a scheme of first order may be off, over the error of the symplectic Euler scheme: constants differ."""
 
+SINGLE = float(np.finfo(np.float32).eps)
+"""Rounding of engines in single precision: what stands still may creep by that of a step, and no more."""
+
 GRAVITY = 9.81
 """[m/s²]."""
 
@@ -327,7 +330,8 @@ def _motion(problem: Problem, steps: Sequence[int]) -> Data:
     every = h * np.arange(1, max(steps) + 2)
     exact = EventDrivenSystem(system).motion(**state, times=every)
     scheme = simulate_system(system, **state, time_step=h, steps=max(steps))
-    rows = np.array(steps) - 1
+    rows, speed = np.array(steps) - 1, _rounding(problem)
+    at_rest = {"velocity": speed, "position": speed * float(every[rows[-1]])}
     data: Data = {}
     for name in ("position", "velocity"):
         many = "positions" if name == "position" else "velocities"
@@ -338,8 +342,18 @@ def _motion(problem: Problem, steps: Sequence[int]) -> Data:
         digits = 1 - math.floor(math.log10(uncertainty))
         data[many] = [[_rounded(value, digits) for value in row] for row in values[rows].tolist()]
         data[f"{name}_uncertainty"] = uncertainty
-        data[f"{name}_error"] = [0.0 if each <= uncertainty else _rounded_up(each) for each in error.tolist()]
+        data[f"{name}_error"] = [_rounded_up(each) for each in np.maximum(error, at_rest[name]).tolist()]
     return data
+
+
+def _rounding(problem: Problem) -> FloatArray:
+    """Give the velocity [m/s] with which what is at rest moves by the rounding of single precision, body by body."""
+    largest = np.zeros(len(problem.masses) + 1)
+    for first, second, normal, static in zip(
+        problem.contact_first, problem.contact_second, problem.contact_normal_force, problem.contact_static, strict=True
+    ):
+        largest[[first, second]] = np.maximum(largest[[first, second]], static * normal)
+    return MARGIN * SINGLE * problem.time_step * largest[:-1] / np.array(problem.masses)
 
 
 def _rounded(value: float, digits: int) -> float:
@@ -349,6 +363,8 @@ def _rounded(value: float, digits: int) -> float:
 
 def _rounded_up(value: float) -> float:
     """Round up to two digits."""
+    if value == 0:
+        return 0.0
     exponent = math.floor(math.log10(value)) - 1
     return float(Decimal(math.ceil(value / 10.0**exponent)).scaleb(exponent))
 

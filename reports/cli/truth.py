@@ -17,11 +17,6 @@ truth_app = typer.Typer(cls=HelpAlone)
 Name = Annotated[str, typer.Argument(metavar="NAME", help="The problem; `truth list` has the names.")]
 
 
-@app.callback()
-def suite() -> None:
-    """Keep the words of the command as they are: an application of one command has none."""
-
-
 @truth_app.callback()
 def truth_group() -> None:
     """List benchmark problems with their exact motion, and judge a motion that any program wrote."""
@@ -59,7 +54,8 @@ def show(name: Name) -> None:
 def check(
     name: Name,
     motion: Annotated[
-        Path, typer.Argument(help="CSV file: `time`, `x0`, `x1` … [m] of every body, and perhaps `v0`, `v1` … [m/s].")
+        Path,
+        typer.Argument(help="CSV file: `time` in s, `x0`, `x1` … in m of every body, and perhaps `v0`, `v1` … in m/s."),
     ],
     *,
     time_step: Annotated[
@@ -69,7 +65,8 @@ def check(
     """Compare a motion that any program wrote with the exact one.
 
     It has a row at each of the problem's times, and may have others. What it may be off is in proportion to the step.
-    Exit code 0: within what a step of first order may be off; 1: beyond; 2: wrong input; 130: interrupted.
+    Exit code 0: within what a step of first order may be off; 1: beyond; 2: wrong input: no such problem, or a file
+    with a missing column, time or unit; 130: interrupted.
 
     Example: multibody-xval truth check block-stops motion.csv --time-step 0.001
     """

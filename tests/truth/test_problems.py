@@ -123,7 +123,7 @@ def test_boxes_on_slopes_slide_beyond_the_angle_of_repose():
     assert np.count_nonzero(accelerations) == 6
     exact = accelerations / 2 * np.array(problem.times)[:, None] ** 2
     assert np.max(np.abs(np.array(problem.positions) - exact)) <= problem.position_uncertainty
-    assert [error == 0 for error in problem.position_error] == (accelerations == 0).tolist()
+    assert [error < 2e-9 for error in problem.position_error] == (accelerations == 0).tolist()
 
 
 def test_a_block_breaks_away_when_the_load_reaches_the_bound():

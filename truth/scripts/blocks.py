@@ -1,0 +1,50 @@
+"""The blocks of a problem, one by one, for plain scripts of engines. Standard library only, any Python 3.
+
+A script is run as ``python mujoco_blocks.py KIND PROBLEM.json [OPTION …] > motion.csv``, with its engine alone.
+"""
+
+import json
+import math
+import sys
+
+SETTLED = 0.6
+"""Seconds for which a contact is pressed at rest before the motion: some engines put to sleep what rests for longer."""
+
+
+class Block:
+    """One body of a problem without springs, on the ground or on a rail."""
+
+    def __init__(self, problem, body):
+        if problem["spring_first"]:
+            sys.exit("error: a problem with springs; allowed: blocks without")
+        contact, pulls = problem["contact_first"].index(body), problem["force_body"]
+        self.mass, self.velocity = problem["masses"][body], problem["start_velocity"][body]
+        self.friction, self.step = problem["contact_kinetic"][contact], problem["time_step"]
+        self.steps, self.settling = round(problem["times"][-1] / self.step), round(SETTLED / self.step)
+        self._omega = problem["angular_frequency"]
+        self._normal = problem["contact_normal_force"][contact], problem["contact_normal_amplitude"][contact]
+        pull = pulls.index(body) if body in pulls else None
+        self._pull = (0.0, 0.0) if pull is None else (problem["force_mean"][pull], problem["force_amplitude"][pull])
+
+    def pull(self, step):
+        """Give the force along the ground at the start of a step [N]."""
+        return self._pull[0] + self._pull[1] * math.sin(self._omega * step * self.step)
+
+    def normal(self, step):
+        """Give the force that presses at the start of a step [N]; before the motion, that of its begin."""
+        return self._normal[0] + self._normal[1] * math.sin(self._omega * max(step, 0) * self.step)
+
+
+def run(simulations):
+    """Write the motion of a problem by one of the simulations, which give position and velocity after every step."""
+    words = sys.argv[1:]
+    if len(words) < 2 or words[0] not in simulations:
+        sys.exit("error: allowed: {} PROBLEM.json [OPTION …]".format(" or ".join(simulations)))
+    with open(words[1], encoding="utf-8") as text:
+        problem = json.load(text)
+    bodies = range(len(problem["masses"]))
+    motions = [list(simulations[words[0]](Block(problem, body), words[2:])) for body in bodies]
+    print(",".join(["time"] + ["x%d" % body for body in bodies] + ["v%d" % body for body in bodies]))
+    for step, states in enumerate(zip(*motions), 1):
+        values = [step * problem["time_step"]] + [x for x, _ in states] + [v for _, v in states]
+        print(",".join(repr(float(value)) for value in values))
