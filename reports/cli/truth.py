@@ -59,7 +59,7 @@ def check(
     ],
     *,
     time_step: Annotated[
-        float | None, typer.Option(help="Step of the program that wrote it [s]; without it, that of the problem.")
+        float | None, typer.Option(help="Step in s of the program that wrote it; without it, that of the problem.")
     ] = None,
 ) -> None:
     """Compare a motion that any program wrote with the exact one.
