@@ -26,6 +26,13 @@ class Block:
         pull = pulls.index(body) if body in pulls else None
         self._pull = (0.0, 0.0) if pull is None else (problem["force_mean"][pull], problem["force_amplitude"][pull])
 
+    @property
+    def bound(self):
+        """Friction of a joint in an engine that fixes it when the model is made [N]."""
+        if self._normal[1]:
+            sys.exit("error: friction of this joint is fixed when the model is made; allowed: a constant normal force")
+        return self.friction * self._normal[0]
+
     def pull(self, step):
         """Give the force along the ground at the start of a step [N]."""
         return self._pull[0] + self._pull[1] * math.sin(self._omega * step * self.step)

@@ -16,10 +16,8 @@ def world_of(block):
 
 
 def joint(block, options):
-    if block.normal(0) != block.normal(1):
-        raise SystemExit("error: friction of a joint is fixed when a model is loaded; allowed: a constant normal force")
     world = world_of(block)
-    robot, _ = mjcf.MjcfRobot.from_str(JOINT.format(mass=block.mass, bound=block.friction * block.normal(0)))
+    robot, _ = mjcf.MjcfRobot.from_str(JOINT.format(mass=block.mass, bound=block.bound))
     loaded = robot.insert_using_multibody_joints(
         world.rigid_bodies, world.colliders, world.multibody_joints, world.impulse_joints
     )

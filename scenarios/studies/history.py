@@ -1,0 +1,374 @@
+"""History of an engine: blocks in its released versions, as plain scripts, against the truth; what changed, and when.
+
+A version has an environment of its own, made by uv and removed again. The scripts of `truth` import the engine only, so
+that versions which no adapter of the suite takes can be asked as well.
+"""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from packaging.version import InvalidVersion, Version
+
+import truth
+from engines.isolated.installation import run_uv
+from reference_lcp.errors import ParameterError, RunError, checked_choice, shortened, shown
+from reference_lcp.output import write_whole
+from truth.judge import read_motion
+from truth.problem import problem_named
+
+SCRIPTS = Path(truth.__file__).parent / "scripts"
+
+PROBLEMS = ("block-held", "block-breaks-away", "block-stops", "launched-box")
+"""What every version is asked."""
+
+CHANGED = 1e-8
+"""Part of an error by which it may differ between two versions of one law: orders of sums, and solvers that stop at
+another iteration."""
+
+SMALLEST = 1e-12
+"""Errors below this are round-off [m] or [m/s]."""
+
+OPTION_TITLES = {"": "as it comes", "exact": "solver without tolerance"}
+"""Options of scripts, for people."""
+
+LONGEST_RUN = 120.0
+"""Seconds after which a script is ended: each takes about one."""
+
+ROOM = 500e6
+"""Free space that the environment of one version needs, beside four times its wheel [B]."""
+
+
+@dataclass(frozen=True)
+class Released:
+    """How versions of an engine are had."""
+
+    package: str
+    """Its name in the package index."""
+    script: str
+    also: tuple[str, ...] = ("numpy",)
+    """Other requirements."""
+    kinds: tuple[str, ...] = ("joint", "contact")
+    options: tuple[str, ...] = ("",)
+    """Options with which everything is asked; the empty one is the engine as it comes."""
+
+
+ENGINES: Mapping[str, Released] = {
+    "mujoco": Released("mujoco", "mujoco_blocks.py", options=("", "exact")),
+    "pybullet": Released("pybullet", "pybullet_blocks.py", ("numpy<2",)),
+    "rapier": Released("rapier3d", "rapier_blocks.py"),
+    "exudyn": Released("exudyn", "exudyn_blocks.py", kinds=("zone", "bristle")),
+    "pymunk": Released("pymunk", "pymunk_blocks.py"),
+    "dart": Released("dartpy", "dart_blocks.py"),
+    "drake": Released("drake", "drake_blocks.py", ("numpy", "pyyaml")),
+}
+"""Engines that have a script."""
+
+
+class Release(NamedTuple):
+    """A version that can be installed on this machine."""
+
+    version: str
+    date: str
+    """On which it was published."""
+    size: int
+    """Of its wheel [B]."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What one version gave."""
+
+    version: str
+    date: str
+    numbers: Mapping[str, float]
+    """Largest error of each quantity, see `metrics_of`."""
+    reason: str = ""
+    """Why there are none."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A number that differs between two versions that follow each other."""
+
+    metric: str
+    before: str
+    after: str
+    """The two versions."""
+    old: float
+    new: float
+
+    @property
+    def is_better(self) -> bool:
+        """Whether the error has become smaller."""
+        return self.new < self.old
+
+    def __str__(self) -> str:
+        """Give it as a line."""
+        word = "better" if self.is_better else "worse"
+        return f"{self.metric}: {self.old:.6g} in {self.before}, {self.new:.6g} in {self.after}, {word}"
+
+
+def released_engine(name: str) -> Released:
+    """Give how versions of an engine are had; a `ParameterError` if it has no script."""
+    return ENGINES[checked_choice("engine", name, list(ENGINES))]
+
+
+def metrics_of(engine: Released) -> list[str]:
+    """Name the numbers of an engine: kind, problem, quantity, and the option if there is one."""
+    return [
+        f"{kind} {problem} {quantity}{option and f', {option}'}"
+        for option in engine.options
+        for kind in engine.kinds
+        for problem in PROBLEMS
+        for quantity in ("position", "velocity")
+    ]
+
+
+def releases(engine: Released, first: str | None = None, last: str | None = None) -> list[Release]:
+    """List the versions with a wheel for this Python and machine, the oldest first, between two of them.
+
+    Raises
+    ------
+    ParameterError
+        If a version is no version, or there is none between the two.
+    """
+    lowest, highest = _version("--from", first), _version("--to", last)
+    found: list[Release] = []
+    below = f"<={highest}" if highest else ""
+    while True:
+        try:
+            text = run_uv(
+                "pip", "compile", "--no-deps", "--only-binary", ":all:", "--format", "pylock.toml", "-",
+                given=f"{engine.package}{below}",
+            )  # fmt: skip
+        except ParameterError:
+            if found or below:
+                break
+            raise
+        (package,) = tomllib.loads(text)["packages"]
+        wheels = package.get("wheels", [])
+        release = Release(
+            str(package["version"]),
+            str(max((wheel["upload-time"].date() for wheel in wheels if "upload-time" in wheel), default="")),
+            max((int(wheel.get("size", 0)) for wheel in wheels), default=0),
+        )
+        if lowest and Version(release.version) < lowest:
+            break
+        found.insert(0, release)
+        below = f"<{release.version}"
+    if not found:
+        between = f"{first or 'the first'} to {last or 'the last'}"
+        raise ParameterError(
+            f"versions of {engine.package} from {between}: none has a wheel for this Python; allowed: others"
+        )
+    return found
+
+
+def _version(name: str, text: str | None) -> Version | None:
+    try:
+        return None if text is None else Version(text)
+    except InvalidVersion:
+        raise ParameterError(f"{name} = {shown(text)} is no version; allowed: such as 3.2 or 3.11.0") from None
+
+
+def check_room(releases: Sequence[Release], folder: Path) -> float:
+    """Give the bytes that the largest environment needs; a `ParameterError` if the disk has no room for it."""
+    needed = ROOM + 4 * max(release.size for release in releases)
+    free = shutil.disk_usage(folder).free
+    if free < needed:
+        raise ParameterError(f"{folder} has {free / 1e6:.0f} MB left; allowed: >= {needed / 1e6:.0f} MB")
+    return needed
+
+
+def measured(engine: Released, release: Release) -> Measured:
+    """Make the environment of a version, run every script in it, and remove it."""
+    with tempfile.TemporaryDirectory(prefix="multibody-xval-history-") as folder:
+        python = Path(folder) / "bin" / "python"
+        try:
+            run_uv("venv", "--no-project", folder, "--allow-existing")
+            requirements = [f"{engine.package}=={release.version}", *engine.also]
+            run_uv("pip", "install", "--python", str(python), "--only-binary", ":all:", *requirements)
+        except ParameterError as problem:
+            return Measured(release.version, release.date, {}, str(problem))
+        cases = [(kind, name, option) for option in engine.options for kind in engine.kinds for name in PROBLEMS]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            found = list(pool.map(lambda case: _errors(engine, python, *case), cases))
+    numbers = {name: value for own, _ in found for name, value in own.items()}
+    return Measured(release.version, release.date, numbers, next((why for _, why in found if why), ""))
+
+
+def _errors(engine: Released, python: Path, kind: str, name: str, option: str) -> tuple[dict[str, float], str]:
+    """Run a script on a problem: the largest error of each quantity by its metric, or why there is none."""
+    problem = SCRIPTS.parent / "problems" / f"{name}.json"
+    command = [str(python), str(SCRIPTS / engine.script), kind, str(problem), *([option] if option else [])]
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_RUN, check=False)
+    except subprocess.TimeoutExpired:
+        return {}, f"{kind} {name} took more than {LONGEST_RUN:g} s"
+    if run.returncode:
+        return {}, shortened((run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1], 200)
+    with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
+        file.write(run.stdout)
+        file.flush()
+        try:
+            motion = read_motion(file.name, problem_named(name))
+        except ParameterError as refused:
+            return {}, str(refused)
+    rows = [int(np.argmin(np.abs(motion.times - time))) for time in problem_named(name).times]
+    exact = problem_named(name)
+    off = {"position": motion.positions[rows] - exact.positions}
+    if motion.velocities is not None:
+        off["velocity"] = motion.velocities[rows] - exact.velocities
+    end = option and f", {option}"
+    return {f"{kind} {name} {quantity}{end}": float(np.max(np.abs(values))) for quantity, values in off.items()}, ""
+
+
+class History:
+    """What versions of an engine gave, kept in a file: a killed run goes on where it was."""
+
+    def __init__(self, name: str, file: Path | None = None):
+        self.name, self.engine, self._file = name, released_engine(name), file
+        self._known: dict[str, Measured] = {}
+        if file is not None and file.exists():
+            self._known = _read(file, name)
+
+    def of(self, release: Release) -> Measured:
+        """Give what a version gave, measured now if the file does not have it."""
+        if release.version not in self._known:
+            self._known[release.version] = measured(self.engine, release)
+            if self._file is not None:
+                write_whole(self._file, self.as_json())
+        return self._known[release.version]
+
+    def as_json(self) -> str:
+        """Give all that is known, by version."""
+        ordered = sorted(self._known.values(), key=lambda one: Version(one.version))
+        return json.dumps({"engine": self.name, "versions": [vars(one) for one in ordered]}, indent=1) + "\n"
+
+
+def _read(file: Path, name: str) -> dict[str, Measured]:
+    try:
+        data = json.loads(file.read_text(encoding="utf-8"))
+        known = [
+            Measured(**{**one, "numbers": {key: float(x) for key, x in one["numbers"].items()}})
+            for one in data["versions"]
+        ]
+        if data["engine"] != name:
+            raise ParameterError(f"{file} is of {shown(data['engine'])}; allowed: {name}")
+        return {one.version: one for one in known}
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as problem:
+        if isinstance(problem, ParameterError):
+            raise
+        raise ParameterError(f"{file} is no history of an engine; allowed: another file") from None
+
+
+def differs(old: float, new: float, tolerance: float = CHANGED) -> bool:
+    """Say whether two errors differ by more than a part of the larger one, beyond round-off."""
+    return abs(new - old) > max(tolerance * max(old, new), SMALLEST)
+
+
+def changes(history: Sequence[Measured], tolerance: float = CHANGED) -> Iterator[Change]:
+    """Give every number that differs between two versions that follow each other and both have it."""
+    for metric in dict.fromkeys(name for one in history for name in one.numbers):
+        known = [one for one in history if metric in one.numbers]
+        for old, new in pairwise(known):
+            if differs(old.numbers[metric], new.numbers[metric], tolerance):
+                yield Change(metric, old.version, new.version, old.numbers[metric], new.numbers[metric])
+
+
+def first_change(
+    releases: Sequence[Release], number: Callable[[Release], float], tolerance: float = CHANGED
+) -> tuple[Release, Release, float, float]:
+    """Bisect: give two versions that follow each other, between which a number differs, and both numbers.
+
+    Versions that say nothing are stepped over. It is one of several changes where there are several.
+
+    Raises
+    ------
+    RunError
+        If the first or the last version has no number, or both have the same.
+    """
+    low, high = 0, len(releases) - 1
+    values = {place: number(releases[place]) for place in (low, high)}
+    for place, value in values.items():
+        if math.isnan(value):
+            raise RunError(f"{releases[place].version} does not give this number")
+    if not differs(values[low], values[high], tolerance):
+        ends = f"{releases[low].version} and {releases[high].version}"
+        raise RunError(f"{ends} do not differ: {values[low]:.12g} and {values[high]:.12g}")
+    while high - low > 1:
+        for place in sorted(range(low + 1, high), key=lambda each: abs(2 * each - low - high)):
+            values[place] = number(releases[place])
+            if not math.isnan(values[place]):
+                break
+        else:
+            break
+        if differs(values[low], values[place], tolerance):
+            high = place
+        else:
+            low = place
+    return releases[low], releases[high], values[low], values[high]
+
+
+def history_document(name: str, history: Sequence[Measured]) -> str:
+    """Give the page of an engine: what changed, every number by runs of versions, and what could not be had."""
+    known = [one for one in history if one.numbers]
+    lines = [f"# {name}: {len(known)} versions, {history[0].version} to {history[-1].version}", ""]
+    found = list(changes(history))
+    if not found:
+        lines += [f"Nothing has changed by more than {CHANGED:g} of an error.", ""]
+    else:
+        lines += ["| from | to | number | before | after | |", "|---|---|---|---|---|---|"]
+        for one in sorted(found, key=lambda each: Version(each.after)):
+            word = "better" if one.is_better else "worse"
+            lines.append(
+                f"| {one.before} | {one.after} | {one.metric} | {one.old:.9g} | {one.new:.9g} | "
+                f"{word} by {abs(one.new - one.old):.2g} |"
+            )
+        lines.append("")
+    engine = released_engine(name)
+    titles = [OPTION_TITLES[option] for option in engine.options]
+    lines += ["Largest error against the exact motion, in m or m/s:", ""]
+    lines += [f"| number | {' | '.join(titles)} |", "|---|" + "---|" * len(titles)]
+    for metric in metrics_of(replace(engine, options=("",))):
+        names = [metric + (option and f", {option}") for option in engine.options]
+        lines.append(f"| {metric} | {' | '.join(_runs(each, known) for each in names)} |")
+    for one in history:
+        if one.reason:
+            lines += ["", f"{one.version}: {one.reason}"]
+    return "\n".join(lines) + "\n"
+
+
+def _runs(metric: str, known: Sequence[Measured]) -> str:
+    """Give the error of a number, once for all versions that follow each other and agree."""
+    runs: list[list[Measured]] = []
+    for one in (one for one in known if metric in one.numbers):
+        if runs and not differs(runs[-1][-1].numbers[metric], one.numbers[metric]):
+            runs[-1].append(one)
+        else:
+            runs.append([one])
+    if len(runs) < 2:
+        return "".join(f"{run[0].numbers[metric]:.4g}" for run in runs) or "–"
+    texts = []
+    for run in runs:
+        ends = run[0].version if len(run) == 1 else f"{run[0].version} … {run[-1].version}"
+        texts.append(f"{run[0].numbers[metric]:.9g} ({ends})")
+    return "; ".join(texts)
+
+
+def numbers_of(history: History, metric: str) -> Callable[[Release], float]:
+    """Give the number of a release by its name; a `ParameterError` if there is no such name."""
+    checked_choice("metric", metric, metrics_of(history.engine))
+    return lambda release: history.of(release).numbers.get(metric, math.nan)
