@@ -220,7 +220,7 @@ def _errors(engine: Released, python: Path, kind: str, name: str, option: str) -
     if run.returncode:
         return {}, shortened((run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1], 200)
     with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
-        file.write(run.stdout)
+        file.write(run.stdout[run.stdout.find("time,") :])  # what an engine prints as it is imported comes before
         file.flush()
         try:
             motion = read_motion(file.name, problem_named(name))
@@ -331,11 +331,11 @@ def history_document(name: str, history: Sequence[Measured]) -> str:
         lines += [f"Nothing has changed by more than {CHANGED:g} of an error.", ""]
     else:
         lines += ["| from | to | number | before | after | |", "|---|---|---|---|---|---|"]
-        for one in sorted(found, key=lambda each: Version(each.after)):
-            word = "better" if one.is_better else "worse"
+        for change in sorted(found, key=lambda each: Version(each.after)):
+            word = "better" if change.is_better else "worse"
             lines.append(
-                f"| {one.before} | {one.after} | {one.metric} | {one.old:.9g} | {one.new:.9g} | "
-                f"{word} by {abs(one.new - one.old):.2g} |"
+                f"| {change.before} | {change.after} | {change.metric} | {change.old:.9g} | {change.new:.9g} | "
+                f"{word} by {abs(change.new - change.old):.2g} |"
             )
         lines.append("")
     engine = released_engine(name)

@@ -11,7 +11,8 @@ with contextlib.redirect_stdout(io.StringIO()):
 
 
 def simulated(block, bristle):
-    system = exu.SystemContainer().AddSystem()
+    container = exu.SystemContainer()  # older versions do not keep it
+    system = container.AddSystem()
     node = system.AddNode(
         items.Node1D(referenceCoordinates=[0], initialCoordinates=[0], initialVelocities=[block.velocity])
     )

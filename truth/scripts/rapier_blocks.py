@@ -29,7 +29,7 @@ def joint(block, options):
         body.reset_forces(True)
         body.add_force(rapier3d.Vec3(block.pull(step), 0.0, 0.0), True)
         world.step()
-        yield multibody.generalized_position()[0], multibody.generalized_velocity()[0]
+        yield body.translation.x, multibody.generalized_velocity()[0]
 
 
 def contact(block, options):

@@ -1,0 +1,200 @@
+"""History of engines: what changed between versions, and bisection, with invented versions and with released ones."""
+
+import json
+import math
+
+import pytest
+
+from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.process import run_command
+from reports.cli.console_script import app
+from scenarios.studies import history as module
+from scenarios.studies.history import (
+    ENGINES,
+    PROBLEMS,
+    SCRIPTS,
+    History,
+    Measured,
+    Release,
+    changes,
+    check_room,
+    differs,
+    first_change,
+    history_document,
+    metrics_of,
+    releases,
+)
+
+HELD = "joint block-held velocity"
+VERSIONS = [Release(f"1.{number}", "2026-01-01", 1000) for number in range(9)]
+
+
+def measured(version, **numbers):
+    return Measured(version, "2026-01-01", {HELD: 1e-3} | numbers)
+
+
+def of_value(change_at, before=1e-3, after=2e-3, silent=()):
+    """A number that changes at a version, which some versions do not give."""
+    asked = []
+
+    def number(release):
+        place = VERSIONS.index(release)
+        asked.append(place)
+        return math.nan if place in silent else (before if place < change_at else after)
+
+    return number, asked
+
+
+@pytest.mark.parametrize("change_at", range(1, 9))
+def test_bisection_finds_every_place_of_a_change_with_few_versions(change_at):
+    number, asked = of_value(change_at)
+    before, after, old, new = first_change(VERSIONS, number)
+    assert (before, after) == (VERSIONS[change_at - 1], VERSIONS[change_at])
+    assert (old, new) == (1e-3, 2e-3)
+    assert len(asked) <= 2 + math.ceil(math.log2(8))
+
+
+def test_bisection_steps_over_versions_that_say_nothing():
+    number, _ = of_value(6, silent=(3, 4, 5))
+    before, after, *_ = first_change(VERSIONS, number)
+    assert (before.version, after.version) == ("1.2", "1.6")
+
+
+def test_bisection_refuses_ends_that_agree_or_say_nothing():
+    with pytest.raises(RunError, match=r"1.0 and 1.8 do not differ: 0.001 and 0.001"):
+        first_change(VERSIONS, of_value(9)[0])
+    with pytest.raises(RunError, match=r"1.8 does not give this number"):
+        first_change(VERSIONS, of_value(3, silent=(8,))[0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "different"),
+    [
+        (1e-3, 1e-3 * (1 + 0.9e-8), False),
+        (1e-3, 1e-3 * (1 + 1.1e-8), True),
+        (0.0, 0.9e-12, False),
+        (0.0, 1.1e-12, True),
+    ],
+)
+def test_round_off_is_no_change(old, new, different):
+    assert differs(old, new) == differs(new, old) == different
+
+
+def test_changes_are_between_versions_that_follow_each_other_and_say_something():
+    other = "contact block-stops position"
+    known = [
+        measured("1.0", **{other: 1.0}),
+        Measured("1.1", "", {}, "there is no wheel"),
+        Measured("1.2", "", {HELD: 2e-3, other: 1.0}),
+        Measured("1.3", "", {HELD: 5e-4, other: 1.0}),
+    ]
+    found = list(changes(known))
+    assert [(one.metric, one.before, one.after, one.is_better) for one in found] == [
+        (HELD, "1.0", "1.2", False),
+        (HELD, "1.2", "1.3", True),
+    ]
+    assert str(found[0]) == "joint block-held velocity: 0.001 in 1.0, 0.002 in 1.2, worse"
+    page = history_document("rapier", known)
+    assert "| 1.0 | 1.2 | joint block-held velocity | 0.001 | 0.002 | worse by 0.001 |" in page
+    assert "| joint block-held velocity | 0.001 (1.0); 0.002 (1.2); 0.0005 (1.3) |" in page
+    assert "| contact block-stops position | 1 |" in page
+    assert "| contact block-stops velocity | – |" in page
+    assert "1.1: there is no wheel" in page
+
+
+def test_a_page_without_a_change_says_so():
+    assert "Nothing has changed by more than 1e-08 of an error." in history_document("rapier", [measured("1.0")])
+
+
+def test_a_killed_history_goes_on_where_it_was(tmp_path, monkeypatch):
+    file, asked = tmp_path / "rapier.json", []
+
+    def ask(engine, release):
+        asked.append(release.version)
+        if release.version == "1.2" and asked.count("1.2") == 1:
+            raise KeyboardInterrupt
+        return measured(release.version)
+
+    monkeypatch.setattr(module, "measured", ask)
+    with pytest.raises(KeyboardInterrupt):
+        [History("rapier", file).of(release) for release in VERSIONS[:4]]
+    again = History("rapier", file)
+    assert [again.of(release).numbers[HELD] for release in VERSIONS[:4]] == [1e-3] * 4
+    assert asked == ["1.0", "1.1", "1.2", "1.2", "1.3"]
+    assert [one["version"] for one in json.loads(file.read_text())["versions"]] == ["1.0", "1.1", "1.2", "1.3"]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"engine": "rapier"}', '{"engine": "rapier", "versions": [{"version": "1"}]}']
+)
+def test_a_file_that_is_no_history_is_refused(text, tmp_path):
+    (tmp_path / "other.json").write_text(text)
+    with pytest.raises(ParameterError, match=r"other.json is no history of an engine"):
+        History("rapier", tmp_path / "other.json")
+
+
+def test_a_history_of_another_engine_is_refused(tmp_path):
+    (tmp_path / "other.json").write_text('{"engine": "mujoco", "versions": []}')
+    with pytest.raises(ParameterError, match=r"is of 'mujoco'; allowed: rapier"):
+        History("rapier", tmp_path / "other.json")
+
+
+def test_a_disk_without_room_is_refused(tmp_path):
+    with pytest.raises(ParameterError, match=r"MB left; allowed: >= .* MB"):
+        check_room([Release("1.0", "", 10**18)], tmp_path)
+    assert check_room([Release("1.0", "", 0)], tmp_path) == 500e6
+
+
+def test_versions_are_those_of_the_index_the_oldest_first(monkeypatch):
+    wheels = [("2.0", "2025-03-01", 30), ("1.10", "2025-02-01", 20), ("1.9", "2025-01-01", 10)]
+
+    def uv(*_, given):
+        below = module.Version(given.partition("<")[2].lstrip("=") or "99")
+        for version, date, size in wheels:
+            at_most = "<=" in given
+            if module.Version(version) < below or (at_most and module.Version(version) == below):
+                wheel = f"{{ upload-time = {date}T00:00:00Z, size = {size} }}"
+                return f'[[packages]]\nname = "engine"\nversion = "{version}"\nwheels = [{wheel}]\n'
+        raise ParameterError("there is no such version")
+
+    monkeypatch.setattr(module, "run_uv", uv)
+    engine = ENGINES["rapier"]
+    assert releases(engine) == [
+        Release("1.9", "2025-01-01", 10),
+        Release("1.10", "2025-02-01", 20),
+        Release("2.0", "2025-03-01", 30),
+    ]
+    assert [one.version for one in releases(engine, "1.10")] == ["1.10", "2.0"]
+    assert [one.version for one in releases(engine, None, "1.10")] == ["1.9", "1.10"]
+    with pytest.raises(ParameterError, match=r"versions of rapier3d from 3 to the last: none has a wheel"):
+        releases(engine, "3")
+    with pytest.raises(ParameterError, match=r"--from = 'new' is no version"):
+        releases(engine, "new")
+
+
+def test_every_engine_has_its_script():
+    assert {engine.script for engine in ENGINES.values()} | {"blocks.py"} == {
+        file.name for file in SCRIPTS.glob("*.py")
+    }
+    assert len(metrics_of(ENGINES["mujoco"])) == 2 * 2 * 2 * len(PROBLEMS)
+
+
+@pytest.mark.slow
+def test_rapier_has_not_changed_since_its_first_wheels(tmp_path, capsys):
+    store, page = tmp_path / "rapier.json", tmp_path / "rapier.md"
+    command = ["history", "rapier", "--to", "0.36.1", "--store", str(store), "--out", str(page)]
+    assert run_command(app, command) == 0
+    assert "Nothing has changed by more than 1e-08 of an error." in page.read_text()
+    assert capsys.readouterr().out == page.read_text()
+    assert [one["version"] for one in json.loads(store.read_text())["versions"]] == ["0.36.0", "0.36.1"]
+
+
+@pytest.mark.slow
+def test_mujocos_stopping_rule_changed_at_3_11_0_and_its_law_did_not(tmp_path, capsys):
+    command = ["bisect", "mujoco", "--from", "3.10.0", "--to", "3.12.0", "--store", str(tmp_path / "mujoco.json")]
+    assert run_command(app, [*command, "--metric", "contact block-stops velocity"]) == 0
+    before, after = capsys.readouterr().out.splitlines()
+    assert "in 3.10.0 (" in before
+    assert "in 3.11.0 (" in after
+    assert run_command(app, [*command, "--metric", "contact block-stops velocity, exact"]) == 3
+    assert "3.10.0 and 3.12.0 do not differ" in capsys.readouterr().err
