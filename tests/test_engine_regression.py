@@ -1,4 +1,4 @@
-"""The workflow that guards an engine: its steps are a script, which runs here as the service would run it."""
+"""The action that guards an engine: its steps are a script, which runs here as the service would run it."""
 
 import json
 import os
@@ -22,9 +22,9 @@ from tests.junit import checked_junit
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / ".ci/engine_regression"
-WORKFLOW = yaml.safe_load((ROOT / ".github/workflows/engine_regression.yml").read_text())
-(JOB,) = WORKFLOW["jobs"].values()
-INPUTS = WORKFLOW[True]["workflow_call"]["inputs"]  # YAML 1.1 reads the key `on` as true
+ACTION = yaml.safe_load((ROOT / "action.yml").read_text())
+STEPS = ACTION["runs"]["steps"]
+INPUTS = ACTION["inputs"]
 
 TWO_POINTS = "[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.6, 0.9]\n"
 
@@ -50,27 +50,83 @@ def shown(folder: Path) -> str:
 
 
 def test_actions_are_pinned_by_their_major_version() -> None:
-    used = [step["uses"] for step in JOB["steps"] if "uses" in step]
+    used = [step["uses"] for step in STEPS if "uses" in step]
     assert used
-    assert all(re.fullmatch(r"actions/[a-z-]+@v\d+", action) for action in used)
+    assert all(re.fullmatch(r"actions/[a-z-]+(/[a-z]+)?@v\d+", action) for action in used)
 
 
 def test_inputs_reach_the_script_by_the_environment_only() -> None:
     """An input that stood in a command would be run as one."""
-    commands = [step["run"] for step in JOB["steps"] if "run" in step]
-    assert not any("${{" in command for command in commands)
+    commands = [step for step in STEPS if "run" in step]
+    assert not any("${{" in step["run"] for step in commands)
     read = set(re.findall(r"^# ([A-Z, ]+?)  ", SCRIPT.read_text(), flags=re.MULTILINE))
     variables = {name for names in read for name in names.split(", ")}
-    assert set(JOB["env"]) == variables
-    used = re.findall(r"inputs\.([a-z-]+)", yaml.safe_dump(JOB))
+    assert set().union(*(step["env"] for step in commands)) == variables | {"GH_TOKEN"}
+    used = re.findall(r"inputs\.([a-z-]+)", yaml.safe_dump(STEPS))
     assert set(used) == set(INPUTS)
-    assert all(INPUTS[name].get("required") or "default" in INPUTS[name] for name in INPUTS)
+    assert all(given.get("required") or "default" in given for given in INPUTS.values())
 
 
-def test_steps_of_the_workflow_are_those_of_the_script() -> None:
-    run = [step["run"] for step in JOB["steps"] if ".ci/engine_regression" in step.get("run", "")]
-    assert [command.split()[-1] for command in run] == ["install", "before", "now", "compare"]
+def test_steps_of_the_action_are_those_of_the_script() -> None:
+    run = [step["run"] for step in STEPS if "run" in step]
+    assert run == ['"$GITHUB_ACTION_PATH/.ci/engine_regression"', '"$GITHUB_ACTION_PATH/.ci/engine_regression" comment']
+    assert all(step["shell"] == "bash" for step in STEPS if "run" in step)
     assert SCRIPT.stat().st_mode & 0o100
+
+
+GH = """#!/bin/sh
+echo "$@" >> calls.txt
+case "$*" in *--jq*) cat known.txt ;; esac
+"""
+"""Stands for GitHub's own program: the comments that are known, and a list of its calls."""
+
+
+def commented(folder: Path, known: str) -> list[str]:
+    """Run the step `comment`; give what the service was asked, and write what it was told."""
+    (folder / "bin").mkdir()
+    (folder / "bin/gh").write_text(GH)
+    (folder / "bin/gh").chmod(0o700)
+    (folder / "known.txt").write_text(known)
+    (folder / "regression").mkdir()
+    (folder / "regression/changes.md").write_text("## Engine regression: passes\n")
+    path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
+    assert script(folder, "comment", ENGINE="mujoco", REPOSITORY="a/b", REQUEST="7", PATH=path) == 0
+    return (folder / "calls.txt").read_text().splitlines()
+
+
+@pytest.mark.parametrize(
+    ("known", "written"),
+    [
+        ("", "api repos/a/b/issues/7/comments --field body=@regression/comment.md"),
+        ("12\n15\n", "api --method PATCH repos/a/b/issues/comments/12 --field body=@regression/comment.md"),
+    ],
+    ids=["first", "again"],
+)
+def test_a_pull_request_has_one_comment_an_engine(tmp_path, known, written) -> None:
+    asked, *rest = commented(tmp_path, known)
+    assert asked.startswith("api repos/a/b/issues/7/comments --paginate --jq .[] | select(.body | startswith(")
+    assert rest == [written]
+    comment = (tmp_path / "regression/comment.md").read_text()
+    assert comment == "<!-- friction of mujoco -->\n## Engine regression: passes\n"
+
+
+def test_the_first_run_on_the_default_branch_has_no_baseline_and_passes(tmp_path) -> None:
+    write_store(tmp_path / "regression/now.sqlite", {0.9: at(-9.5)})
+    assert script(tmp_path, "before", "compare", ENGINE="mujoco") == 0
+    assert shown(tmp_path).startswith("## Engine regression: no baseline yet\n")
+
+
+@pytest.mark.parametrize("baseline", ["main", "kept.sqlite"])
+def test_a_store_is_a_baseline(tmp_path, baseline) -> None:
+    kept = tmp_path / ("regression/main.sqlite" if baseline == "main" else baseline)
+    kept.parent.mkdir(exist_ok=True)
+    write_store(kept, {0.9: at(-9.5)})
+    write_store(tmp_path / "regression/now.sqlite", {0.9: at(-8.7)})
+    summary = tmp_path / "summary.md"
+    given = {"ENGINE": "mujoco", "BASELINE": baseline, "GITHUB_STEP_SUMMARY": str(summary)}
+    assert script(tmp_path, "before", "compare", **given) == 1
+    assert summary.read_text() == shown(tmp_path)
+    assert "1 regressed; 1 fail" in shown(tmp_path)
 
 
 def write_store(file: Path, results: Mapping[float, Result]) -> None:
@@ -118,7 +174,7 @@ def test_an_engine_that_cannot_be_had_is_said(tmp_path, step) -> None:
     (stand_in / "python").write_text("#!/bin/sh\n")
     (stand_in / "python").chmod(0o700)
     path = os.pathsep.join([str(stand_in), str(Path(sys.executable).parent), os.environ["PATH"]])
-    assert script(tmp_path, step, ENGINE="mujoco", BEFORE="99", PATH=path) == 2
+    assert script(tmp_path, step, ENGINE="mujoco", BASELINE="99", PATH=path) == 2
     document = shown(tmp_path)
     assert document.startswith("## Engine regression: not compared\n")
     assert "ended with exit code 2" in document
@@ -155,13 +211,10 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
 def test_two_versions_of_an_engine_are_compared_step_by_step(tmp_path, install, before, now, code, direction) -> None:
     """Versions of the reference whose friction bound is 1 % and 20 % too high: two points, twelve pulls on a block."""
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
-    (tmp_path / "multibody-xval").symlink_to(ROOT)
-    given = {"ENGINE": "mutant", "BEFORE": before, "NOW": now, "GRID": "grid.toml", "VARIANTS": "joint:tuned"}
+    given = {"ENGINE": "mutant", "BASELINE": before, "NOW": now, "GRID": "grid.toml", "VARIANTS": "joint:tuned"}
     given |= {"GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md")}
     given |= {"PYTHONPATH": install("mutations").environment["PYTHONPATH"]}
-    steps = [step["run"] for step in JOB["steps"] if "run" in step and not step["run"].endswith("install")]
-    codes = [run_step(step, tmp_path, **given).returncode for step in steps]
-    assert codes == [0, 0, code, 0]
+    assert script(tmp_path, "before", "now", "compare", **given) == code
     assert direction in (tmp_path / "summary.md").read_text()
 
 
@@ -170,7 +223,7 @@ def test_an_older_mujoco_is_compared_with_the_one_beside_the_suite(tmp_path) -> 
     if engine("mujoco@3.3.7").unavailable_reason() is not None:
         pytest.skip("no environment of mujoco@3.3.7")
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
-    given = {"ENGINE": "mujoco", "BEFORE": "3.3.7", "GRID": "grid.toml", "VARIANTS": "joint:tuned joint:default"}
+    given = {"ENGINE": "mujoco", "BASELINE": "3.3.7", "GRID": "grid.toml", "VARIANTS": "joint:tuned joint:default"}
     assert script(tmp_path, "before", "now", "compare", **given) == 0
     assert re.search(r"\n\d+ points: none changed; 0 fail", shown(tmp_path))
     assert re.search(r"\n\| mujoco +\| 14 ", shown(tmp_path)), "two steady states and twelve pulls on a block"

@@ -38,8 +38,17 @@ class Block:
         return self._pull[0] + self._pull[1] * math.sin(self._omega * step * self.step)
 
     def normal(self, step):
-        """Give the force that presses at the start of a step [N]; before the motion, that of its begin."""
-        return self._normal[0] + self._normal[1] * math.sin(self._omega * max(step, 0) * self.step)
+        """Give the force that presses at the start of a step [N]."""
+        return self._normal[0] + self._normal[1] * math.sin(self._omega * step * self.step)
+
+    @property
+    def gravity(self):
+        """Gravity that presses as the mean of that force does [m/s²]."""
+        return self._normal[0] / self.mass
+
+    def forces(self, step):
+        """Give what acts on a box on the ground beside gravity, along it and up [N]; nothing before the motion."""
+        return (self.pull(step), self._normal[0] - self.normal(step)) if step >= 0 else (0.0, 0.0)
 
 
 def run(simulations):

@@ -5,10 +5,10 @@ import numpy as np
 from blocks import run
 
 
-def world_of(block):
+def world_of(block, gravity):
     world = dart.simulation.World()
     world.setTimeStep(block.step)
-    world.setGravity([0, 0, 0])
+    world.setGravity([0, 0, -gravity])
     return world
 
 
@@ -20,7 +20,7 @@ def with_mass(body, block):
 
 
 def joint(block, options):
-    world = world_of(block)
+    world = world_of(block, 0)
     properties = dart.dynamics.PrismaticJointProperties()
     properties.mAxis = [1, 0, 0]
     skeleton = dart.dynamics.Skeleton("block")
@@ -43,7 +43,7 @@ def rubbing(body, sides, block):
 
 
 def contact(block, options):
-    world, ground, box = world_of(block), dart.dynamics.Skeleton("ground"), dart.dynamics.Skeleton("box")
+    world, ground, box = world_of(block, block.gravity), dart.dynamics.Skeleton("ground"), dart.dynamics.Skeleton("box")
     weld, base = ground.createWeldJointAndBodyNodePair()
     rubbing(base, [20, 20, 0.2], block)
     below = dart.math.Isometry3()
@@ -62,8 +62,9 @@ def contact(block, options):
             velocities = box.getVelocities()
             velocities[3] = block.velocity
             box.setVelocities(velocities)
-        push = [block.pull(step) if step >= 0 else 0.0, 0, -block.normal(step)]
-        body.addExtForce(push, [0, 0, 0], False, True)
+        along, up = block.forces(step)
+        if along or up:
+            body.addExtForce([along, 0, up], [0, 0, 0], False, True)
         world.step()
         if step >= 0:
             yield box.getPositions()[3] - begin, box.getVelocities()[3]

@@ -18,8 +18,8 @@ from pydrake.systems.framework import DiagramBuilder
 DAMPING = 1e3
 
 
-def with_block(plant, block):
-    plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
+def with_block(plant, block, gravity):
+    plant.mutable_gravity_field().set_gravity_vector([0, 0, -gravity])
     size = 0.04 / 6
     return plant.AddRigidBody("block", SpatialInertia(block.mass, [0, 0, 0], UnitInertia(size, size, size)))
 
@@ -32,7 +32,7 @@ def started(builder, plant):
 def joint(block, options):
     builder = DiagramBuilder()
     plant = builder.AddSystem(MultibodyPlant(block.step))
-    body = with_block(plant, block)
+    body = with_block(plant, block, 0)
     rail = plant.AddJoint(PrismaticJoint("rail", plant.world_frame(), body.body_frame(), [1, 0, 0]))
     actuator = plant.AddJointActuator("friction", rail, block.bound)
     actuator.set_controller_gains(PdControllerGains(p=0.0, d=DAMPING))
@@ -50,7 +50,7 @@ def joint(block, options):
 def contact(block, options):
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, block.step)
-    body, rub = with_block(plant, block), CoulombFriction(block.friction, block.friction)
+    body, rub = with_block(plant, block, block.gravity), CoulombFriction(block.friction, block.friction)
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", rub)
     for number, (x, y) in enumerate(((-0.1, -0.1), (-0.1, 0.1), (0.1, -0.1), (0.1, 0.1))):
         place = RigidTransform([x, y, -0.09])
@@ -65,8 +65,8 @@ def contact(block, options):
             velocities = plant.GetVelocities(context)
             velocities[3] = block.velocity
             plant.SetVelocities(context, velocities)
-        pull = block.pull(step) if step >= 0 else 0.0
-        force.FixValue(context, np.array([0, 0, 0, pull, 0, -block.normal(step)]))
+        along, up = block.forces(step)
+        force.FixValue(context, np.array([0, 0, 0, along, 0, up]))
         simulator.AdvanceTo((step + 1 + block.settling) * block.step)
         if step >= 0:
             yield plant.GetPositions(context)[4] - begin, plant.GetVelocities(context)[3]

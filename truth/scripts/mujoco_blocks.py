@@ -7,7 +7,7 @@ JOINT = """<mujoco><option timestep="{step!r}" gravity="0 0 0"{more}/><worldbody
 <joint type="slide" axis="1 0 0" frictionloss="{bound!r}"/><geom type="box" size=".1 .1 .1" mass="{mass!r}"/>
 </body></worldbody></mujoco>"""
 
-CONTACT = """<mujoco><option timestep="{step!r}" gravity="0 0 0"{more}/><worldbody>
+CONTACT = """<mujoco><option timestep="{step!r}" gravity="0 0 -{gravity!r}"{more}/><worldbody>
 <geom type="plane" size="9 9 1" friction="{friction!r} 0 0"/><body pos="0 0 .1"><freejoint/>
 <geom type="box" size=".1 .1 .1" mass="{mass!r}" friction="{friction!r} 0 0"/></body></worldbody></mujoco>"""
 
@@ -16,7 +16,14 @@ def loaded(text, block, options):
     more = ' tolerance="0" iterations="1000"' if "exact" in options else ""
     bound = block.friction * block.normal(0)
     model = mujoco.MjModel.from_xml_string(
-        text.format(step=block.step, mass=block.mass, friction=block.friction, bound=bound, more=more)
+        text.format(
+            step=block.step,
+            mass=block.mass,
+            friction=block.friction,
+            bound=bound,
+            gravity=block.gravity,
+            more=more,
+        )
     )
     return model, mujoco.MjData(model)
 
@@ -37,8 +44,7 @@ def contact(block, options):
         if step == 0:
             begin = data.qpos[0]
             data.qvel[0] = block.velocity
-        data.xfrc_applied[1, 0] = block.pull(step) if step >= 0 else 0.0
-        data.xfrc_applied[1, 2] = -block.normal(step)
+        data.xfrc_applied[1, 0], data.xfrc_applied[1, 2] = block.forces(step)
         mujoco.mj_step(model, data)
         if step >= 0:
             yield data.qpos[0] - begin, data.qvel[0]

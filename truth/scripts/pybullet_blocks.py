@@ -4,15 +4,15 @@ import pybullet
 from blocks import run
 
 
-def world(block):
+def world(block, gravity):
     pybullet.connect(pybullet.DIRECT)
     pybullet.resetSimulation()
     pybullet.setTimeStep(block.step)
-    pybullet.setGravity(0, 0, 0)
+    pybullet.setGravity(0, 0, -gravity)
 
 
 def joint(block, options):
-    world(block)
+    world(block, 0)
     body = pybullet.createMultiBody(
         baseMass=0,
         linkMasses=[block.mass],
@@ -37,7 +37,7 @@ def joint(block, options):
 
 
 def contact(block, options):
-    world(block)
+    world(block, block.gravity)
     ground = pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[9, 9, 1]))
     pybullet.resetBasePositionAndOrientation(ground, [0, 0, -1], [0, 0, 0, 1])
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.1, 0.1, 0.1])
@@ -49,9 +49,9 @@ def contact(block, options):
         if step == 0:
             begin = pybullet.getBasePositionAndOrientation(box)[0][0]
             pybullet.resetBaseVelocity(box, [block.velocity, 0, 0])
-        push = [block.pull(step) if step >= 0 else 0.0, 0, -block.normal(step)]
+        along, up = block.forces(step)
         place = pybullet.getBasePositionAndOrientation(box)[0]
-        pybullet.applyExternalForce(box, -1, push, place, pybullet.WORLD_FRAME)
+        pybullet.applyExternalForce(box, -1, [along, 0, up], place, pybullet.WORLD_FRAME)
         pybullet.stepSimulation()
         if step >= 0:
             x = pybullet.getBasePositionAndOrientation(box)[0][0]

@@ -21,6 +21,7 @@ def joint(block, options):
 
 def contact(block, options):
     space = pymunk.Space()
+    space.gravity = (0, -block.gravity)
     ground = pymunk.Segment(space.static_body, (-99, -1), (99, -1), 1)
     body = pymunk.Body(block.mass, pymunk.moment_for_box(block.mass, (0.2, 0.2)))
     body.position = (0, 0.1)
@@ -32,8 +33,7 @@ def contact(block, options):
         if step == 0:
             begin = body.position.x
             body.velocity = (block.velocity, body.velocity.y)
-        force = (block.pull(step) if step >= 0 else 0.0, -block.normal(step))
-        body.apply_force_at_world_point(force, body.position)
+        body.apply_force_at_world_point(block.forces(step), body.position)
         space.step(block.step)
         if step >= 0:
             yield body.position.x - begin, body.velocity.x

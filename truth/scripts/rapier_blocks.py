@@ -8,15 +8,15 @@ JOINT = """<mujoco><option gravity="0 0 0"/><worldbody><body><joint type="slide"
 <inertial pos="0 0 0" mass="{mass!r}" diaginertia="1 1 1"/></body></worldbody></mujoco>"""
 
 
-def world_of(block):
+def world_of(block, gravity):
     world = rapier3d.PhysicsWorld()
-    world.gravity = rapier3d.Vec3(0.0, 0.0, 0.0)
+    world.gravity = rapier3d.Vec3(0.0, 0.0, -gravity)
     world.integration_parameters.dt = block.step
     return world
 
 
 def joint(block, options):
-    world = world_of(block)
+    world = world_of(block, 0.0)
     robot, _ = mjcf.MjcfRobot.from_str(JOINT.format(mass=block.mass, bound=block.bound))
     loaded = robot.insert_using_multibody_joints(
         world.rigid_bodies, world.colliders, world.multibody_joints, world.impulse_joints
@@ -33,7 +33,7 @@ def joint(block, options):
 
 
 def contact(block, options):
-    world = world_of(block)
+    world = world_of(block, block.gravity)
     ground = rapier3d.Collider.cuboid(9.0, 9.0, 1.0).friction(block.friction)
     world.add_body(rapier3d.RigidBody.fixed().translation(rapier3d.Vec3(0.0, 0.0, -1.0)), [ground])
     box = rapier3d.Collider.cuboid(0.1, 0.1, 0.1).friction(block.friction).density(block.mass / 0.008)
@@ -44,8 +44,9 @@ def contact(block, options):
         if step == 0:
             begin = body.translation.x
             body.linvel = rapier3d.Vec3(block.velocity, 0.0, 0.0)
-        body.reset_forces(True)
-        body.add_force(rapier3d.Vec3(block.pull(step) if step >= 0 else 0.0, 0.0, -block.normal(step)), True)
+        along, up = block.forces(step)
+        body.reset_forces(bool(along))
+        body.add_force(rapier3d.Vec3(along, 0.0, up), bool(along))
         world.step()
         if step >= 0:
             yield body.translation.x - begin, body.linvel.x
