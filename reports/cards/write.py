@@ -1,4 +1,4 @@
-"""A card as files: HTML to look at, Markdown for a tracker, JSON for programs."""
+"""A card as files: HTML to look at, Markdown for a tracker, JSON for programs, for charts of benchmarks and a badge."""
 
 import dataclasses
 import json
@@ -13,11 +13,14 @@ from reports.export.files import CARD, PAGE
 from reports.formatting import MISSING, card_number, environment, significant
 from reports.page.section import SUITE_TEMPLATES
 from scenarios.studies.accuracy import ACCURACY_MAP, ACCURACY_MAP_STEPS
+from scenarios.sweeps.truths import WRONG_DB
 from scenarios.tables import json_text, markdown_text
 
 TEMPLATES = "reports.cards"
-ENDINGS = ("html", "md", "json")
+ENDINGS = ("html", "md", "json", "bench.json", "badge.json")
 
+COLOURS = {1.0: "green", WRONG_DB: "yellow", math.inf: "red"}
+"""Of a badge, by the error below which it has each [dB]."""
 
 SMALLEST_ERROR = 1e-12
 """Part of the truth below which an error is round-off."""
@@ -44,7 +47,8 @@ def check_card_files(name: str, folder: Path, store: Path | None) -> None:
 
 def write_card(shown: Card, folder: Path) -> list[Path]:
     """Write the files of a card; gives them, the page first."""
-    texts = (html(shown, linked=(folder / PAGE).is_file()), markdown(shown), _json(shown))
+    page = html(shown, linked=(folder / PAGE).is_file())
+    texts = (page, markdown(shown), _json(shown), bench_json(shown), badge_json(shown))
     files = [folder / file for file in card_files(shown.name)]
     for file, text in zip(files, texts, strict=True):
         write_whole(file, text.encode())
@@ -131,3 +135,24 @@ def _json(shown: Card) -> str:
         for point in own["steps"]:
             del point["variant"]
     return json.dumps(json.loads(json_text(content)), ensure_ascii=False, indent=2) + "\n"  # null where NaN was
+
+
+def bench_json(shown: Card) -> str:
+    """Give all errors as github-action-benchmark reads them: a list of numbers, of which smaller ones are better."""
+    numbers = [(f"{own.variant}: error to truth, largest", "dB", own.largest_db) for own in shown.variants]
+    numbers += [
+        (f"{own.variant}: error of {row.name}, {row.case}", row.unit or "1", abs(row.error))
+        for own in shown.variants
+        for row in own.rows
+    ]
+    known = [{"name": name, "unit": unit, "value": value} for name, unit, value in numbers if math.isfinite(value)]
+    return json.dumps(known, ensure_ascii=False, indent=2) + "\n"
+
+
+def badge_json(shown: Card) -> str:
+    """Give the endpoint of a badge of shields.io: the largest error of the first formulation, with its last preset."""
+    best = [own for own in shown.variants if own.variant.formulation == shown.variants[0].variant.formulation][-1]
+    error = best.largest_db
+    message = f"{significant(error)} dB {best.variant.preset_name}" if math.isfinite(error) else "unsteady"
+    colour = next((name for limit, name in COLOURS.items() if error < limit), "lightgrey")
+    return json.dumps({"schemaVersion": 1, "label": "friction", "message": message, "color": colour}) + "\n"

@@ -12,7 +12,7 @@ from engines.mujoco import MuJoCo
 from reference_lcp.errors import ParameterError
 from reports.cards import card as cards
 from reports.cards.card import Card, Row, VariantCard, card, card_variants
-from reports.cards.write import check_card_files, html, markdown, write_card
+from reports.cards.write import badge_json, bench_json, check_card_files, html, markdown, write_card
 from reports.export.files import cards_beside
 from scenarios.runs.store import opened_store
 from scenarios.studies.work_precision import StepPoint
@@ -73,12 +73,40 @@ def test_markdown_of_a_card_is_a_table_whose_cells_are_not_broken_by_bars() -> N
 def test_files_of_a_card_hold_it_in_full_and_lie_where_a_report_finds_them(tmp_path) -> None:
     check_card_files("mujoco", tmp_path / "new", None)
     files = write_card(made_up(), tmp_path / "new")
-    assert [file.name for file in files] == ["card-mujoco.html", "card-mujoco.md", "card-mujoco.json"]
+    assert [file.name for file in files] == [
+        f"card-mujoco.{ending}" for ending in ("html", "md", "json", "bench.json", "badge.json")
+    ]
     content = json.loads(files[2].read_text(encoding="utf-8"))
     (variant,) = content["variants"]
     assert (variant["variant"], variant["largest_db"], variant["steps_to_goal"]) == (str(SOFT), 14.7321, 800)
     assert [row["value"] for row in variant["rows"]] == [5165.95, 0.8738, None]
     assert cards_beside(tmp_path / "new") == {"mujoco": "card-mujoco.html"}
+
+
+def test_a_chart_of_benchmarks_has_every_error_that_is_known() -> None:
+    assert json.loads(bench_json(made_up())) == [
+        {"name": "mujoco:joint:default: error to truth, largest", "unit": "dB", "value": 14.7321},
+        {"name": "mujoco:joint:default: error of creep, 1 kg, load 0.99", "unit": "µm/s", "value": 5165.95},
+        {"name": "mujoco:joint:default: error of breakaway, 1 kg, 2 ms", "unit": "1", "value": pytest.approx(0.1262)},
+    ]
+
+
+@pytest.mark.parametrize(
+    ("error", "message", "colour"),
+    [
+        (0.1234, "0.12 dB tuned", "green"),
+        (0.999, "1.0 dB tuned", "green"),
+        (1.0, "1.0 dB tuned", "yellow"),
+        (3.0, "3.0 dB tuned", "red"),
+        (math.nan, "unsteady", "lightgrey"),
+    ],
+)
+def test_a_badge_shows_the_best_preset_of_the_first_formulation(error, message, colour) -> None:
+    (soft,) = made_up().variants
+    tuned = dataclasses.replace(soft, variant=Variant("mujoco"), largest_db=error)
+    contact = dataclasses.replace(soft, variant=Variant("mujoco", "contact"), largest_db=40.0)
+    badge = json.loads(badge_json(dataclasses.replace(made_up(), variants=(soft, tuned, contact))))
+    assert badge == {"schemaVersion": 1, "label": "friction", "message": message, "color": colour}
 
 
 def test_a_card_that_reaches_no_goal_says_up_to_where_it_was_tried() -> None:
