@@ -219,6 +219,15 @@ def test_two_versions_of_an_engine_are_compared_step_by_step(tmp_path, install, 
 
 
 @pytest.mark.slow
+def test_two_versions_are_compared_in_one_command(tmp_path, install) -> None:
+    given = {"PYTHONPATH": install("mutations").environment["PYTHONPATH"]}
+    command = "multibody-xval compare --engine mutant@bound@0.01 --engine mutant@bound@0.2 --out changes.md"
+    assert run_step(command, tmp_path, **given).returncode == 1
+    assert re.search(r"points: \d+ regressed", (tmp_path / "changes.md").read_text())
+    assert "From `mutant@bound@0.01` to `mutant@bound@0.2`" in (tmp_path / "changes.md").read_text()
+
+
+@pytest.mark.slow
 def test_an_older_mujoco_is_compared_with_the_one_beside_the_suite(tmp_path) -> None:
     if engine("mujoco@3.3.7").unavailable_reason() is not None:
         pytest.skip("no environment of mujoco@3.3.7")

@@ -7,8 +7,8 @@ import json
 import math
 import sys
 
-SETTLED = 0.6
-"""Seconds for which a contact is pressed at rest before the motion: some engines put to sleep what rests for longer."""
+SETTLED = 0.5
+"""Seconds for which a box rests before the motion: when DART, for one, puts to sleep what does not move."""
 
 
 class Block:
