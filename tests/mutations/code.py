@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -43,9 +44,6 @@ MOST_TESTS = 40
 
 MEMORY = 16 * 2**30
 """Address space of a process that tests a change [bytes]: some changes fill a list for ever."""
-
-STATEMENT = 6
-"""Lines of a statement before that of its operator, under the first of which it may be counted."""
 
 KILLED, SURVIVED, UNDECIDED = "killed", "survived", "undecided"
 
@@ -78,6 +76,8 @@ class Change:
     file: Path
     """From the root of the project."""
     line: int
+    statement: int
+    """First line of what it belongs to, under which its lines may be counted."""
     begin: int
     """Place in the bytes of the file between the operands, where the operator is looked for."""
     operator: type[ast.AST]
@@ -98,9 +98,12 @@ def changes_of(file: Path) -> Iterator[Change]:
     """Give every change of a file."""
     text = (PROJECT / file).read_bytes()
     starts = [0, *(place + 1 for place, byte in enumerate(text) if byte == ord("\n"))]
-    for node in ast.walk(ast.parse(text)):
+    tree = ast.parse(text)
+    begins = sorted({node.lineno for node in ast.walk(tree) if isinstance(node, ast.stmt)})
+    for node in ast.walk(tree):
         for (line, column), operator in _operators(node):
-            yield Change(file, line, starts[line - 1] + column, type(operator))
+            statement = begins[bisect_right(begins, line) - 1]
+            yield Change(file, line, statement, starts[line - 1] + column, type(operator))
 
 
 def _operators(node: ast.AST) -> Iterator[tuple[tuple[int, int], ast.AST]]:
@@ -150,7 +153,7 @@ def engines_of(file: Path) -> list[str]:
 
 def executing(change: Change, lines: Lines) -> list[str]:
     """Give the tests that execute the line of a change, the fastest first, but those of its file before."""
-    places = [(str(change.file), change.line - before) for before in range(STATEMENT)]
+    places = [(str(change.file), line) for line in range(change.line, change.statement - 1, -1)]
     tests = next((lines[place] for place in places if place in lines), [])
     near = set(tests_of(change.file))
     first = {test.partition("[")[0]: test for _, test in reversed(tests)}  # one of the examples of each test

@@ -17,7 +17,7 @@ import pytest
 FOLDER = "MUTATIONS_LINES"
 """Names the variable of the environment with the folder."""
 
-MAPPED_IN = 600.0
+MAPPED_IN = 1800.0
 """Seconds after which no test begins any more."""
 
 ORDER = ("reference_lcp", "scenarios", "reports", "engines")

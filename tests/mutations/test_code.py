@@ -75,7 +75,16 @@ def test_a_change_meets_the_passing_tests_that_execute_its_line(project: Path, t
     found = lines.lines_of(project, tmp_path_factory.mktemp("lines"))
     first, *_ = changes_of(Path("reports/small.py"))
     assert executing(first, found) == ["tests/reports/test_small.py::test_it"]
-    assert executing(dataclasses.replace(first, line=100), found) == []
+    assert executing(dataclasses.replace(first, line=100, statement=100), found) == []
+    lines_of_it = dataclasses.replace(first, line=first.line + 2)
+    assert executing(lines_of_it, found) == ["tests/reports/test_small.py::test_it"], "a later line of the statement"
+
+
+def test_a_line_that_no_test_was_seen_to_execute_is_not_taken_for_the_one_above(project: Path) -> None:
+    """What is above belongs to other statements, whose tests do not notice a change of this one."""
+    (project / "reports/small.py").write_text("def f(a):\n    b = a\n    return (b\n        + 1)\n")
+    (change,) = changes_of(Path("reports/small.py"))
+    assert (change.line, change.statement) == (3, 3)
 
 
 def test_every_change_of_the_product_can_be_compiled() -> None:

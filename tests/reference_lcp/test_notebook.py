@@ -47,6 +47,11 @@ def test_figures_show_the_limits_and_a_period(chain: Chain) -> None:
     expected = frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, eta))
     assert 10 ** (free.get_ydata()[100] / 20) == pytest.approx(expected)
     assert np.any(stuck.get_ydata() != free.get_ydata())
-    period = steady_state(chain, HarmonicBase.from_ratio(chain, 0.6), with_error_bar=False).plot()
+    state = steady_state(chain, HarmonicBase.from_ratio(chain, 0.6), with_error_bar=False)
+    period, motion = state.plot(), state.orbit.trajectory
     assert len(period.axes) == 3 * chain.cells
+    lines = [line.get_ydata() for line in period.axes[0].get_lines()]
+    scale = state.orbit.lane.drive.displacement_scale(chain)
+    assert lines[0] == pytest.approx(motion.outer_positions[:, 0] / scale)
+    assert lines[1] == pytest.approx(motion.inner_positions[:, 0] / scale)
     assert period._repr_png_().startswith(b"\x89PNG")

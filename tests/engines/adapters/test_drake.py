@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from engines.drake import Drake
+from engines.drake.contact import script_numbers
+from engines.drake.joint import actuator_gains
+from engines.drake.step_model import contact_scale
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, StillBase
@@ -262,3 +265,16 @@ def test_a_sphere_that_has_left_its_plane_moves_as_the_law_says(preset: str) -> 
     expected, found = (simulation.run(state, 0, STEPS)[0] for simulation in (model, variant.build([lane])))
     assert np.any(found.normal_force == 0), "no sphere leaves its plane"
     assert np.max(np.abs(found.positions - expected.positions)) < law.period_bound * AMPLITUDE
+
+
+def test_a_gain_without_one_in_newtons_is_that_of_the_reduced_mass_over_the_step() -> None:
+    chain = Chain.from_ratios(cells=2, mass_ratio=[1.0, 0.25], friction_ratio=0.3)
+    preset = Variant("drake").preset
+    gains = actuator_gains(chain, 0.01, preset)
+    assert gains == pytest.approx(preset["d"] * np.array([0.5, 0.2]) / 0.01)
+
+
+def test_a_script_has_spheres_that_are_pressed_in_by_the_depth_of_the_preset() -> None:
+    lane, preset = lane_of(0.3, cells=2), Variant("drake", "contact").preset
+    stiffness = script_numbers(lane, preset, State.at_rest(1, 2))["stiffness"]
+    assert stiffness / 2 * preset["depth"] * contact_scale(lane) == pytest.approx(lane.chain.normal_force)

@@ -1,12 +1,15 @@
 """What a distance from the law after every period leaves in the response: friction and dashpots take most away."""
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from engines.interface.registry import law_of
+from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant
-from engines.shared.law_distance import figure3_lanes, gain
+from engines.shared.law_distance import allowed_distance, figure3_lanes, gain
 from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
 from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 
@@ -32,3 +35,12 @@ def test_deviation_within_what_its_law_leaves_open_is_inconclusive(measured, ver
     assert judged.comparison.verdict is verdict
     assert judged.modelled is (verdict is Verdict.DISAGREE)
     assert math.isclose(judged.comparison.difference, 0.05)
+
+
+def test_without_a_law_a_contact_that_gives_way_may_be_farther_off_by_its_compliance() -> None:
+    own = Variant("reference")
+    soft = replace(own.preset, residual_slip_compliance=1e-3)
+    stiff = replace(own.preset, residual_slip_compliance=0.0)
+    allowed = [allowed_distance(SimpleNamespace(preset=each, capabilities=own.capabilities)) for each in (stiff, soft)]
+    assert allowed[0] == TRAJECTORY_TOLERANCE[own.capabilities.precision]
+    assert allowed[1] - allowed[0] == pytest.approx(CREEP * 1e-3)

@@ -10,6 +10,7 @@ from reference_lcp.chain.linear_response import frictionless_transmittance, stuc
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.studies import bench
 from reference_lcp.studies.bench import (
     LCPS_OF_A_SAMPLE,
     _lemke,
@@ -17,6 +18,7 @@ from reference_lcp.studies.bench import (
     bench_points,
     canonical_lane,
 )
+from truth import problem_named
 
 
 @pytest.mark.parametrize("ratio", [0.5, 0.9, 1.4])
@@ -50,3 +52,16 @@ def test_steps_and_problems_of_lemkes_method_take_a_part_of_the_time_in_which_th
     elapsed = time.perf_counter() - begin
     assert 0 < step * MINIMUM_STEPS_PER_PERIOD <= elapsed
     assert 0 < problem * LCPS_OF_A_SAMPLE <= elapsed
+
+
+@pytest.mark.parametrize(("friction", "frequency"), [(0.1, 0.6), (0.3, 0.9), (0.6, 0.7), (1.0, 1.2)])
+def test_nine_harmonics_are_within_a_tenth_of_a_decibel_of_the_proven_transmittance(friction, frequency) -> None:
+    proven = float(problem_named(f"chain-steady-{friction:g}-{frequency:g}").observables["transmittance"].value)
+    balanced = 20 * np.log10(balanced_transmittance(canonical_lane(friction, frequency), 400))
+    assert balanced == pytest.approx(proven, abs=0.1)
+
+
+def test_the_speed_of_lanes_counts_every_step_of_every_cell(monkeypatch) -> None:
+    monkeypatch.setattr(bench, "_best", lambda _work: 2.0)
+    steps = bench.BENCH_LANES * 7 * MINIMUM_STEPS_PER_PERIOD * bench.PERIODS_OF_A_SAMPLE
+    assert bench._cell_steps_per_second() == steps / 2

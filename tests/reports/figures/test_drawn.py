@@ -7,8 +7,10 @@ import pytest
 
 from reports.data.report import Report
 from reports.drawing import matplotlib_backend, printing
-from reports.drawing.figure import Figure
+from reports.drawing.figure import Axis, Figure, Panel, Series
+from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.printing import INDEX, DrawnFigures, described
+from reports.drawing.style import Style
 from reports.export.files import files_of, write_all
 from reports.page.render import FIGURES, sections
 
@@ -70,3 +72,13 @@ def test_every_part_of_a_description_counts(report) -> None:
     ]
     assert len({described(each) for each in (figure, *others)}) == 4
     assert described(dataclasses.replace(figure)) == described(figure)
+
+
+@pytest.mark.parametrize(("draw", "line", "marker"), [("lines", "-", "None"), ("markers", "None", "o")])
+def test_a_series_has_lines_or_points_as_it_says(draw, line, marker) -> None:
+    axis = Axis("x", (0.0, 1.0))
+    series = Series([0.0, 1.0], [0.0, 1.0], Style("#000000"), draw=draw)
+    canvas = drawn(Figure("figure", "", [Panel(axis, axis, [series])], 2.0, 200))
+    (own,) = canvas.axes[0].get_lines()
+    assert str(own.get_linestyle()) == line
+    assert str(own.get_marker()) == ("none" if marker == "None" else marker)

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from reference_lcp import Chain, HarmonicForce, steady_state
 from reference_lcp.chain.linear_response import stuck_response
@@ -16,6 +17,7 @@ from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
 from scenarios.catalogue.steady.figure3 import LOWER_EDGES
 from scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
+from scenarios.catalogue.verdict_table import law_in_words
 from scenarios.runs.result import Result
 from scenarios.sweeps.edges import BAND_EDGE
 from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
@@ -205,3 +207,11 @@ def test_failures_are_verdicts_with_their_reasons(answer, verdict, reason) -> No
 def test_a_motion(unfinished, expected) -> None:
     gap = missing("", [FINISHED, unfinished])
     assert (gap and (gap.verdict, gap.reason)) == expected
+
+
+@pytest.mark.needs("pymunk")
+def test_a_deviation_without_words_is_the_formula_of_its_law() -> None:
+    assert law_in_words(Variant("reference")) == ""
+    law = law_of(Variant("pymunk", preset_name="default").preset)
+    assert law is not None
+    assert law_in_words(Variant("pymunk", preset_name="default")) == law.formula

@@ -1,8 +1,15 @@
 """Recorded periods: they say the same as other results, and are run, kept and blocked as others are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.steady.orbits import periodic_orbits
 from scenarios.runs.executor import run_batch
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result
@@ -58,3 +65,14 @@ def test_a_period_that_is_not_there_has_the_reason(result, reason) -> None:
     period = RecordedPeriod.of_result(result)
     assert not period.known
     assert period.reason == reason
+
+
+def test_friction_of_a_frictionless_contact_is_over_the_force_of_its_spring() -> None:
+    chain = Chain.from_ratios(cells=2, friction_ratio=[0.3, 0.0], base_amplitude=0.02, chain_stiffness=500.0)
+    orbit = periodic_orbits(
+        euler_simulation([Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, 0.02), 400)]), 400
+    )[0]
+    forces = np.tile([1.5, 5.0], (400, 1))
+    pressed = replace(orbit, trajectory=replace(orbit.trajectory, friction=forces))
+    period = RecordedPeriod.of(pressed, 0.0)
+    assert period.friction[0] == pytest.approx([1.5 / (0.3 * 500 * 0.02), 5.0 / (500 * 0.02)])
