@@ -327,9 +327,8 @@ def history_document(name: str, history: Sequence[Measured]) -> str:
     known = [one for one in history if one.numbers]
     lines = [f"# {name}: {len(known)} versions, {history[0].version} to {history[-1].version}", ""]
     found = list(changes(history))
-    if not found:
-        lines += [f"Nothing has changed by more than {CHANGED:g} of an error.", ""]
-    else:
+    lines += [*_summary(released_engine(name), found), ""]
+    if found:
         lines += ["| from | to | number | before | after | |", "|---|---|---|---|---|---|"]
         for change in sorted(found, key=lambda each: Version(each.after)):
             word = "better" if change.is_better else "worse"
@@ -340,7 +339,7 @@ def history_document(name: str, history: Sequence[Measured]) -> str:
         lines.append("")
     engine = released_engine(name)
     titles = [OPTION_TITLES[option] for option in engine.options]
-    lines += ["Largest error against the exact motion, in m or m/s:", ""]
+    lines += ["Largest error of each block against the exact motion, in m or m/s:", ""]
     lines += [f"| number | {' | '.join(titles)} |", "|---|" + "---|" * len(titles)]
     for metric in metrics_of(replace(engine, options=("",))):
         names = [metric + (option and f", {option}") for option in engine.options]
@@ -349,6 +348,21 @@ def history_document(name: str, history: Sequence[Measured]) -> str:
         if one.reason:
             lines += ["", f"{one.version}: {one.reason}"]
     return "\n".join(lines) + "\n"
+
+
+def _summary(engine: Released, found: Sequence[Change]) -> list[str]:
+    """Say in a sentence a version what has changed, by options."""
+    lines = []
+    for version in sorted({change.after for change in found}, key=Version):
+        parts = []
+        for option in engine.options:
+            every = [metric for metric in metrics_of(engine) if metric.partition(", ")[2] == option]
+            own = [change for change in found if change.after == version and change.metric in every]
+            largest = max((abs(change.new - change.old) / max(change.old, change.new) for change in own), default=0.0)
+            count = f"{len(own)} of {len(every)} numbers, by {largest:.1g} of the error at most" if own else "nothing"
+            parts.append(f"{OPTION_TITLES[option]}: {count}")
+        lines += [f"**{version}** changed {'; '.join(parts)}.", ""]
+    return lines[:-1] or [f"Nothing has changed by more than {CHANGED:g} of an error."]
 
 
 def _runs(metric: str, known: Sequence[Measured]) -> str:

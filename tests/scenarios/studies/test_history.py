@@ -100,6 +100,18 @@ def test_changes_are_between_versions_that_follow_each_other_and_say_something()
     assert "| contact block-stops position | 1 |" in page
     assert "| contact block-stops velocity | – |" in page
     assert "1.1: there is no wheel" in page
+    assert "**1.2** changed as it comes: 1 of 16 numbers, by 0.5 of the error at most." in page
+    assert "**1.3** changed as it comes: 1 of 16 numbers, by 0.8 of the error at most." in page
+
+
+def test_what_changes_with_an_option_only_is_said_of_it() -> None:
+    both = {HELD: 1e-3, f"{HELD}, exact": 1e-3}
+    known = [Measured("1.0", "", both), Measured("1.1", "", both | {HELD: 2e-3})]
+    page = history_document("mujoco", known)
+    assert (
+        "changed as it comes: 1 of 16 numbers, by 0.5 of the error at most; solver without tolerance: nothing." in page
+    )
+    assert "| joint block-held velocity | 0.001 (1.0); 0.002 (1.1) | 0.001 |" in page
 
 
 def test_a_page_without_a_change_says_so():
