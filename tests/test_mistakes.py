@@ -45,6 +45,7 @@ COMMAND_LINES = [
     ("history rapier --store sweep.toml", r"sweep.toml is no history of an engine"),
     ("bisect mujoco --metric creep", r"metric = 'creep' is unknown; allowed: joint block-held position"),
     ("bisect mujoco --metric creep --tolerance 0", r"tolerance = 0.*> 0"),
+    ("site missing", r"missing has neither a history nor a card"),
     ("truth show block-stop", r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"),
     ("truth check block-stops missing.csv", r"motion = 'missing.csv' is no file"),
     ("truth check block-stops sweep.toml", r"columns of sweep.toml = .* lack time; allowed: 'time, x0'"),
