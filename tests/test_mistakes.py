@@ -45,6 +45,8 @@ COMMAND_LINES = [
     ("history rapier --store sweep.toml", r"sweep.toml is no history of an engine"),
     ("bisect mujoco --metric creep", r"metric = 'creep' is unknown; allowed: joint block-held position"),
     ("bisect mujoco --metric creep --tolerance 0", r"tolerance = 0.*> 0"),
+    ("store again missing.sqlite", r"missing.sqlite"),
+    ("store again other.sqlite --part 2", r"part = 2; allowed: > 0, <= 1"),
     ("site missing", r"missing has neither a history nor a card"),
     ("truth show block-stop", r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"),
     ("truth check block-stops missing.csv", r"motion = 'missing.csv' is no file"),

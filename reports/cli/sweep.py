@@ -174,4 +174,31 @@ def check(
         raise typer.Exit(ExitCode.WRONG_INPUT)
 
 
+@store_app.command()
+@grouped
+def again(
+    file: Annotated[Path, typer.Argument(help="The store. It is not changed.")],
+    *,
+    part: Annotated[float, typer.Option(help="Part of its steady states.")] = 0.05,
+    seed: Annotated[int, typer.Option(help="Of the draw.")] = 0,
+    work: Work,
+) -> None:
+    """Compute a random part of a store again, and compare: what is proposed comes out here too.
+
+    Exit code 0: all are the same, within the thresholds of `compare`; 1: one is not; 2: wrong input; 130: interrupted.
+
+    Example: multibody-xval store again results.sqlite --part 0.05 --seed 1
+    """
+    from scenarios.verdicts.computed_again import compared_again, sampled
+
+    sample = sampled(file, part, seed)
+    with work.evaluator(None, list({task.variant for task, _ in sample})) as evaluator:
+        comparison = compared_again(sample, evaluator.evaluate)
+    for change in comparison.beyond:
+        print(visible(f"{change.variant}: {dict(change.first.task)} differs"))
+    print(f"{len(sample)} of its steady states computed again: {len(comparison.beyond)} differ")
+    if comparison.beyond:
+        raise typer.Exit(ExitCode.FAILED)
+
+
 app.add_typer(store_app, name="store")
