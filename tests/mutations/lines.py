@@ -74,6 +74,7 @@ def pytest_configure(config: pytest.Config) -> None:
 def lines_of(project: Path, folder: Path) -> Lines:
     """Run the quick tests of a project, and give those that pass of each line, the fastest first."""
     folders = [f"tests/{room}" for room in ORDER if (project / "tests" / room).is_dir()]
+    folders += [str(file.relative_to(project)) for file in sorted((project / "tests").glob("test_*.py"))]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "tests.mutations.lines", *folders]
     environment = os.environ | {"PYTHONPATH": str(project), FOLDER: str(folder)}
     with (folder / "output.txt").open("w") as output:

@@ -8,13 +8,13 @@ import pytest
 import xarray as xr
 
 from reference_lcp.errors import ParameterError
-from reports import report
+from reports import report, write
 from reports.data.collect import Scope, collect, collect_dataset
 from reports.data.points import NAMES, POINT_COLUMNS
 from reports.data.report import Report
 from reports.export.files import files_of, report_dataset
 from reports.page.render import FIGURES
-from reports.write import check_folder
+from reports.write import check_folder, write_sweep_report
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
 from scenarios.runs.store import ResultStore
@@ -231,3 +231,15 @@ def test_a_store_among_the_figures_is_refused_and_one_beside_the_page_is_not(tmp
     check_folder("--out", tmp_path, [None, tmp_path / "results.sqlite", tmp_path.parent / FIGURES / "results.sqlite"])
     with pytest.raises(ParameterError, match=f"lies among the figures .*; allowed: a file outside {FIGURES}"):
         check_folder("--out", tmp_path, [tmp_path / "results.sqlite", tmp_path / FIGURES / "results.sqlite"])
+
+
+@pytest.mark.parametrize(("given", "meant"), [(Scope(starts=1), Scope(starts=1)), (None, Scope())])
+def test_a_report_has_the_scope_that_is_asked_for(
+    given, meant, sweep: Sweep, store: Path, tmp_path, monkeypatch
+) -> None:
+    asked = []
+    monkeypatch.setattr(write, "collect", lambda *_, scope: asked.append(scope))
+    monkeypatch.setattr(write, "check_loses_nothing", lambda *_: None)
+    monkeypatch.setattr(write, "_written", lambda *_: None)
+    write_sweep_report(sweep, tmp_path, "", store=store, run=False, scope=given)
+    assert asked == [meant]

@@ -188,3 +188,10 @@ def test_engine_moves_under_a_pulse_as_linear_theory_says() -> None:
         exact = frictionless_transmittance(asked.chain, HarmonicBase(0.01, spectra[0].angular_frequency[line]))
         coarse, fine = (decibel(abs(spectrum.ratio[line])) for spectrum in spectra)
         assert abs(fine - decibel(exact)) <= 1.25 * abs(fine - coarse) + 2e-3, f"at line {line}"
+
+
+def test_slips_are_of_the_inner_masses_beside_their_outer_ones() -> None:
+    asked = motion(recorded="contact modes")
+    run = simulate(asked.chain, PULSE, time_step=1e-3, steps=1200)
+    slips = (run.inner_positions - run.outer_positions)[3::4] / 0.01
+    assert run_batch([asked])[0].series["slips"] == pytest.approx(slips.ravel(), abs=1e-13)

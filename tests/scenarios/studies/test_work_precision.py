@@ -17,7 +17,9 @@ from scenarios.runs.store import ResultStore
 from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.studies.accuracy import ORDER_STEPS
 from scenarios.studies.work_precision import (
+    FINEST_STEPS,
     STUDY_STEPS,
+    coarse_steps,
     exact_step_tasks,
     step_study,
     step_tasks,
@@ -144,3 +146,7 @@ def test_the_finest_steps_are_not_run_where_the_error_of_a_law_stays(store: Resu
     assert {steps for variant, steps in asked if variant == off} == {50, 100, 200, 400, 800, 1600}
     assert {steps for variant, steps in asked if variant == REFERENCE} == set(STUDY_STEPS)
     assert [point.steps_per_period for point in study if point.variant == off] == [50, 100, 200, 400, 800, 1600, 6400]
+
+
+def test_finest_steps_are_none_of_the_coarse_ones() -> None:
+    assert coarse_steps([50, *FINEST_STEPS, 400]) == [50, 400]
