@@ -140,10 +140,11 @@ class Sampled:
 
 
 @both_laws
-def test_any_drive_loads_cell_1_as_its_function_says(engine: Engine) -> None:
+@pytest.mark.parametrize("begin", [0, 37])
+def test_any_drive_loads_cell_1_as_its_function_says(engine: Engine, begin: int) -> None:
     lane = lane_of(0.3, 0.6)
     unknown = Lane(lane.chain, Sampled(lane.drive), lane.time_step)
-    ends = [engine.build([each]).advance(State.at_rest(1, 7), 0, STEPS) for each in (lane, unknown)]
+    ends = [engine.build([each]).advance(State.at_rest(1, 7), begin, STEPS) for each in (lane, unknown)]
     assert np.max(np.abs(ends[0].positions)) > 0.1 * AMPLITUDE
     assert distance(ends[0], ends[1], lane) < 1e-9
 

@@ -194,4 +194,6 @@ def test_slips_are_of_the_inner_masses_beside_their_outer_ones() -> None:
     asked = motion(recorded="contact modes")
     run = simulate(asked.chain, PULSE, time_step=1e-3, steps=1200)
     slips = (run.inner_positions - run.outer_positions)[3::4] / 0.01
-    assert run_batch([asked])[0].series["slips"] == pytest.approx(slips.ravel(), abs=1e-13)
+    series = run_batch([asked])[0].series
+    assert series["slips"] == pytest.approx(slips.ravel(), abs=1e-13)
+    assert series["response"] == pytest.approx(run.outer_positions[3::4, -1] / 0.01, abs=1e-13)
