@@ -34,7 +34,8 @@ def run(lane: Lane, steps: int = STEPS):
 
 def test_without_friction_a_closed_contact_adds_to_the_inertia_of_the_slip() -> None:
     """Energy ½ m_o u̇² + ½ m_i (v̇² + tan² α (v̇ − u̇)²): equation (5) with this mass matrix, and no other force."""
-    lane = lane_of(1.0, friction_coefficient=np.zeros(CELLS))
+    masses = {"outer_mass": np.linspace(1.0, 2.0, CELLS), "inner_mass": np.linspace(0.6, 1.5, CELLS)}
+    lane = lane_of(1.0, friction_coefficient=np.zeros(CELLS), inner_damping=np.linspace(0.1, 0.9, CELLS), **masses)
     chain, h = lane.chain, lane.time_step
     directions = chain.contact_directions
     mass = chain.mass_matrix + math.tan(INCLINATION) ** 2 * directions @ np.diag(chain.inner_mass) @ directions.T
