@@ -76,6 +76,9 @@ def test_figure_has_a_panel_a_case_and_a_curve_an_engine(data: xr.Dataset, tmp_p
     figure = plot(data, tmp_path / "figure.pdf")
     assert [axes.get_title() for axes in figure.axes] == ["friction ratio 0.15", "friction ratio 0.25"]
     assert [axes.get_ylabel() for axes in figure.axes] == ["transmittance [dB]", ""]
+    low, high = figure.axes[0].get_ylim()
+    assert low < data.transmittance_db.min()
+    assert high > data.transmittance_db.max()
     text = (tmp_path / "figure.pdf").read_bytes()
     assert b"/CIDFontType2" in text
     assert b"/Type3" not in text

@@ -1,6 +1,7 @@
 """Event-driven motion: closed-form oscillators, linear limits, energy, and the Euler scheme's limit."""
 
 import cmath
+import dataclasses
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from reference_lcp.chain.linear_response import frictionless_response, stuck_res
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.exact import event_driven
+from reference_lcp.exact import exact_orbit as exact_orbit_module
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
 from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step
@@ -270,3 +272,15 @@ def test_drive_without_harmonic_form_is_refused() -> None:
     with pytest.raises(ParameterError, match="Record has no event-driven solution; allowed: HarmonicBase"):
         EventDrivenSimulation([Lane(Chain.from_ratios(), Record(), 1e-3)])
     EventDrivenSimulation([Lane(Chain.from_ratios(), Ramp(), 1e-3)])
+
+
+def test_a_search_that_newton_does_not_finish_goes_on_from_where_it_is(monkeypatch) -> None:
+    polished = exact_orbit_module.polished
+
+    def unfinished(*arguments):
+        return dataclasses.replace(polished(*arguments), status=OrbitStatus.PERIOD_LIMIT)
+
+    monkeypatch.setattr(exact_orbit_module, "polished", unfinished)
+    orbit, period = exact_orbit_module.exact_orbit(*canonical(0.3, 0.9))
+    assert orbit.converged
+    assert period.transmittance == pytest.approx(10 ** (-9.561196141 / 20), rel=1e-8)
