@@ -100,7 +100,7 @@ def test_a_file_that_says_something_else_is_refused(text, message, tmp_path):
 
 
 @pytest.mark.parametrize(("scale", "unit"), [(1e3, "mm"), (1e2, "cm"), (1e-3, "km")])
-@pytest.mark.parametrize("name", ["block-stops", "chain-from-rest-0.3-0.9"])
+@pytest.mark.parametrize("name", ["block-stops", "cell-let-go"])
 def test_other_units_are_named(name, scale, unit, tmp_path):
     problem = problem_named(name)
     motion = read_motion(written(tmp_path, problem, scale=scale), problem)
