@@ -20,7 +20,7 @@ impl Problem {
             }
             end += character.len_utf8();
         }
-        let text = self.0[start..end].replace(['[', ']', '\n', ' '], "");
+        let text = self.0[start..end].replace(&['[', ']', '\n', ' '][..], "");
         text.split(',').filter_map(|number| number.parse().ok()).collect()
     }
 
