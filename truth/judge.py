@@ -15,7 +15,7 @@ SAME_TIME = 1e-3
 """Part of a step by which a row may be beside its time: what moves by it is far below what a step may be off."""
 
 LARGEST_FILE = 100_000_000
-"""Bytes of a motion's file that are read; a million steps of fourteen bodies are 300 MB, of which few rows matter."""
+"""Bytes of a motion's file that are read; the longest of the problems takes ten, with every step."""
 
 OTHER_UNITS = {1e3: "mm", 1e2: "cm", 1e-3: "km"}
 """Factors by which all positions are beside the exact ones if they are in other units, see `_check_units`."""
@@ -109,23 +109,33 @@ def judged(problem: Problem, motion: Motion, time_step: float | None = None) -> 
         If a time of the problem has no row, or the numbers are of other units.
     """
     step = checked_scalar("time_step", problem.time_step if time_step is None else time_step, "> 0")
-    rows = _rows(problem, motion, step)
-    quantities = [
-        ("position", motion.positions, problem.positions, problem.position_error, problem.position_uncertainty)
-    ]
-    if motion.velocities is not None:
-        speeds = problem.velocities, problem.velocity_error, problem.velocity_uncertainty
-        quantities.append(("velocity", motion.velocities, *speeds))
+    _check_units(motion.positions[_rows(problem, motion, step)], np.array(problem.positions), problem)
+    bounds = {
+        "position": np.array(problem.position_error) * (step / problem.time_step) + problem.position_uncertainty,
+        "velocity": np.array(problem.velocity_error) * (step / problem.time_step) + problem.velocity_uncertainty,
+    }
     judgements = []
-    for quantity, own, exact, error, uncertainty in quantities:
-        if quantity == "position":
-            _check_units(own[rows], np.array(exact), problem)
-        distance = np.abs(own[rows] - np.array(exact))
-        allowed = np.array(error) * (step / problem.time_step) + uncertainty
+    for quantity, distance in distances(problem, motion, step).items():
+        allowed = bounds[quantity]
         row, body = np.unravel_index(np.argmax(distance / allowed), distance.shape)
         worst = float(distance[row, body]), float(allowed[body])
         judgements.append(Judgement(quantity, int(body), problem.times[int(row)], *worst))
     return judgements
+
+
+def distances(problem: Problem, motion: Motion, time_step: float) -> dict[str, FloatArray]:
+    """Give how far a motion is from the exact one, shape (times, bodies), by quantity: of those that it has.
+
+    Raises
+    ------
+    ParameterError
+        If a time of the problem has no row, to a part of the `time_step` [s].
+    """
+    rows = _rows(problem, motion, time_step)
+    found = {"position": np.abs(motion.positions[rows] - np.array(problem.positions))}
+    if motion.velocities is not None:
+        found["velocity"] = np.abs(motion.velocities[rows] - np.array(problem.velocities))
+    return found
 
 
 def _rows(problem: Problem, motion: Motion, step: float) -> list[int]:

@@ -221,11 +221,6 @@ def free_decay() -> Draft:
     )
 
 
-def canonical_chain(friction_ratio: float) -> Chain:
-    """Give the seven cells of figure 3."""
-    return Chain.from_ratios(friction_ratio=friction_ratio)
-
-
 CHAIN = (
     "Seven masses in a row, 1 kg, on springs of 1000 N/m and dashpots, the first one's to a base that moves as 10 mm "
     "sin ωt; in each slides another mass of 1 kg on a spring of 1000 N/m, with dry friction. Bodies 0 to 6 are the "
@@ -251,7 +246,7 @@ def proven_state(friction: float, frequency: float) -> ProvenSteadyState:
 
 def steady(name: str, title: str, friction: float, frequency: float, proven: ProvenSteadyState) -> Draft:
     """Give the chain that starts in its steady state."""
-    chain = canonical_chain(friction)
+    chain = Chain.from_ratios(friction_ratio=friction)
     drive = HarmonicBase.from_ratio(chain, frequency)
     orbit, _ = exact_orbit(chain, drive)
     end = orbit.trajectory.end
@@ -278,7 +273,7 @@ def steady(name: str, title: str, friction: float, frequency: float, proven: Pro
 
 def from_rest(name: str, friction: float, frequency: float) -> Draft:
     """Give the chain that starts from rest."""
-    chain = canonical_chain(friction)
+    chain = Chain.from_ratios(friction_ratio=friction)
     drive = HarmonicBase.from_ratio(chain, frequency)
     return Draft(
         name,

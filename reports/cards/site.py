@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from reference_lcp.output import checked_output_folder, write_whole
 from reports.cards.write import TEMPLATES
 from reports.formatting import environment
 from reports.page.section import SUITE_TEMPLATES
-from scenarios.studies.history import Change, Measured, changes
+from scenarios.studies.history import VersionChange, VersionNumbers, changes, read_history
 
 INDEX, FEED = "index.html", "feed.xml"
 
@@ -33,10 +34,10 @@ class EngineHistory:
     """The versions of one engine, the oldest first, and what changed between them."""
 
     name: str
-    versions: tuple[Measured, ...]
+    versions: tuple[VersionNumbers, ...]
 
-    @property
-    def changes(self) -> list[Change]:
+    @cached_property
+    def changes(self) -> list[VersionChange]:
         """Numbers that differ between two versions that follow each other, the newest first."""
         return sorted(changes(self.versions), key=lambda change: Version(change.after), reverse=True)
 
@@ -64,14 +65,14 @@ def engine_histories(folder: Path) -> list[EngineHistory]:
     ParameterError
         If there is none, or a file is not what its name says.
     """
-    found: dict[str, dict[str, Measured]] = defaultdict(dict)
+    found: dict[str, dict[str, VersionNumbers]] = defaultdict(dict)
     for file in sorted(folder.rglob("*.json")):
         if file.name.endswith((".bench.json", ".badge.json")):
             continue
         for name, measured in _read(file):
-            before = found[name].get(measured.version, Measured(measured.version, measured.date, {}))
+            before = found[name].get(measured.version, VersionNumbers(measured.version, measured.date, {}))
             numbers = {**before.numbers, **measured.numbers}
-            found[name][measured.version] = Measured(
+            found[name][measured.version] = VersionNumbers(
                 measured.version, measured.date or before.date, numbers, measured.reason or before.reason
             )
     if not found:
@@ -84,37 +85,22 @@ def engine_histories(folder: Path) -> list[EngineHistory]:
     ]
 
 
-def _read(file: Path) -> Iterator[tuple[str, Measured]]:
+def _read(file: Path) -> Iterator[tuple[str, VersionNumbers]]:
     """Give the versions of an engine in a file: a history has several, a card one."""
     try:
         data: Any = json.loads(file.read_text(encoding="utf-8"))
-        measured = _of_history(data) if "engine" in data else [_of_card(data)]
-        for _, one in measured:
+        name, known = read_history(data) if "engine" in data else _of_card(data)
+        for one in known:
             Version(one.version)
     except (OSError, ValueError, TypeError, KeyError, AttributeError, InvalidVersion, RecursionError):
         raise ParameterError(f"{file} is neither a history nor a card; allowed: another folder") from None
-    for name, one in measured:
+    for one in known:
         if not NAME.fullmatch(name) or not all(map(math.isfinite, one.numbers.values())):
             raise ParameterError(f"engine = {shown(name)} of {file}; allowed: small letters, and finite numbers")
         yield name, one
 
 
-def _of_history(data: Mapping[str, Any]) -> list[tuple[str, Measured]]:
-    return [
-        (
-            str(data["engine"]),
-            Measured(
-                str(one["version"]),
-                str(one["date"]),
-                {str(name): float(value) for name, value in one["numbers"].items()},
-                str(one["reason"]),
-            ),
-        )
-        for one in data["versions"]
-    ]
-
-
-def _of_card(data: Mapping[str, Any]) -> tuple[str, Measured]:
+def _of_card(data: Mapping[str, Any]) -> tuple[str, list[VersionNumbers]]:
     """Give the errors of a card, by formulation and preset."""
     numbers: dict[str, float] = {}
     for own in data["variants"]:
@@ -125,19 +111,19 @@ def _of_card(data: Mapping[str, Any]) -> tuple[str, Measured]:
             if row["value"] is not None:
                 unit = f" [{row['unit']}]" if row["unit"] else ""
                 numbers[f"{variant}: error of {row['name']}, {row['case']}{unit}"] = abs(row["value"] - row["exact"])
-    return str(data["name"]).partition("@")[0], Measured(str(data["version"]), "", numbers)
+    return str(data["name"]).partition("@")[0], [VersionNumbers(str(data["version"]), "", numbers)]
 
 
 def write_site(histories: Sequence[EngineHistory], folder: Path) -> list[Path]:
     """Write the pages and the feed; gives them, the index first."""
     checked_output_folder("--out", folder)
-    pages, feed = environment(TEMPLATES, SUITE_TEMPLATES), environment(TEMPLATES)
+    pages = environment(TEMPLATES, SUITE_TEMPLATES)
     texts = {INDEX: pages.get_template("site_index.html").render(engines=histories, feed=FEED)}
     for own in histories:
         texts[f"{own.name}.html"] = pages.get_template("site_engine.html").render(
             engine=own, index=INDEX, width=WIDTH, height=HEIGHT
         )
-    texts[FEED] = feed.get_template("site_feed.xml").render(entries=_entries(histories))
+    texts[FEED] = pages.get_template("site_feed.xml").render(entries=_entries(histories))
     for name, text in texts.items():
         write_whole(folder / name, text)
     return [folder / name for name in texts]

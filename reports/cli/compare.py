@@ -31,6 +31,16 @@ GUARD_FRICTION_RATIOS, GUARD_FREQUENCY_RATIOS = [0.1, 0.3, 1.0], (0.3, 1.6, 8)
 GUARD_SCENARIO = "breakaway"
 """What two engines are compared by, as in CI: points from well below the band to well above, and a block."""
 
+Pair = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar=NAME_METAVAR,
+        help="Instead of stores, the engine before and the one now: both compute 24 points and a block.",
+        autocompletion=complete_variant,
+    ),
+]
+
 ENDINGS = (".md", ".json", ".xml", ".csv")
 """Formats of the changes."""
 
@@ -39,15 +49,7 @@ ENDINGS = (".md", ".json", ".xml", ".csv")
 def compare(
     first: Annotated[Path | None, typer.Argument(help="The store before.")] = None,
     second: Annotated[Path | None, typer.Argument(help="The store now.")] = None,
-    engines: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--engine",
-            metavar=NAME_METAVAR,
-            help="Instead of stores, the engine before and the one now: both compute 24 points and a block.",
-            autocompletion=complete_variant,
-        ),
-    ] = None,
+    engines: Pair = None,
     decibel: Annotated[
         float, typer.Option("--db", help="Largest change of transmittance in dB that does not count.")
     ] = Thresholds.transmittance_db,

@@ -12,7 +12,7 @@ import typer
 from reports.cli.options import check_outs
 
 if TYPE_CHECKING:
-    from scenarios.studies.history import Measured, Release, Released
+    from scenarios.studies.history import ReleasedEngine, ReleasedVersion, VersionNumbers
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -51,7 +51,7 @@ def history(
     check_outs([out], (".md",), store)
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
-    found: list[Measured] = []
+    found: list[VersionNumbers] = []
     for release in versions:
         found.append(known.of(release))
         print(f"{release.version}: {found[-1].reason or f'{len(found[-1].numbers)} numbers'}", file=sys.stderr)
@@ -92,7 +92,7 @@ def bisect(
     print(f"{metric}: {new:.12g} in {after.version} ({after.date}), {word} by {abs(new - old):.3g}")
 
 
-def _announce(engine: Released, versions: list[Release]) -> None:
+def _announce(engine: ReleasedEngine, versions: list[ReleasedVersion]) -> None:
     """Say what is made, one after the other; refuse a disk without room."""
     from scenarios.studies.history import check_room
 

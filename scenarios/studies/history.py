@@ -16,7 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from packaging.version import InvalidVersion, Version
@@ -25,7 +25,7 @@ import truth
 from engines.isolated.installation import run_uv
 from reference_lcp.errors import ParameterError, RunError, checked_choice, shortened, shown
 from reference_lcp.output import write_whole
-from truth.judge import read_motion
+from truth.judge import distances, read_motion
 from truth.problem import problem_named
 
 SCRIPTS = Path(truth.__file__).parent / "scripts"
@@ -51,7 +51,7 @@ ROOM = 500e6
 
 
 @dataclass(frozen=True)
-class Released:
+class ReleasedEngine:
     """How versions of an engine are had."""
 
     package: str
@@ -64,19 +64,19 @@ class Released:
     """Options with which everything is asked; the empty one is the engine as it comes."""
 
 
-ENGINES: Mapping[str, Released] = {
-    "mujoco": Released("mujoco", "mujoco_blocks.py", options=("", "exact")),
-    "pybullet": Released("pybullet", "pybullet_blocks.py", ("numpy<2",)),
-    "rapier": Released("rapier3d", "rapier_blocks.py"),
-    "exudyn": Released("exudyn", "exudyn_blocks.py", kinds=("zone", "bristle")),
-    "pymunk": Released("pymunk", "pymunk_blocks.py"),
-    "dart": Released("dartpy", "dart_blocks.py"),
-    "drake": Released("drake", "drake_blocks.py", ("numpy", "pyyaml")),
+ENGINES: Mapping[str, ReleasedEngine] = {
+    "mujoco": ReleasedEngine("mujoco", "mujoco_blocks.py", options=("", "exact")),
+    "pybullet": ReleasedEngine("pybullet", "pybullet_blocks.py", ("numpy<2",)),
+    "rapier": ReleasedEngine("rapier3d", "rapier_blocks.py"),
+    "exudyn": ReleasedEngine("exudyn", "exudyn_blocks.py", kinds=("zone", "bristle")),
+    "pymunk": ReleasedEngine("pymunk", "pymunk_blocks.py"),
+    "dart": ReleasedEngine("dartpy", "dart_blocks.py"),
+    "drake": ReleasedEngine("drake", "drake_blocks.py", ("numpy", "pyyaml")),
 }
 """Engines that have a script."""
 
 
-class Release(NamedTuple):
+class ReleasedVersion(NamedTuple):
     """A version that can be installed on this machine."""
 
     version: str
@@ -87,7 +87,7 @@ class Release(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Measured:
+class VersionNumbers:
     """What one version gave."""
 
     version: str
@@ -99,7 +99,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Change:
+class VersionChange:
     """A number that differs between two versions that follow each other."""
 
     metric: str
@@ -114,18 +114,22 @@ class Change:
         """Whether the error has become smaller."""
         return self.new < self.old
 
+    @property
+    def direction(self) -> str:
+        """Say so."""
+        return "better" if self.is_better else "worse"
+
     def __str__(self) -> str:
         """Give it as a line."""
-        word = "better" if self.is_better else "worse"
-        return f"{self.metric}: {self.old:.6g} in {self.before}, {self.new:.6g} in {self.after}, {word}"
+        return f"{self.metric}: {self.old:.6g} in {self.before}, {self.new:.6g} in {self.after}, {self.direction}"
 
 
-def released_engine(name: str) -> Released:
+def released_engine(name: str) -> ReleasedEngine:
     """Give how versions of an engine are had; a `ParameterError` if it has no script."""
     return ENGINES[checked_choice("engine", name, list(ENGINES))]
 
 
-def metrics_of(engine: Released) -> list[str]:
+def metrics_of(engine: ReleasedEngine) -> list[str]:
     """Name the numbers of an engine: kind, problem, quantity, and the option if there is one."""
     return [
         f"{kind} {problem} {quantity}{option and f', {option}'}"
@@ -136,7 +140,7 @@ def metrics_of(engine: Released) -> list[str]:
     ]
 
 
-def releases(engine: Released, first: str | None = None, last: str | None = None) -> list[Release]:
+def releases(engine: ReleasedEngine, first: str | None = None, last: str | None = None) -> list[ReleasedVersion]:
     """List the versions with a wheel for this Python and machine, the oldest first, between two of them.
 
     Raises
@@ -145,7 +149,7 @@ def releases(engine: Released, first: str | None = None, last: str | None = None
         If a version is no version, or there is none between the two.
     """
     lowest, highest = _version("--from", first), _version("--to", last)
-    found: list[Release] = []
+    found: list[ReleasedVersion] = []
     below = f"<={highest}" if highest else ""
     while True:
         try:
@@ -159,7 +163,7 @@ def releases(engine: Released, first: str | None = None, last: str | None = None
             raise
         (package,) = tomllib.loads(text)["packages"]
         wheels = package.get("wheels", [])
-        release = Release(
+        release = ReleasedVersion(
             str(package["version"]),
             str(max((wheel["upload-time"].date() for wheel in wheels if "upload-time" in wheel), default="")),
             max((int(wheel.get("size", 0)) for wheel in wheels), default=0),
@@ -183,7 +187,7 @@ def _version(name: str, text: str | None) -> Version | None:
         raise ParameterError(f"{name} = {shown(text)} is no version; allowed: such as 3.2 or 3.11.0") from None
 
 
-def check_room(releases: Sequence[Release], folder: Path) -> float:
+def check_room(releases: Sequence[ReleasedVersion], folder: Path) -> float:
     """Give the bytes that the largest environment needs; a `ParameterError` if the disk has no room for it."""
     needed = ROOM + 4 * max(release.size for release in releases)
     free = shutil.disk_usage(folder).free
@@ -192,7 +196,7 @@ def check_room(releases: Sequence[Release], folder: Path) -> float:
     return needed
 
 
-def measured(engine: Released, release: Release) -> Measured:
+def measured(engine: ReleasedEngine, release: ReleasedVersion) -> VersionNumbers:
     """Make the environment of a version, run every script in it, and remove it."""
     with tempfile.TemporaryDirectory(prefix="multibody-xval-history-") as folder:
         python = Path(folder) / "bin" / "python"
@@ -201,38 +205,33 @@ def measured(engine: Released, release: Release) -> Measured:
             requirements = [f"{engine.package}=={release.version}", *engine.also]
             run_uv("pip", "install", "--python", str(python), "--only-binary", ":all:", *requirements)
         except ParameterError as problem:
-            return Measured(release.version, release.date, {}, str(problem))
+            return VersionNumbers(release.version, release.date, {}, str(problem))
         cases = [(kind, name, option) for option in engine.options for kind in engine.kinds for name in PROBLEMS]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(lambda case: _errors(engine, python, *case), cases))
     numbers = {name: value for own, _ in found for name, value in own.items()}
-    return Measured(release.version, release.date, numbers, next((why for _, why in found if why), ""))
+    return VersionNumbers(release.version, release.date, numbers, next((why for _, why in found if why), ""))
 
 
-def _errors(engine: Released, python: Path, kind: str, name: str, option: str) -> tuple[dict[str, float], str]:
+def _errors(engine: ReleasedEngine, python: Path, kind: str, name: str, option: str) -> tuple[dict[str, float], str]:
     """Run a script on a problem: the largest error of each quantity by its metric, or why there is none."""
-    problem = SCRIPTS.parent / "problems" / f"{name}.json"
-    command = [str(python), str(SCRIPTS / engine.script), kind, str(problem), *([option] if option else [])]
+    problem, file = problem_named(name), SCRIPTS.parent / "problems" / f"{name}.json"
+    command = [str(python), str(SCRIPTS / engine.script), kind, str(file), *([option] if option else [])]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_RUN, check=False)
     except subprocess.TimeoutExpired:
         return {}, f"{kind} {name} took more than {LONGEST_RUN:g} s"
     if run.returncode:
         return {}, shortened((run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1], 200)
-    with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
-        file.write(run.stdout[run.stdout.find("time,") :])  # what an engine prints as it is imported comes before
-        file.flush()
+    with tempfile.NamedTemporaryFile("w", suffix=".csv") as written:
+        written.write(run.stdout[run.stdout.find("time,") :])  # what an engine prints as it is imported comes before
+        written.flush()
         try:
-            motion = read_motion(file.name, problem_named(name))
+            found = distances(problem, read_motion(written.name, problem), problem.time_step)
         except ParameterError as refused:
             return {}, str(refused)
-    rows = [int(np.argmin(np.abs(motion.times - time))) for time in problem_named(name).times]
-    exact = problem_named(name)
-    off = {"position": motion.positions[rows] - exact.positions}
-    if motion.velocities is not None:
-        off["velocity"] = motion.velocities[rows] - exact.velocities
     end = option and f", {option}"
-    return {f"{kind} {name} {quantity}{end}": float(np.max(np.abs(values))) for quantity, values in off.items()}, ""
+    return {f"{kind} {name} {quantity}{end}": float(np.max(values)) for quantity, values in found.items()}, ""
 
 
 class History:
@@ -240,11 +239,11 @@ class History:
 
     def __init__(self, name: str, file: Path | None = None):
         self.name, self.engine, self._file = name, released_engine(name), file
-        self._known: dict[str, Measured] = {}
+        self._known: dict[str, VersionNumbers] = {}
         if file is not None and file.exists():
             self._known = _read(file, name)
 
-    def of(self, release: Release) -> Measured:
+    def of(self, release: ReleasedVersion) -> VersionNumbers:
         """Give what a version gave, measured now if the file does not have it."""
         if release.version not in self._known:
             self._known[release.version] = measured(self.engine, release)
@@ -258,20 +257,28 @@ class History:
         return json.dumps({"engine": self.name, "versions": [vars(one) for one in ordered]}, indent=1) + "\n"
 
 
-def _read(file: Path, name: str) -> dict[str, Measured]:
+def read_history(data: Any) -> tuple[str, list[VersionNumbers]]:
+    """Give engine and versions of the content of a history's file; KeyError, TypeError and such if it is none."""
+    versions = [
+        VersionNumbers(
+            str(one["version"]),
+            str(one["date"]),
+            {str(name): float(value) for name, value in one["numbers"].items()},
+            str(one["reason"]),
+        )
+        for one in data["versions"]
+    ]
+    return str(data["engine"]), versions
+
+
+def _read(file: Path, name: str) -> dict[str, VersionNumbers]:
     try:
-        data = json.loads(file.read_text(encoding="utf-8"))
-        known = [
-            Measured(**{**one, "numbers": {key: float(x) for key, x in one["numbers"].items()}})
-            for one in data["versions"]
-        ]
-        if data["engine"] != name:
-            raise ParameterError(f"{file} is of {shown(data['engine'])}; allowed: {name}")
-        return {one.version: one for one in known}
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as problem:
-        if isinstance(problem, ParameterError):
-            raise
+        engine, known = read_history(json.loads(file.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
         raise ParameterError(f"{file} is no history of an engine; allowed: another file") from None
+    if engine != name:
+        raise ParameterError(f"{file} is of {shown(engine)}; allowed: {name}")
+    return {one.version: one for one in known}
 
 
 def differs(old: float, new: float, tolerance: float = CHANGED) -> bool:
@@ -279,18 +286,18 @@ def differs(old: float, new: float, tolerance: float = CHANGED) -> bool:
     return abs(new - old) > max(tolerance * max(old, new), SMALLEST)
 
 
-def changes(history: Sequence[Measured], tolerance: float = CHANGED) -> Iterator[Change]:
+def changes(history: Sequence[VersionNumbers], tolerance: float = CHANGED) -> Iterator[VersionChange]:
     """Give every number that differs between two versions that follow each other and both have it."""
     for metric in dict.fromkeys(name for one in history for name in one.numbers):
         known = [one for one in history if metric in one.numbers]
         for old, new in pairwise(known):
             if differs(old.numbers[metric], new.numbers[metric], tolerance):
-                yield Change(metric, old.version, new.version, old.numbers[metric], new.numbers[metric])
+                yield VersionChange(metric, old.version, new.version, old.numbers[metric], new.numbers[metric])
 
 
 def first_change(
-    releases: Sequence[Release], number: Callable[[Release], float], tolerance: float = CHANGED
-) -> tuple[Release, Release, float, float]:
+    releases: Sequence[ReleasedVersion], number: Callable[[ReleasedVersion], float], tolerance: float = CHANGED
+) -> tuple[ReleasedVersion, ReleasedVersion, float, float]:
     """Bisect: give two versions that follow each other, between which a number differs, and both numbers.
 
     Versions that say nothing are stepped over. It is one of several changes where there are several.
@@ -322,7 +329,7 @@ def first_change(
     return releases[low], releases[high], values[low], values[high]
 
 
-def history_document(name: str, history: Sequence[Measured]) -> str:
+def history_document(name: str, history: Sequence[VersionNumbers]) -> str:
     """Give the page of an engine: what changed, every number by runs of versions, and what could not be had."""
     known = [one for one in history if one.numbers]
     lines = [f"# {name}: {len(known)} versions, {history[0].version} to {history[-1].version}", ""]
@@ -331,10 +338,9 @@ def history_document(name: str, history: Sequence[Measured]) -> str:
     if found:
         lines += ["| from | to | number | before | after | |", "|---|---|---|---|---|---|"]
         for change in sorted(found, key=lambda each: Version(each.after)):
-            word = "better" if change.is_better else "worse"
             lines.append(
                 f"| {change.before} | {change.after} | {change.metric} | {change.old:.9g} | {change.new:.9g} | "
-                f"{word} by {abs(change.new - change.old):.2g} |"
+                f"{change.direction} by {abs(change.new - change.old):.2g} |"
             )
         lines.append("")
     engine = released_engine(name)
@@ -350,7 +356,7 @@ def history_document(name: str, history: Sequence[Measured]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _summary(engine: Released, found: Sequence[Change]) -> list[str]:
+def _summary(engine: ReleasedEngine, found: Sequence[VersionChange]) -> list[str]:
     """Say in a sentence a version what has changed, by options."""
     lines = []
     for version in sorted({change.after for change in found}, key=Version):
@@ -365,9 +371,9 @@ def _summary(engine: Released, found: Sequence[Change]) -> list[str]:
     return lines[:-1] or [f"Nothing has changed by more than {CHANGED:g} of an error."]
 
 
-def _runs(metric: str, known: Sequence[Measured]) -> str:
+def _runs(metric: str, known: Sequence[VersionNumbers]) -> str:
     """Give the error of a number, once for all versions that follow each other and agree."""
-    runs: list[list[Measured]] = []
+    runs: list[list[VersionNumbers]] = []
     for one in (one for one in known if metric in one.numbers):
         if runs and not differs(runs[-1][-1].numbers[metric], one.numbers[metric]):
             runs[-1].append(one)
@@ -382,7 +388,7 @@ def _runs(metric: str, known: Sequence[Measured]) -> str:
     return "; ".join(texts)
 
 
-def numbers_of(history: History, metric: str) -> Callable[[Release], float]:
+def numbers_of(history: History, metric: str) -> Callable[[ReleasedVersion], float]:
     """Give the number of a release by its name; a `ParameterError` if there is no such name."""
     checked_choice("metric", metric, metrics_of(history.engine))
     return lambda release: history.of(release).numbers.get(metric, math.nan)

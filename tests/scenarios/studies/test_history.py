@@ -14,8 +14,8 @@ from scenarios.studies.history import (
     PROBLEMS,
     SCRIPTS,
     History,
-    Measured,
-    Release,
+    ReleasedVersion,
+    VersionNumbers,
     changes,
     check_room,
     differs,
@@ -26,11 +26,11 @@ from scenarios.studies.history import (
 )
 
 HELD = "joint block-held velocity"
-VERSIONS = [Release(f"1.{number}", "2026-01-01", 1000) for number in range(9)]
+VERSIONS = [ReleasedVersion(f"1.{number}", "2026-01-01", 1000) for number in range(9)]
 
 
 def measured(version, **numbers):
-    return Measured(version, "2026-01-01", {HELD: 1e-3} | numbers)
+    return VersionNumbers(version, "2026-01-01", {HELD: 1e-3} | numbers)
 
 
 def of_value(change_at, before=1e-3, after=2e-3, silent=()):
@@ -84,9 +84,9 @@ def test_changes_are_between_versions_that_follow_each_other_and_say_something()
     other = "contact block-stops position"
     known = [
         measured("1.0", **{other: 1.0}),
-        Measured("1.1", "", {}, "there is no wheel"),
-        Measured("1.2", "", {HELD: 2e-3, other: 1.0}),
-        Measured("1.3", "", {HELD: 5e-4, other: 1.0}),
+        VersionNumbers("1.1", "", {}, "there is no wheel"),
+        VersionNumbers("1.2", "", {HELD: 2e-3, other: 1.0}),
+        VersionNumbers("1.3", "", {HELD: 5e-4, other: 1.0}),
     ]
     found = list(changes(known))
     assert [(one.metric, one.before, one.after, one.is_better) for one in found] == [
@@ -106,7 +106,7 @@ def test_changes_are_between_versions_that_follow_each_other_and_say_something()
 
 def test_what_changes_with_an_option_only_is_said_of_it() -> None:
     both = {HELD: 1e-3, f"{HELD}, exact": 1e-3}
-    known = [Measured("1.0", "", both), Measured("1.1", "", both | {HELD: 2e-3})]
+    known = [VersionNumbers("1.0", "", both), VersionNumbers("1.1", "", both | {HELD: 2e-3})]
     page = history_document("mujoco", known)
     assert (
         "changed as it comes: 1 of 16 numbers, by 0.5 of the error at most; solver without tolerance: nothing." in page
@@ -153,8 +153,8 @@ def test_a_history_of_another_engine_is_refused(tmp_path):
 
 def test_a_disk_without_room_is_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"MB left; allowed: >= .* MB"):
-        check_room([Release("1.0", "", 10**18)], tmp_path)
-    assert check_room([Release("1.0", "", 0)], tmp_path) == 500e6
+        check_room([ReleasedVersion("1.0", "", 10**18)], tmp_path)
+    assert check_room([ReleasedVersion("1.0", "", 0)], tmp_path) == 500e6
 
 
 def test_versions_are_those_of_the_index_the_oldest_first(monkeypatch):
@@ -172,9 +172,9 @@ def test_versions_are_those_of_the_index_the_oldest_first(monkeypatch):
     monkeypatch.setattr(module, "run_uv", uv)
     engine = ENGINES["rapier"]
     assert releases(engine) == [
-        Release("1.9", "2025-01-01", 10),
-        Release("1.10", "2025-02-01", 20),
-        Release("2.0", "2025-03-01", 30),
+        ReleasedVersion("1.9", "2025-01-01", 10),
+        ReleasedVersion("1.10", "2025-02-01", 20),
+        ReleasedVersion("2.0", "2025-03-01", 30),
     ]
     assert [one.version for one in releases(engine, "1.10")] == ["1.10", "2.0"]
     assert [one.version for one in releases(engine, None, "1.10")] == ["1.9", "1.10"]
