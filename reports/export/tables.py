@@ -61,7 +61,7 @@ def table_files(report: Report) -> dict[str, str]:
     content = {
         "provenance": report.provenance,
         "errors": records(errors),
-        "summary": [{**vars(variant), **row} for variant, row in report.verdicts.items()],
+        "summary": [{**names_of(variant), **row} for variant, row in report.verdicts.items()],
         "failures": report.failures,
         "band_edges": records(edges),
         "stick_slip": report.stick_slip,

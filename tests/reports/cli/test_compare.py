@@ -8,6 +8,7 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+import jsonschema
 import pytest
 
 from engines.interface import variant
@@ -33,6 +34,7 @@ from scenarios.verdicts.steady_case import CONVERGED, EXACT
 from scenarios.verdicts.stored import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
 from tests.junit import checked_junit
+from tests.reports.conftest import schema_of
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 
@@ -328,6 +330,11 @@ def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
     outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "xml", "csv")]
     assert compared(before, now, *(word for out in outs for word in ("--out", out))) == ExitCode.FAILED
     content = json.loads(outs[1].read_text())
+    jsonschema.validate(content, schema_of("compare"))
+    with pytest.raises(jsonschema.ValidationError, match="'worse' is not one of"):
+        jsonschema.validate(
+            {**content, "changes": [content["changes"][0] | {"direction": "worse"}]}, schema_of("compare")
+        )
     assert (content["passes"], content["failing"], content["regressed"], content["points"]) == (False, 2, 2, 3)
     assert [own["fails"] for own in content["changes"]] == [True, True]
     document = outs[0].read_text()
