@@ -9,12 +9,14 @@ import math
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from datetime import date, timedelta
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +35,9 @@ SCRIPTS = Path(truth.__file__).parent / "scripts"
 PROBLEMS = ("block-held", "block-breaks-away", "block-stops", "launched-box")
 """What every version is asked."""
 
+FEW = ("block-held", "block-stops")
+"""What is asked where a problem takes more than seconds."""
+
 CHANGED = 1e-8
 """Part of an error by which it may differ between two versions of one law: orders of sums, and solvers that stop at
 another iteration."""
@@ -43,8 +48,8 @@ SMALLEST = 1e-12
 OPTION_TITLES = {"": "as it comes", "exact": "solver without tolerance"}
 """Options of scripts, for people."""
 
-LONGEST_RUN = 120.0
-"""Seconds after which a script is ended: each takes about one."""
+AFTERWARDS = timedelta(days=7)
+"""How long after its release the other packages of a version may have been published, where they matter."""
 
 ROOM = 500e6
 """Free space that the environment of one version needs, beside four times its wheel [B]."""
@@ -62,6 +67,11 @@ class ReleasedEngine:
     kinds: tuple[str, ...] = ("joint", "contact")
     options: tuple[str, ...] = ("",)
     """Options with which everything is asked; the empty one is the engine as it comes."""
+    problems: tuple[str, ...] = PROBLEMS
+    of_its_time: bool = False
+    """Whether a version needs other packages as they were when it was published."""
+    longest_run: float = 120.0
+    """Seconds after which a script is ended: most take about one."""
 
 
 ENGINES: Mapping[str, ReleasedEngine] = {
@@ -72,6 +82,10 @@ ENGINES: Mapping[str, ReleasedEngine] = {
     "pymunk": ReleasedEngine("pymunk", "pymunk_blocks.py"),
     "dart": ReleasedEngine("dartpy", "dart_blocks.py"),
     "drake": ReleasedEngine("drake", "drake_blocks.py", ("numpy", "pyyaml")),
+    "mjx": ReleasedEngine("mujoco-mjx", "mjx_blocks.py", problems=FEW, of_its_time=True),
+    "newton": ReleasedEngine("newton", "newton_blocks.py", kinds=("joint",), problems=FEW, longest_run=900.0),
+    "sapien": ReleasedEngine("sapien", "sapien_blocks.py", ("numpy", "setuptools<81")),
+    "pinocchio": ReleasedEngine("pin", "pinocchio_blocks.py", kinds=("joint",), options=("", "exact")),
 }
 """Engines that have a script."""
 
@@ -84,6 +98,8 @@ class ReleasedVersion(NamedTuple):
     """On which it was published."""
     size: int
     """Of its wheel [B]."""
+    python: str = ""
+    """The Python with which it is run, such as 3.11; empty for the running one."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +112,8 @@ class VersionNumbers:
     """Largest error of each quantity, see `metrics_of`."""
     reason: str = ""
     """Why there are none."""
+    python: str = ""
+    """Of its environment."""
 
 
 @dataclass(frozen=True)
@@ -135,13 +153,21 @@ def metrics_of(engine: ReleasedEngine) -> list[str]:
         f"{kind} {problem} {quantity}{option and f', {option}'}"
         for option in engine.options
         for kind in engine.kinds
-        for problem in PROBLEMS
+        for problem in engine.problems
         for quantity in ("position", "velocity")
     ]
 
 
+def pythons() -> list[str]:
+    """Name the Pythons of this machine that uv finds, the running one first, then the newest."""
+    listed = json.loads(run_uv("python", "list", "--only-installed", "--output-format", "json"))
+    parts = [one["version_parts"] for one in listed if one["implementation"] == "cpython"]
+    own, found = sys.version_info[:2], {(part["major"], part["minor"]) for part in parts}
+    return [f"{major}.{minor}" for major, minor in (own, *sorted(found - {own}, reverse=True))]
+
+
 def releases(engine: ReleasedEngine, first: str | None = None, last: str | None = None) -> list[ReleasedVersion]:
-    """List the versions with a wheel for this Python and machine, the oldest first, between two of them.
+    """List the versions between two of them that have a wheel for a Python of this machine, the oldest first.
 
     Raises
     ------
@@ -149,35 +175,38 @@ def releases(engine: ReleasedEngine, first: str | None = None, last: str | None 
         If a version is no version, or there is none between the two.
     """
     lowest, highest = _version("--from", first), _version("--to", last)
+    bounds = [*([f">={lowest}"] if lowest else []), *([f"<={highest}"] if highest else [])]
     found: list[ReleasedVersion] = []
-    below = f"<={highest}" if highest else ""
-    while True:
+    refused = ""
+    for python in pythons():
         try:
-            text = run_uv(
-                "pip", "compile", "--no-deps", "--only-binary", ":all:", "--format", "pylock.toml", "-",
-                given=f"{engine.package}{below}",
-            )  # fmt: skip
-        except ParameterError:
-            if found or below:
-                break
-            raise
-        (package,) = tomllib.loads(text)["packages"]
-        wheels = package.get("wheels", [])
-        release = ReleasedVersion(
-            str(package["version"]),
-            str(max((wheel["upload-time"].date() for wheel in wheels if "upload-time" in wheel), default="")),
-            max((int(wheel.get("size", 0)) for wheel in wheels), default=0),
-        )
-        if lowest and Version(release.version) < lowest:
-            break
-        found.insert(0, release)
-        below = f"<{release.version}"
+            while True:
+                others = [f"!={release.version}" for release in found]
+                found.append(_newest(f"{engine.package}{','.join([*bounds, *others])}", python))
+        except ParameterError as problem:
+            refused = refused or str(problem)
     if not found:
         between = f"{first or 'the first'} to {last or 'the last'}"
         raise ParameterError(
-            f"versions of {engine.package} from {between}: none has a wheel for this Python; allowed: others"
+            f"versions of {engine.package} from {between}: none has a wheel here ({refused}); allowed: others"
         )
-    return found
+    return sorted(found, key=lambda release: Version(release.version))
+
+
+def _newest(requirement: str, python: str) -> ReleasedVersion:
+    """Give the newest version that a requirement allows; a `ParameterError` if there is none."""
+    text = run_uv(
+        "pip", "compile", "--no-deps", "--only-binary", ":all:", "--format", "pylock.toml", "--prerelease", "disallow",
+        "--python-version", python, "-", given=requirement,
+    )  # fmt: skip
+    (package,) = tomllib.loads(text)["packages"]
+    wheels = package.get("wheels", [])
+    return ReleasedVersion(
+        str(package["version"]),
+        str(max((wheel["upload-time"].date() for wheel in wheels if "upload-time" in wheel), default="")),
+        max((int(wheel.get("size", 0)) for wheel in wheels), default=0),
+        python,
+    )
 
 
 def _version(name: str, text: str | None) -> Version | None:
@@ -201,16 +230,20 @@ def measured(engine: ReleasedEngine, release: ReleasedVersion) -> VersionNumbers
     with tempfile.TemporaryDirectory(prefix="multibody-xval-history-") as folder:
         python = Path(folder) / "bin" / "python"
         try:
-            run_uv("venv", "--no-project", folder, "--allow-existing")
+            of = ["--python", release.python] if release.python else []
+            run_uv("venv", "--no-project", folder, "--allow-existing", *of)
             requirements = [f"{engine.package}=={release.version}", *engine.also]
+            if engine.of_its_time and release.date:
+                requirements += ["--exclude-newer", str(date.fromisoformat(release.date) + AFTERWARDS)]
             run_uv("pip", "install", "--python", str(python), "--only-binary", ":all:", *requirements)
         except ParameterError as problem:
-            return VersionNumbers(release.version, release.date, {}, str(problem))
-        cases = [(kind, name, option) for option in engine.options for kind in engine.kinds for name in PROBLEMS]
+            return VersionNumbers(release.version, release.date, {}, str(problem), release.python)
+        cases = [(kind, name, option) for option in engine.options for kind in engine.kinds for name in engine.problems]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(lambda case: _errors(engine, python, *case), cases))
     numbers = {name: value for own, _ in found for name, value in own.items()}
-    return VersionNumbers(release.version, release.date, numbers, next((why for _, why in found if why), ""))
+    reason = next((why for _, why in found if why), "")
+    return VersionNumbers(release.version, release.date, numbers, reason, release.python)
 
 
 def _errors(engine: ReleasedEngine, python: Path, kind: str, name: str, option: str) -> tuple[dict[str, float], str]:
@@ -218,9 +251,9 @@ def _errors(engine: ReleasedEngine, python: Path, kind: str, name: str, option: 
     problem, file = problem_named(name), SCRIPTS.parent / "problems" / f"{name}.json"
     command = [str(python), str(SCRIPTS / engine.script), kind, str(file), *([option] if option else [])]
     try:
-        run = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_RUN, check=False)
+        run = subprocess.run(command, capture_output=True, text=True, timeout=engine.longest_run, check=False)
     except subprocess.TimeoutExpired:
-        return {}, f"{kind} {name} took more than {LONGEST_RUN:g} s"
+        return {}, f"{kind} {name} took more than {engine.longest_run:g} s"
     if run.returncode:
         return {}, shortened((run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1], 200)
     with tempfile.NamedTemporaryFile("w", suffix=".csv") as written:
@@ -265,6 +298,7 @@ def read_history(data: Any) -> tuple[str, list[VersionNumbers]]:
             str(one["date"]),
             {str(name): float(value) for name, value in one["numbers"].items()},
             str(one["reason"]),
+            str(one.get("python", "")),
         )
         for one in data["versions"]
     ]
@@ -350,6 +384,10 @@ def history_document(name: str, history: Sequence[VersionNumbers]) -> str:
     for metric in metrics_of(replace(engine, options=("",))):
         names = [metric + (option and f", {option}") for option in engine.options]
         lines.append(f"| {metric} | {' | '.join(_runs(each, known) for each in names)} |")
+    used = [(python, [one.version for one in own]) for python, own in groupby(known, lambda one: one.python)]
+    if len(used) > 1:
+        parts = [f"{_span(own)} with Python {python}" for python, own in used]
+        lines += ["", f"Wheels: {', '.join(parts)}."]
     for one in history:
         if one.reason:
             lines += ["", f"{one.version}: {one.reason}"]
@@ -383,9 +421,12 @@ def _runs(metric: str, known: Sequence[VersionNumbers]) -> str:
         return "".join(f"{run[0].numbers[metric]:.4g}" for run in runs) or "–"
     texts = []
     for run in runs:
-        ends = run[0].version if len(run) == 1 else f"{run[0].version} … {run[-1].version}"
-        texts.append(f"{run[0].numbers[metric]:.9g} ({ends})")
+        texts.append(f"{run[0].numbers[metric]:.9g} ({_span([one.version for one in run])})")
     return "; ".join(texts)
+
+
+def _span(versions: Sequence[str]) -> str:
+    return versions[0] if len(versions) == 1 else f"{versions[0]} … {versions[-1]}"
 
 
 def numbers_of(history: History, metric: str) -> Callable[[ReleasedVersion], float]:

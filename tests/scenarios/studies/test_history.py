@@ -4,6 +4,7 @@ import json
 import math
 
 import pytest
+from packaging.requirements import Requirement
 
 from reference_lcp.errors import ParameterError, RunError
 from reference_lcp.process import run_command
@@ -157,31 +158,79 @@ def test_a_disk_without_room_is_refused(tmp_path):
     assert check_room([ReleasedVersion("1.0", "", 0)], tmp_path) == 500e6
 
 
-def test_versions_are_those_of_the_index_the_oldest_first(monkeypatch):
-    wheels = [("2.0", "2025-03-01", 30), ("1.10", "2025-02-01", 20), ("1.9", "2025-01-01", 10)]
+WHEELS = [
+    ("2.0", "2025-03-01", 30, "3.13"),
+    ("1.10", "2025-02-01", 20, "3.11 3.13"),
+    ("1.9", "2025-01-01", 10, "3.11"),
+    ("1.8", "2024-01-01", 10, "3.9"),
+]
+"""Version, date, size, and the Pythons that have a wheel."""
 
-    def uv(*_, given):
-        below = module.Version(given.partition("<")[2].lstrip("=") or "99")
-        for version, date, size in wheels:
-            at_most = "<=" in given
-            if module.Version(version) < below or (at_most and module.Version(version) == below):
-                wheel = f"{{ upload-time = {date}T00:00:00Z, size = {size} }}"
-                return f'[[packages]]\nname = "engine"\nversion = "{version}"\nwheels = [{wheel}]\n'
-        raise ParameterError("there is no such version")
+INSTALLED = [
+    {"implementation": name, "version_parts": {"major": 3, "minor": minor}}
+    for name, minor in (("cpython", 9), ("cpython", 11), ("pypy", 10), ("cpython", 13))
+]
 
-    monkeypatch.setattr(module, "run_uv", uv)
+
+def index_of(*arguments, given=""):
+    """Answer as uv does of an index with these wheels."""
+    if arguments[:2] == ("python", "list"):
+        return json.dumps(INSTALLED)
+    allowed, python = Requirement(given).specifier, arguments[arguments.index("--python-version") + 1]
+    for version, date, size, wheels in WHEELS:
+        if version in allowed and python in wheels.split():
+            wheel = f"{{ upload-time = {date}T00:00:00Z, size = {size} }}"
+            return f'[[packages]]\nname = "engine"\nversion = "{version}"\nwheels = [{wheel}]\n'
+    raise ParameterError("there is no such version")
+
+
+@pytest.fixture
+def index(monkeypatch):
+    monkeypatch.setattr(module, "run_uv", index_of)
+    monkeypatch.setattr(module.sys, "version_info", (3, 11, 7))
+
+
+@pytest.mark.usefixtures("index")
+def test_versions_are_those_of_the_index_the_oldest_first():
     engine = ENGINES["rapier"]
     assert releases(engine) == [
-        ReleasedVersion("1.9", "2025-01-01", 10),
-        ReleasedVersion("1.10", "2025-02-01", 20),
-        ReleasedVersion("2.0", "2025-03-01", 30),
+        ReleasedVersion("1.8", "2024-01-01", 10, "3.9"),
+        ReleasedVersion("1.9", "2025-01-01", 10, "3.11"),
+        ReleasedVersion("1.10", "2025-02-01", 20, "3.11"),
+        ReleasedVersion("2.0", "2025-03-01", 30, "3.13"),
     ]
     assert [one.version for one in releases(engine, "1.10")] == ["1.10", "2.0"]
-    assert [one.version for one in releases(engine, None, "1.10")] == ["1.9", "1.10"]
-    with pytest.raises(ParameterError, match=r"versions of rapier3d from 3 to the last: none has a wheel"):
+    assert [one.version for one in releases(engine, None, "1.10")] == ["1.8", "1.9", "1.10"]
+    with pytest.raises(
+        ParameterError, match=r"of rapier3d from 3 to the last: none has a wheel here \(there is no such"
+    ):
         releases(engine, "3")
     with pytest.raises(ParameterError, match=r"--from = 'new' is no version"):
         releases(engine, "new")
+
+
+@pytest.mark.parametrize(("name", "dated"), [("rapier", False), ("mjx", True)])
+def test_a_version_gets_the_python_of_its_wheel_and_packages_of_its_time_where_they_matter(name, dated, monkeypatch):
+    asked = []
+
+    def uv(*arguments, given=""):
+        asked.append(arguments)
+        if "install" in arguments:
+            raise ParameterError("there is no network")
+
+    monkeypatch.setattr(module, "run_uv", uv)
+    found = module.measured(ENGINES[name], ReleasedVersion("3.2.3", "2024-09-16", 10, "3.9"))
+    assert (found.python, found.reason, found.numbers) == ("3.9", "there is no network", {})
+    (made, installed) = asked
+    assert made[made.index("--python") + 1] == "3.9"
+    assert installed[-2:] == ("--exclude-newer", "2024-09-23") if dated else "--exclude-newer" not in installed
+
+
+def test_a_page_says_which_python_ran_which_versions():
+    known = [VersionNumbers(f"1.{place}", "", {HELD: 1e-3}, "", python) for place, python in enumerate(["3.11"] * 2)]
+    assert "Wheels" not in history_document("rapier", known)
+    page = history_document("rapier", [*known, VersionNumbers("1.2", "", {HELD: 1e-3}, "", "3.13")])
+    assert "Wheels: 1.0 … 1.1 with Python 3.11, 1.2 with Python 3.13." in page
 
 
 def test_every_engine_has_its_script():
