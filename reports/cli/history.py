@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from reports.cli.options import check_outs
+from reports.cli.options import Work, check_outs
 
 if TYPE_CHECKING:
     from scenarios.studies.history import ReleasedEngine, ReleasedVersion, VersionNumbers
+
+SCRIPTED = ("figure3", "slope-hold", "slide-to-stop", "joint-hold")
+"""Scenarios whose scripts versions are asked beside blocks: a point of the chain, and scenes."""
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -35,10 +39,10 @@ def history(
     store: Kept = None,
     out: Annotated[Path | None, typer.Option(help="Write the page too, as .md.")] = None,
 ) -> None:
-    """Ask every released version of an engine about blocks with dry friction, and say what changed.
+    """Ask every released version of an engine about dry friction, and say what changed.
 
-    Each version gets an environment of its own, which is removed again. Blocks are plain scripts of the engine; errors
-    are against the exact motion.
+    Each version gets an environment of its own, which is removed again. It runs blocks as plain scripts of the engine,
+    and what reproduce prints of its default: a point of the chain, and scenes. Errors are against the exact motion.
     Exit code 0: asked, whatever changed; 2: wrong input, or the disk has no room; 3: --store or --out could not be
     written; 130: interrupted.
 
@@ -51,6 +55,7 @@ def history(
     check_outs([out], (".md",), store)
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
+    known.scripts = _scripts(known.engine)
     found: list[VersionNumbers] = []
     for release in versions:
         found.append(known.of(release))
@@ -83,6 +88,7 @@ def bisect(
 
     checked_scalar("tolerance", tolerance, "> 0")
     known = History(engine, store)
+    known.scripts = _scripts(known.engine)
     number = numbers_of(known, metric)
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
@@ -90,6 +96,31 @@ def bisect(
     word = "better" if new < old else "worse"
     print(f"{metric}: {old:.12g} in {before.version} ({before.date})")
     print(f"{metric}: {new:.12g} in {after.version} ({after.date}), {word} by {abs(new - old):.3g}")
+
+
+def _scripts(engine: ReleasedEngine) -> dict[str, str]:
+    """Give what `reproduce` prints of the defaults of the installed version, by its name; nothing if there is none."""
+    from engines.interface.registry import registered_engine
+    from engines.interface.variant import Variant
+    from reference_lcp.errors import ParameterError
+    from reports.reproducers.scene_script import reproduction, reproduction_script
+
+    scripts = {}
+    adapters = [registered_engine(name) for name in engine.adapters]
+    variants = [
+        Variant(adapter.name, str(formulation), "default")
+        for adapter in adapters
+        if adapter.unavailable_reason() is None
+        for formulation, presets in adapter.capabilities.presets.items()
+        if "default" in presets
+    ]
+    with Work(1).evaluator(None, variants) as evaluator:
+        for variant in variants:
+            for scenario in SCRIPTED:
+                with suppress(ParameterError):  # it has no such script
+                    shown = reproduction(str(variant), scenario)
+                    scripts[f"{variant} {scenario} [{shown.metric.unit}]"] = reproduction_script(shown, evaluator)
+    return scripts
 
 
 def _announce(engine: ReleasedEngine, versions: list[ReleasedVersion]) -> None:

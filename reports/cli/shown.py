@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from engines.completion import complete_engine, complete_variant
-from reference_lcp.errors import ExitCode, ParameterError, checked_choice, checked_path
+from reference_lcp.errors import ExitCode, ParameterError, checked_path
 from reference_lcp.output import replacing
 from reference_lcp.terminal import visible
 from reports.cli.options import NAME_METAVAR, Engines, Limit, Settings, Store, Work, Workers, check_outs, opened
@@ -85,16 +85,12 @@ def reproduce(
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from engines.interface.variant import check_installed
-    from reports.reproducers.questions import QUESTIONS
-    from reports.reproducers.scene_script import SCENES, checked_scene, scene_script
-    from reports.reproducers.script import Reproduction, checked, script
+    from reports.reproducers.scene_script import reproduction, reproduction_script
 
-    checked_choice("scenario", scenario, [*QUESTIONS, *SCENES])
-    shown = (checked_scene if scenario in SCENES else checked)(variant, scenario, case)
+    shown = reproduction(variant, scenario, case)
     check_installed(shown.variant.engine, shown.variant.unavailable_reason)
     with Work(1, time_limit).evaluator(store, [shown.variant]) as evaluator:
-        text = script(shown, evaluator) if isinstance(shown, Reproduction) else scene_script(shown, evaluator)
-    print(text, end="")
+        print(reproduction_script(shown, evaluator), end="")
 
 
 @app.command()

@@ -16,7 +16,8 @@ from engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSett
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError, checked_choice
 from reports.formatting import environment
-from reports.reproducers.script import WIDTH, beside, check_not_blocked, docstring
+from reports.reproducers.questions import QUESTIONS
+from reports.reproducers.script import WIDTH, Reproduction, beside, check_not_blocked, checked, docstring, script
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.scenes.base import SceneCase, SceneScenario
 from scenarios.catalogue.scenes.slide import REST
@@ -52,6 +53,11 @@ class SceneReproduction:
     case: SceneCase
 
     @property
+    def metric(self) -> Metric:
+        """The first number of the scenario."""
+        return self.scenario.metrics[0]
+
+    @property
     def task(self) -> SceneTask:
         """The scene, with the engine's own time step."""
         ((_, task), *_) = self.scenario.tasks(self.variant, [self.case]).values()
@@ -79,6 +85,17 @@ def checked_scene(name: str, scenario: str, case: str | None = None) -> SceneRep
         allowed = ", ".join(each for each in engine_names() if has_scene_script(each, scenario))
         raise ParameterError(f"engine = {variant.engine} has no script of {scenario}; allowed: {allowed}")
     return reproduction
+
+
+def reproduction(variant: str, scenario: str, case: str | None = None) -> Reproduction | SceneReproduction:
+    """Check what is to be shown, of the chain, a block or a scene, before any work."""
+    checked_choice("scenario", scenario, [*QUESTIONS, *SCENES])
+    return (checked_scene if scenario in SCENES else checked)(variant, scenario, case)
+
+
+def reproduction_script(shown: Reproduction | SceneReproduction, evaluator: Evaluator) -> str:
+    """Write the script of what `reproduction` gives."""
+    return script(shown, evaluator) if isinstance(shown, Reproduction) else scene_script(shown, evaluator)
 
 
 def has_scene_script(name: str, scenario: str) -> bool:

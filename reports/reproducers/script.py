@@ -26,6 +26,7 @@ from reports.reproducers.questions import QUESTIONS, Number, Question
 from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import Result, ResultStatus
+from scenarios.verdicts.finding import Metric
 
 MOST_LINES = 60
 """A script stays readable in a tracker."""
@@ -47,6 +48,11 @@ class Reproduction:
     variant: Variant
     question: Question
     case: str
+
+    @property
+    def metric(self) -> Metric:
+        """The number."""
+        return self.question.metric
 
     @property
     def command(self) -> str:
@@ -146,7 +152,7 @@ def beside(adapter: Engine, name: str) -> Traversable:
 
 def _header(shown: Reproduction, number: Number) -> str:
     """Say what is asked, of what, what is exact, and what the suite has."""
-    variant, metric = shown.variant, shown.question.metric
+    variant, metric = shown.variant, shown.metric
     scenario, adapter = CATALOGUE[shown.question.scenario], engine(variant.engine)
     missing = adapter.unavailable_reason()
     version = "" if missing is not None else f" {adapter.version()}"

@@ -1,12 +1,13 @@
-"""History of an engine: blocks in its released versions, as plain scripts, against the truth; what changed, and when.
+"""History of an engine: plain scripts in its released versions, against the truth; what changed, and when.
 
-A version has an environment of its own, made by uv and removed again. The scripts of `truth` import the engine only, so
-that versions which no adapter of the suite takes can be asked as well.
+A version has an environment of its own, made by uv and removed again. Scripts import the engine only, so that versions
+which no adapter of the suite takes can be asked as well: blocks of `truth`, and scripts that `reproduce` prints.
 """
 
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from dataclasses import dataclass, replace
 from datetime import date, timedelta
 from itertools import groupby, pairwise
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,6 +47,12 @@ another iteration."""
 SMALLEST = 1e-12
 """Errors below this are round-off [m] or [m/s]."""
 
+PRINTED = re.compile(r"^.+: (?P<value>\S+) ?(?P<unit>.*) \(exact: (?P<exact>\S+)\)$", re.MULTILINE)
+"""The last line of a script that `reproduce` prints."""
+
+DECIMALS = 8
+"""Of the errors of such scripts, in the unit that they print: they print twelve digits."""
+
 OPTION_TITLES = {"": "as it comes", "exact": "solver without tolerance"}
 """Options of scripts, for people."""
 
@@ -64,6 +72,8 @@ class ReleasedEngine:
     script: str
     also: tuple[str, ...] = ("numpy",)
     """Other requirements."""
+    adapters: tuple[str, ...] = ()
+    """Engines of the suite whose scripts it runs too."""
     kinds: tuple[str, ...] = ("joint", "contact")
     options: tuple[str, ...] = ("",)
     """Options with which everything is asked; the empty one is the engine as it comes."""
@@ -75,17 +85,23 @@ class ReleasedEngine:
 
 
 ENGINES: Mapping[str, ReleasedEngine] = {
-    "mujoco": ReleasedEngine("mujoco", "mujoco_blocks.py", options=("", "exact")),
-    "pybullet": ReleasedEngine("pybullet", "pybullet_blocks.py", ("numpy<2",)),
-    "rapier": ReleasedEngine("rapier3d", "rapier_blocks.py"),
-    "exudyn": ReleasedEngine("exudyn", "exudyn_blocks.py", kinds=("zone", "bristle")),
-    "pymunk": ReleasedEngine("pymunk", "pymunk_blocks.py"),
-    "dart": ReleasedEngine("dartpy", "dart_blocks.py"),
-    "drake": ReleasedEngine("drake", "drake_blocks.py", ("numpy", "pyyaml")),
+    "mujoco": ReleasedEngine("mujoco", "mujoco_blocks.py", adapters=("mujoco",), options=("", "exact")),
+    "pybullet": ReleasedEngine("pybullet", "pybullet_blocks.py", ("numpy<2",), ("pybullet",)),
+    "rapier": ReleasedEngine("rapier3d", "rapier_blocks.py", adapters=("rapier",)),
+    "exudyn": ReleasedEngine(
+        "exudyn", "exudyn_blocks.py", adapters=("exudyn-regularised", "exudyn-bristle"), kinds=("zone", "bristle")
+    ),
+    "pymunk": ReleasedEngine("pymunk", "pymunk_blocks.py", adapters=("pymunk",)),
+    "dart": ReleasedEngine("dartpy", "dart_blocks.py", adapters=("dart",)),
+    "drake": ReleasedEngine("drake", "drake_blocks.py", ("numpy", "pyyaml"), ("drake",)),
     "mjx": ReleasedEngine("mujoco-mjx", "mjx_blocks.py", problems=FEW, of_its_time=True),
-    "newton": ReleasedEngine("newton", "newton_blocks.py", kinds=("joint",), problems=FEW, longest_run=900.0),
-    "sapien": ReleasedEngine("sapien", "sapien_blocks.py", ("numpy", "setuptools<81")),
-    "pinocchio": ReleasedEngine("pin", "pinocchio_blocks.py", kinds=("joint",), options=("", "exact")),
+    "newton": ReleasedEngine(
+        "newton", "newton_blocks.py", kinds=("joint",), problems=FEW, of_its_time=True, longest_run=900.0
+    ),
+    "sapien": ReleasedEngine("sapien", "sapien_blocks.py", ("numpy", "setuptools<81"), ("sapien",)),
+    "pinocchio": ReleasedEngine(
+        "pin", "pinocchio_blocks.py", adapters=("pinocchio",), kinds=("joint",), options=("", "exact")
+    ),
 }
 """Engines that have a script."""
 
@@ -225,8 +241,10 @@ def check_room(releases: Sequence[ReleasedVersion], folder: Path) -> float:
     return needed
 
 
-def measured(engine: ReleasedEngine, release: ReleasedVersion) -> VersionNumbers:
-    """Make the environment of a version, run every script in it, and remove it."""
+def measured(
+    engine: ReleasedEngine, release: ReleasedVersion, scripts: Mapping[str, str] = MappingProxyType({})
+) -> VersionNumbers:
+    """Make the environment of a version, run every script in it, and remove it; `scripts` are texts by their names."""
     with tempfile.TemporaryDirectory(prefix="multibody-xval-history-") as folder:
         python = Path(folder) / "bin" / "python"
         try:
@@ -241,6 +259,7 @@ def measured(engine: ReleasedEngine, release: ReleasedVersion) -> VersionNumbers
         cases = [(kind, name, option) for option in engine.options for kind in engine.kinds for name in engine.problems]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(lambda case: _errors(engine, python, *case), cases))
+            found += list(pool.map(lambda named: _printed(engine, python, *named), scripts.items()))
     numbers = {name: value for own, _ in found for name, value in own.items()}
     reason = next((why for _, why in found if why), "")
     return VersionNumbers(release.version, release.date, numbers, reason, release.python)
@@ -249,15 +268,12 @@ def measured(engine: ReleasedEngine, release: ReleasedVersion) -> VersionNumbers
 def _errors(engine: ReleasedEngine, python: Path, kind: str, name: str, option: str) -> tuple[dict[str, float], str]:
     """Run a script on a problem: the largest error of each quantity by its metric, or why there is none."""
     problem, file = problem_named(name), SCRIPTS.parent / "problems" / f"{name}.json"
-    command = [str(python), str(SCRIPTS / engine.script), kind, str(file), *([option] if option else [])]
-    try:
-        run = subprocess.run(command, capture_output=True, text=True, timeout=engine.longest_run, check=False)
-    except subprocess.TimeoutExpired:
-        return {}, f"{kind} {name} took more than {engine.longest_run:g} s"
-    if run.returncode:
-        return {}, shortened((run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1], 200)
+    options = [option] if option else []
+    text, reason = _output(engine, [str(python), str(SCRIPTS / engine.script), kind, str(file), *options])
+    if reason:
+        return {}, reason
     with tempfile.NamedTemporaryFile("w", suffix=".csv") as written:
-        written.write(run.stdout[run.stdout.find("time,") :])  # what an engine prints as it is imported comes before
+        written.write(text[text.find("time,") :])  # what an engine prints as it is imported comes before
         written.flush()
         try:
             found = distances(problem, read_motion(written.name, problem), problem.time_step)
@@ -267,11 +283,37 @@ def _errors(engine: ReleasedEngine, python: Path, kind: str, name: str, option: 
     return {f"{kind} {name} {quantity}{end}": float(np.max(values)) for quantity, values in found.items()}, ""
 
 
+def _printed(engine: ReleasedEngine, python: Path, name: str, script: str) -> tuple[dict[str, float], str]:
+    """Run a script that prints its number and the exact one: the error by the name, or why there is none."""
+    with tempfile.NamedTemporaryFile("w", suffix=".py") as written:
+        written.write(script)
+        written.flush()
+        text, reason = _output(engine, [str(python), written.name])
+    last = None if reason else PRINTED.search(text)
+    if last is None:
+        return {}, f"{name}: {reason or 'it prints no number'}"
+    error = round(abs(float(last["value"]) - float(last["exact"])), DECIMALS)
+    return ({name: error}, "") if math.isfinite(error) else ({}, f"{name}: {last['value']}")
+
+
+def _output(engine: ReleasedEngine, command: Sequence[str]) -> tuple[str, str]:
+    """Run a script: what it prints, or why it fails."""
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, timeout=engine.longest_run, check=False)
+    except subprocess.TimeoutExpired:
+        return "", f"it took more than {engine.longest_run:g} s"
+    if run.returncode:
+        return "", shortened((run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1], 200)
+    return run.stdout, ""
+
+
 class History:
     """What versions of an engine gave, kept in a file: a killed run goes on where it was."""
 
     def __init__(self, name: str, file: Path | None = None):
         self.name, self.engine, self._file = name, released_engine(name), file
+        self.scripts: Mapping[str, str] = {}
+        """Texts by the names of their numbers, which versions are asked beside blocks."""
         self._known: dict[str, VersionNumbers] = {}
         if file is not None and file.exists():
             self._known = _read(file, name)
@@ -279,7 +321,7 @@ class History:
     def of(self, release: ReleasedVersion) -> VersionNumbers:
         """Give what a version gave, measured now if the file does not have it."""
         if release.version not in self._known:
-            self._known[release.version] = measured(self.engine, release)
+            self._known[release.version] = measured(self.engine, release, self.scripts)
             if self._file is not None:
                 write_whole(self._file, self.as_json())
         return self._known[release.version]
@@ -368,7 +410,9 @@ def history_document(name: str, history: Sequence[VersionNumbers]) -> str:
     known = [one for one in history if one.numbers]
     lines = [f"# {name}: {len(known)} versions, {history[0].version} to {history[-1].version}", ""]
     found = list(changes(history))
-    lines += [*_summary(released_engine(name), found), ""]
+    metrics = metrics_of(released_engine(name))
+    printed = [each for each in dict.fromkeys(key for one in known for key in one.numbers) if each not in metrics]
+    lines += [*_summary(released_engine(name), found, [*metrics, *printed]), ""]
     if found:
         lines += ["| from | to | number | before | after | |", "|---|---|---|---|---|---|"]
         for change in sorted(found, key=lambda each: Version(each.after)):
@@ -384,6 +428,15 @@ def history_document(name: str, history: Sequence[VersionNumbers]) -> str:
     for metric in metrics_of(replace(engine, options=("",))):
         names = [metric + (option and f", {option}") for option in engine.options]
         lines.append(f"| {metric} | {' | '.join(_runs(each, known) for each in names)} |")
+    if printed:
+        lines += [
+            "",
+            "Errors of the scripts that `reproduce` prints, in their units:",
+            "",
+            "| script | error |",
+            "|---|---|",
+        ]
+        lines += [f"| {metric} | {_runs(metric, known)} |" for metric in printed]
     used = [(python, [one.version for one in own]) for python, own in groupby(known, lambda one: one.python)]
     if len(used) > 1:
         parts = [f"{_span(own)} with Python {python}" for python, own in used]
@@ -394,13 +447,13 @@ def history_document(name: str, history: Sequence[VersionNumbers]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _summary(engine: ReleasedEngine, found: Sequence[VersionChange]) -> list[str]:
+def _summary(engine: ReleasedEngine, found: Sequence[VersionChange], metrics: Sequence[str]) -> list[str]:
     """Say in a sentence a version what has changed, by options."""
     lines = []
     for version in sorted({change.after for change in found}, key=Version):
         parts = []
         for option in engine.options:
-            every = [metric for metric in metrics_of(engine) if metric.partition(", ")[2] == option]
+            every = [metric for metric in metrics if metric.partition(", ")[2] == option]
             own = [change for change in found if change.after == version and change.metric in every]
             largest = max((abs(change.new - change.old) / max(change.old, change.new) for change in own), default=0.0)
             count = f"{len(own)} of {len(every)} numbers, by {largest:.1g} of the error at most" if own else "nothing"
@@ -419,10 +472,7 @@ def _runs(metric: str, known: Sequence[VersionNumbers]) -> str:
             runs.append([one])
     if len(runs) < 2:
         return "".join(f"{run[0].numbers[metric]:.4g}" for run in runs) or "–"
-    texts = []
-    for run in runs:
-        texts.append(f"{run[0].numbers[metric]:.9g} ({_span([one.version for one in run])})")
-    return "; ".join(texts)
+    return "; ".join(f"{run[0].numbers[metric]:.9g} ({_span([one.version for one in run])})" for run in runs)
 
 
 def _span(versions: Sequence[str]) -> str:
@@ -431,5 +481,5 @@ def _span(versions: Sequence[str]) -> str:
 
 def numbers_of(history: History, metric: str) -> Callable[[ReleasedVersion], float]:
     """Give the number of a release by its name; a `ParameterError` if there is no such name."""
-    checked_choice("metric", metric, metrics_of(history.engine))
+    checked_choice("metric", metric, [*metrics_of(history.engine), *history.scripts])
     return lambda release: history.of(release).numbers.get(metric, math.nan)

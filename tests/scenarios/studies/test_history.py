@@ -2,12 +2,15 @@
 
 import json
 import math
+import sys
+from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
 
 from reference_lcp.errors import ParameterError, RunError
 from reference_lcp.process import run_command
+from reports.cli import history as command
 from reports.cli.console_script import app
 from scenarios.studies import history as module
 from scenarios.studies.history import (
@@ -27,6 +30,7 @@ from scenarios.studies.history import (
 )
 
 HELD = "joint block-held velocity"
+POINT = "rapier:joint:default figure3 [dB]"
 VERSIONS = [ReleasedVersion(f"1.{number}", "2026-01-01", 1000) for number in range(9)]
 
 
@@ -122,7 +126,7 @@ def test_a_page_without_a_change_says_so():
 def test_a_killed_history_goes_on_where_it_was(tmp_path, monkeypatch):
     file, asked = tmp_path / "rapier.json", []
 
-    def ask(engine, release):
+    def ask(engine, release, scripts):
         asked.append(release.version)
         if release.version == "1.2" and asked.count("1.2") == 1:
             raise KeyboardInterrupt
@@ -231,6 +235,45 @@ def test_a_page_says_which_python_ran_which_versions():
     assert "Wheels" not in history_document("rapier", known)
     page = history_document("rapier", [*known, VersionNumbers("1.2", "", {HELD: 1e-3}, "", "3.13")])
     assert "Wheels: 1.0 … 1.1 with Python 3.11, 1.2 with Python 3.13." in page
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("print('an engine says hello')\nprint('creep: -15.25 µm/s (exact: -15)')", ({POINT: 0.25}, "")),
+        ("print('transmittance: 2 (exact: 2.00000000001)')", ({POINT: 0.0}, "")),
+        ("print('creep: nan µm/s (exact: 0)')", ({}, f"{POINT}: nan")),
+        ("print('creep: 1 µm/s')", ({}, f"{POINT}: it prints no number")),
+        ("raise AttributeError('no such joint')", ({}, f"{POINT}: AttributeError: no such joint")),
+    ],
+)
+def test_a_script_that_reproduce_prints_gives_its_error_or_why_there_is_none(text, found):
+    assert module._printed(ENGINES["rapier"], Path(sys.executable), POINT, text) == found
+
+
+def test_a_page_has_the_scripts_beside_the_blocks_and_bisection_takes_their_names():
+    known = [measured("1.0", **{POINT: 0.01}), measured("1.1", **{POINT: 0.02})]
+    page = history_document("rapier", known)
+    assert f"| {POINT} | 0.01 (1.0); 0.02 (1.1) |" in page
+    assert "**1.1** changed as it comes: 1 of 17 numbers, by 0.5 of the error at most." in page
+    history = History("rapier")
+    with pytest.raises(ParameterError, match="metric = "):
+        module.numbers_of(history, POINT)
+    history.scripts = {POINT: "print()"}
+    assert callable(module.numbers_of(history, POINT))
+
+
+@pytest.mark.needs("mujoco")
+def test_the_installed_version_writes_the_scripts_that_others_run():
+    names = {
+        "mujoco:joint:default figure3 [dB]",
+        "mujoco:joint:default joint-hold [µrad/s]",
+        "mujoco:contact:default figure3 [dB]",
+        "mujoco:contact:default slope-hold [µm/s]",
+        "mujoco:contact:default slide-to-stop [%]",
+    }
+    assert set(command._scripts(ENGINES["mujoco"])) == names
+    assert command._scripts(ENGINES["mjx"]) == {}
 
 
 def test_every_engine_has_its_script():
