@@ -75,6 +75,13 @@ def test_a_name_with_many_options_is_wrapped_and_does_not_push_the_numbers_out()
     assert "".join(line.replace("1.234e-05", "").strip() for line in lines[3:]) == name
 
 
+def test_texts_that_fit_are_not_wrapped() -> None:
+    one, other = "as long as a sentence that is not short", "likewise, and longer by some words than the first one is"
+    width = len("mujoco") + len(one) + len(other) + 7
+    lines = printed(["name", "a", "b"], [["mujoco", one, other]], width)
+    assert len([line for line in lines if one in line and other in line]) == 1
+
+
 def test_what_controls_a_terminal_is_shown() -> None:
     assert any("\\x1b[31m [red]" in line for line in printed(["name", "n"], [["\x1b[31m [red]", "1"]], 80))
 

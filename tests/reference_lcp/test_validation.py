@@ -5,7 +5,7 @@ import re
 import pytest
 
 from reference_lcp.errors import ParameterError
-from reference_lcp.validation import checked_array
+from reference_lcp.validation import check_record_size, checked_array
 
 
 @pytest.mark.parametrize(
@@ -25,3 +25,9 @@ def test_the_message_has_value_and_range(value, requirement, message) -> None:
 def test_zeros_and_the_ends_of_the_range_are_in_it() -> None:
     assert checked_array("x", [0.0, 0.0], ">= 0", largest=1e24).tolist() == [0.0, 0.0]
     assert checked_array("x", [0.25, 4.0], "> 0", largest=4.0).tolist() == [0.25, 4.0]
+
+
+def test_a_record_that_is_too_long_is_refused_with_its_size() -> None:
+    check_record_size(100, 10)
+    with pytest.raises(ParameterError, match=re.escape("1000 cells x 2000000 steps are 2e+09; allowed")):
+        check_record_size(1000, 2_000_000)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from engines.exudyn import ExudynBristle, ExudynRegularised
+from engines.exudyn.joint import STATIC_DECAY_PER_KICK
+from engines.exudyn.reproducer import bristle_numbers
 from engines.interface.engine import Engine
 from engines.interface.registry import LawEngine, law_of
 from reference_lcp.chain.drives import Drive, HarmonicBase, HarmonicForce
@@ -182,6 +184,31 @@ def largest_creep(engine: Engine, lane: Lane, preset: str) -> float:
 def test_bristles_without_iterations_would_not_move_and_are_refused() -> None:
     with pytest.raises(ParameterError, match=r"discontinuous_iterations = 0 .* whole numbers >= 1"):
         built_with(ExudynBristle(), lane_of(), discontinuous_iterations=0)
+
+
+@pytest.mark.parametrize(("steps", "substeps"), [(STEPS, 1), (STEPS, 4), (2 * STEPS, 1)])
+def test_static_friction_of_a_stiff_bristle_decays_over_a_part_of_a_kick(steps, substeps) -> None:
+    """A kick is what the bound does to the relative velocity in a step of the solver."""
+    chain = Chain.from_ratios(friction_ratio=0.3, base_amplitude=AMPLITUDE, mass_ratio=0.5)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), steps)
+    (inside,) = built_with(ExudynBristle(), lane, substeps=substeps).models
+    bound, reduced = chain.friction_bound[0], 1 / (1 / chain.outer_mass[0] + 1 / chain.inner_mass[0])
+    scaled = bound / inside._units.force / (reduced / inside._units.mass) * inside._time_step / substeps
+    assert inside._static_decay(0) == pytest.approx(STATIC_DECAY_PER_KICK * scaled)
+
+
+@pytest.mark.parametrize("preset", ["tuned", "default"])
+def test_a_script_sets_what_the_preset_changes_and_nothing_else(preset) -> None:
+    own = ExudynBristle().preset("joint", preset)
+    solver = "\n".join(bristle_numbers(lane_of(), own, State.at_rest(1, 7))["solver"])
+    names = {
+        "relative_tolerance": "relativeTolerance",
+        "absolute_tolerance": "absoluteTolerance",
+        "discontinuous_iterations": "maxIterations",
+    }
+    changed = {option for option in names if own[option] != own.options[option].default}
+    assert {option for option, name in names.items() if name in solver} == changed
+    assert len(changed) == (3 if preset == "tuned" else 0)
 
 
 def test_a_default_bristle_is_so_soft_that_stuck_contacts_move() -> None:

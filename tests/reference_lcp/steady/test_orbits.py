@@ -26,6 +26,7 @@ from reference_lcp import (
 from reference_lcp.chain.linear_response import stuck_response
 from reference_lcp.chain.simulation import OrbitStatus, steps_per_period_for
 from reference_lcp.defaults import DEFAULT_PERIODS
+from reference_lcp.steady.anderson import FixedPointSearch, StateScales
 from tests.reference_lcp.cases import EXACT_DB, driven
 
 
@@ -40,6 +41,19 @@ def test_transmittance_at_400_steps_is_within_two_hundredths_of_a_decibel_of_the
     steady = steady_state(chain, HarmonicBase.from_ratio(chain, place[1]))
     assert steady.orbit.residual <= 1e-8
     assert steady.transmittance_db == pytest.approx(EXACT_DB[place], abs=0.02)
+
+
+@pytest.mark.parametrize(("stalled", "again"), [(-1, False), (0, True), (1, True)])
+def test_a_search_that_has_not_come_nearer_for_as_long_as_it_waits_goes_back_to_its_best_state(stalled, again) -> None:
+    chain, drive = driven(0.6, cells=2, friction_ratio=0.3)
+    simulation = CompiledSimulation([Lane.periodic(chain, drive, 400)])
+    search = FixedPointSearch(simulation, StateScales(simulation.lanes, 400), 400, 1e-8)
+    search._stalled[:] = search._patience + stalled
+    search._last_residual[:] = search.best_residual[:] = 1.0
+    search.best[:] = 7.0
+    search._following(0)
+    assert np.all(search._x[:, 0] == (7.0 if again else 0.0))
+    assert search._stalled.tolist() == [0 if again else search._patience + stalled]
 
 
 def test_lemke_finds_the_same_steady_state_as_the_closed_form() -> None:

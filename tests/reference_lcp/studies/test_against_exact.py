@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,15 @@ import reference_lcp.steady.error_bar
 import reference_lcp.studies.against_exact
 from reference_lcp import ParameterError
 from reference_lcp.steady.richardson import SAFETY
-from reference_lcp.studies.against_exact import Coverage, compared_with_exact, coverage, random_setting
+from reference_lcp.studies import against_exact
+from reference_lcp.studies.against_exact import (
+    Convergence,
+    Coverage,
+    compared_with_exact,
+    coverage,
+    plot_convergence,
+    random_setting,
+)
 
 COVERED = 0.97
 """Part of the exact values that bars must cover."""
@@ -30,6 +39,24 @@ UNSTABLE = 189
 
 BRIEF = (611, 221)
 """Seed and chain of nine cells, one of which sticks for 0.0014 periods at a reversal; no step of the three shows it."""
+
+
+def test_the_line_of_first_order_ends_at_the_corner_of_the_figure(tmp_path, monkeypatch) -> None:
+    figure = pytest.importorskip("matplotlib.figure")
+    drawn = []
+    save = figure.Figure.savefig
+    monkeypatch.setattr(
+        figure.Figure, "savefig", lambda self, *args, **more: drawn.append(self) or save(self, *args, **more)
+    )
+    study = Convergence((100, 200, 400), np.array([0.4, 0.2, 0.1]), np.array([0.04, 0.02, 0.01]), (0, 0, 0))
+    monkeypatch.setattr(against_exact, "replacing", nullcontext)
+    plot_convergence({"(0.3, 0.9)": study}, tmp_path / "orders.png")
+    for axes, largest in zip(drawn[0].axes, (0.4, 0.04), strict=True):
+        curve, line = axes.get_lines()
+        (left, right), (low, high) = line.get_xdata(), line.get_ydata()
+        assert high / low == pytest.approx(right / left)
+        assert largest < high < 1.5 * largest
+        assert right < 1.5 * max(curve.get_xdata())
 
 
 def numbers(of, quantity):

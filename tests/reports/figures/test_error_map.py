@@ -14,6 +14,7 @@ from reports.figures.errors import HIGHEST_DB, LOWEST_DB, error_map_figure, erro
 from reports.page.sections import ErrorMaps
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
+from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.reports.conftest import CONVERGED_ERROR, GRID, OFF, RUNS, STEP_ERROR
 
@@ -47,9 +48,10 @@ def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Repo
     assert np.isfinite(own.to_numpy()).all()
 
 
-def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(report: Report) -> None:
+@pytest.mark.parametrize("level", [-100.0, FLOOR_DB])
+def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(report: Report, level: float) -> None:
     points = [
-        replace(point, truth=replace(point.truth, transmittance_db=-100.0)) if point.frequency_ratio == 1.3 else point
+        replace(point, truth=replace(point.truth, transmittance_db=level)) if point.frequency_ratio == 1.3 else point
         for point in report.result.points
     ]
     table = point_table(replace(report.result, points=points))

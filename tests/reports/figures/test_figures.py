@@ -76,6 +76,19 @@ def test_print_and_page_have_the_same_points_names_and_labels(report: Report) ->
         assert printed == {mathtext(panel.x.label) for panel in figure.panels} - {""}, figure.name
 
 
+def test_what_panels_share_stands_at_the_first_of_a_row_and_below_the_last_of_a_column() -> None:
+    panels = [Panel(Axis("x"), Axis("y"), [Series([0, 1], [k, k], Style("black"), str(k))]) for k in range(4)]
+    layout = plot(Figure("four", "", panels, 3.0, 300, columns=2, x_label="below", y_label="left"))["layout"]
+    names = ["xaxis", "xaxis2", "xaxis3", "xaxis4"]
+    assert ["below" in layout[name]["title"]["text"] for name in names] == [False, False, True, True]
+    assert ["left" in layout[name.replace("x", "y", 1)]["title"]["text"] for name in names] == [
+        True,
+        False,
+        True,
+        False,
+    ]
+
+
 def test_differences_are_drawn_at_their_logarithm_and_told_as_they_are() -> None:
     panel = Panel(
         Axis("place", ticks={0.0: "left", 1.0: "right"}), difference_axis("difference", 0.01, [0.02, 0.5], 1.0),

@@ -4,6 +4,7 @@ import math
 import random
 from dataclasses import replace
 from decimal import Decimal
+from types import SimpleNamespace
 
 import pytest
 
@@ -213,6 +214,16 @@ def test_other_points_are_computed() -> None:
 def test_rounding_of_a_level_is_what_is_stated() -> None:
     levels = [level.transmittance_db for level in proven_levels().values()]
     assert max(abs(Decimal(float(level)) - level) for level in levels) <= ROUNDED_DB
+
+
+def test_a_steady_state_counts_as_unique_where_dashpots_make_it_so() -> None:
+    pytest.importorskip("flint", reason="it needs python-flint")
+    from reference_lcp.exact.proof.prove import Uniqueness
+
+    states = [SimpleNamespace(unique_by=by) for by in (Uniqueness.DAMPING, Uniqueness.NOT_SHOWN)]
+    found = [SimpleNamespace(proven=state) for state in (*states, states[0], None)]
+    (unique,) = (column for column in proofs.PROOF_COLUMNS if column.key == "unique")
+    assert unique.value(found) == 2
 
 
 def test_points_outside_of_the_table_are_proven_on_demand() -> None:

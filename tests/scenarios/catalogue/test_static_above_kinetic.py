@@ -10,6 +10,7 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
+from scenarios.catalogue.block import static_above_kinetic
 from scenarios.catalogue.block.base import TIME_STEP
 from scenarios.catalogue.block.static_above_kinetic import (
     BREAKAWAY,
@@ -67,6 +68,17 @@ def test_scheme_agrees(one_scale) -> None:
     judged = findings(StaticAboveKinetic(), REFERENCE)
     assert {finding.metric for finding in judged} == {BREAKAWAY, JUMP}
     assert not deviating(judged)
+
+
+def test_roundings_grow_with_the_way_of_the_carrier_and_count_against_the_jump(one_scale, monkeypatch) -> None:
+    """By ε of the displacement scale each: over the jump they are ε times the way over the jump."""
+    (plain,) = (each for each in findings(StaticAboveKinetic(), REFERENCE) if each.metric is JUMP)
+    part = 0.01
+    monkeypatch.setattr(static_above_kinetic, "round_off", lambda _: part * KILOGRAM.length)
+    (rounded,) = (each for each in findings(StaticAboveKinetic(), REFERENCE) if each.metric is JUMP)
+    more = rounded.comparison.tolerance - plain.comparison.tolerance
+    assert KILOGRAM.travel / KILOGRAM.length > 2
+    assert more == pytest.approx(part * KILOGRAM.travel / KILOGRAM.length, rel=0.01)
 
 
 def altered(monkeypatch: pytest.MonkeyPatch, change: Callable[[Lane], Lane]) -> None:

@@ -84,6 +84,9 @@ def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None
     assert math.isnan(row.order)
     assert row.map_db == 0
     assert "points are not certified; blocked: crashed" in remark(row)
+    whole = accuracy_of(VARIANT, dict.fromkeys(answers, EXACT), dict.fromkeys(ACCURACY_POINTS, EXACT))
+    assert whole.certified == whole.points
+    assert "certified" not in remark(whole)
     nothing = accuracy_of(
         VARIANT, dict.fromkeys(answers, Result.blocked("gone")), dict.fromkeys(ACCURACY_POINTS, EXACT)
     )

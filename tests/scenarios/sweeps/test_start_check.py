@@ -2,15 +2,18 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
+from unittest.mock import patch
 
 import pytest
 
 from engines.interface.variant import Variant
+from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
 from scenarios.runs.task import Start
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
-from scenarios.sweeps.start_check import StartCheck, check_starts
+from scenarios.sweeps.start_check import StartCheck, _difference, check_starts
 from scenarios.verdicts.finding import Verdict
 from tests.scenarios.in_process import evaluator
 
@@ -44,6 +47,14 @@ def checked(eta: float, least: int, status: str = "converged") -> tuple[Compared
         bistable = Bistable(running, eta, status)
         result, (check,) = check_starts(compare_sweep(SWEEP, running), bistable, least)
     return result, check, bistable.balanced
+
+
+def test_two_motions_that_are_equal_are_one_however_exactly_they_are_known() -> None:
+    known = Result(status="converged", transmittance_db=0.0, phase=0.0, period=1.0)
+    exact = SimpleNamespace(result=known, left_open=0.0)
+    with patch("scenarios.sweeps.start_check.replace", lambda point, **_: point):
+        assert _difference(exact, known) == ""
+        assert "of 1e-09 dB, from" in _difference(exact, dataclasses.replace(known, transmittance_db=1e-9))
 
 
 def verdicts(result: ComparedSweep) -> dict[float, Verdict]:
