@@ -26,7 +26,7 @@ from reference_lcp import (
 from reference_lcp.chain.linear_response import stuck_response
 from reference_lcp.chain.simulation import OrbitStatus, steps_per_period_for
 from reference_lcp.defaults import DEFAULT_PERIODS
-from reference_lcp.steady.anderson import FixedPointSearch, StateScales
+from reference_lcp.steady.anderson import LARGEST_RISE, FixedPointSearch, StateScales
 from tests.reference_lcp.cases import EXACT_DB, driven
 
 
@@ -54,6 +54,18 @@ def test_a_search_that_has_not_come_nearer_for_as_long_as_it_waits_goes_back_to_
     search._following(0)
     assert np.all(search._x[:, 0] == (7.0 if again else 0.0))
     assert search._stalled.tolist() == [0 if again else search._patience + stalled]
+
+
+@pytest.mark.parametrize(("periods", "again"), [(-1, False), (0, True)])
+def test_a_residual_that_rises_far_is_left_once_the_plain_periods_are_over(periods, again) -> None:
+    chain, drive = driven(0.6, cells=2, friction_ratio=0.3)
+    simulation = CompiledSimulation([Lane.periodic(chain, drive, 400)])
+    search = FixedPointSearch(simulation, StateScales(simulation.lanes, 400), 400, 1e-8)
+    search.best_residual[:], search._last_residual[:] = 1.0, 1.01 * LARGEST_RISE
+    search._age[:] = search._plain + periods
+    search.best[:] = 7.0
+    search._following(0)
+    assert np.all(search._x[:, 0] == (7.0 if again else 0.0))
 
 
 def test_lemke_finds_the_same_steady_state_as_the_closed_form() -> None:

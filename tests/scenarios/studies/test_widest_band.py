@@ -51,3 +51,7 @@ def test_more_damping_moves_the_widest_band_to_less_friction(damping: float, fri
         found = widest_band(damping, running)
     assert found.lowest <= friction <= found.highest
     assert found.edge == pytest.approx(edge, abs=1e-4)
+
+
+def test_friction_is_searched_in_hundredths_over_the_range_of_the_paper():
+    assert study.COARSE_FRICTION_RATIOS.tolist() == [place / 100 for place in range(10, 61)]
