@@ -14,6 +14,8 @@ from typing import Any
 import numba
 import numpy as np
 
+from reference_lcp.schemes.subnormals import flush_subnormals, restore
+
 WIDTH = 8
 """Columns: numbers of float64 in the widest vector register of usual processors, of 512 bits."""
 
@@ -181,6 +183,8 @@ def advance(x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any,
     lanes) has no steps where the friction bounds of the parameters always hold; `record` (lanes, steps, 5n) receives x
     and λ_T at the end of each step, and has no steps when nothing is kept.
     """
+    register = flush_subnormals()
     for first in range(0, x.shape[0], WIDTH):
         block = first, min(WIDTH, x.shape[0] - first)
         _advance_block(x, parameters, time_step, loads, load_rows, bounds, record, block)
+    restore(register)

@@ -5,6 +5,8 @@ from typing import Any
 import numba
 import numpy as np
 
+from reference_lcp.schemes.subnormals import flush_subnormals, restore
+
 MOST_SWEEPS = 200
 """Gauss–Seidel sweeps at most; five reach round-off where G is nearly diagonal."""
 
@@ -82,6 +84,7 @@ def advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, l
     impulses, state, free = np.zeros(cells), np.empty(2 * count), np.empty(count + cells)
     for i in range(count):
         state[i], state[count + i] = motion[1, i], motion[0, i]
+    register = flush_subnormals()
     for step in range(bounds.shape[0]):
         moved = state_matrix @ state
         for i in range(count + cells):
@@ -100,6 +103,7 @@ def advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, l
             state[count + i] += length * (weight * state[i] + (1 - weight) * before)
         if record.shape[0] > 0:
             _keep(state, impulses, length, record[step])
+    restore(register)
     for i in range(count):
         motion[0, i], motion[1, i] = state[count + i], state[i]
 
