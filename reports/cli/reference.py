@@ -295,8 +295,9 @@ def _print_lengths(lengths: list[dict[str, float]]) -> None:
     rows = []
     for row in lengths:
         cells, size = row["cells"], row["bytes"]
-        rows.append((f"{cells:,}", f"{1e9 * row['seconds_per_cell_step']:.2f}", f"{size:,}", f"{size / cells:.0f}"))
-    print_table(("cells", "ns per cell-step", "bytes", "bytes per cell"), rows)
+        costs = [f"{1e9 * row[f'{name}seconds_per_cell_step']:.2f}" for name in ("", "from_rest_", "dying_out_")]
+        rows.append((f"{cells:,}", *costs, f"{size:,}", f"{size / cells:.0f}"))
+    print_table(("cells", "ns per cell-step", "from rest", "dying out", "bytes", "bytes per cell"), rows)
 
 
 def _print_methods(methods: list[dict[str, Any]]) -> None:
