@@ -91,6 +91,14 @@ def test_exact_block_on_a_free_carrier_gives_the_published_number(case) -> None:
     assert left <= target.uncertainty / case.unit + CARRIER_AND_READING.get(case.name, 2e-6)
 
 
+def test_a_shaken_table_swings_about_where_it_begins() -> None:
+    """Its velocity v_0 + A / ω (1 − cos ωt) has no mean: positions stay small, and so do their roundings."""
+    (case,) = (each for each in Published.cases if each.name == "sdnd104-1.5")
+    omega, time = 2 * np.pi, np.linspace(0, 1, 100, endpoint=False)
+    velocity = case.task(REFERENCE).carrier_velocity + 1.5 / omega * (1 - np.cos(omega * time))
+    assert np.mean(velocity) == pytest.approx(0, abs=1e-12)
+
+
 @needs_mujoco
 @pytest.mark.parametrize(
     "scenario", [StaticHold(), Ratchet(), Breakaway(), StoppingDistance(), Published()], ids=lambda each: each.name
