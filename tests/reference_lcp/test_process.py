@@ -138,3 +138,20 @@ def test_kernels_are_kept_in_a_private_folder_where_there_is_no_other_place(
         done = subprocess.run([sys.executable, str(tmp_path / "own.py")], capture_output=True, text=True, check=True)
         assert done.stdout == "2\n"
         assert list(folder.rglob("*.nbi"))
+
+
+@pytest.mark.parametrize(("home", "can"), [("/cache", False), ("/cache", True), ("cache", True)])
+def test_kernels_are_kept_in_a_private_folder_where_no_absolute_place_can_be_written(
+    home, can, monkeypatch, capsys
+) -> None:
+    kept, registered = home.startswith("/") and can, []
+    monkeypatch.delenv(process.CACHE_VARIABLE, raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", home)
+    monkeypatch.setattr(process, "_writable", lambda folder: can and "__pycache__" not in str(folder))
+    monkeypatch.setattr(process.atexit, "register", registered.append)
+    process.ensure_kernel_cache()
+    assert (process.CACHE_VARIABLE not in os.environ) == kept
+    assert ("compiled solvers are kept until the end only" in capsys.readouterr().err) != kept
+    for remove in registered:
+        remove()
+    os.environ.pop(process.CACHE_VARIABLE, None)
