@@ -75,6 +75,13 @@ def test_the_scheme_slips_when_the_inertia_of_the_block_passes_the_bound(pull) -
     assert time == pytest.approx(breakaway.RISE_TIME + breakaway.DELAY + lag, abs=2 * pull.time_step + lag)
 
 
+def test_a_slip_counts_once_it_is_faster_than_what_counts() -> None:
+    (pull, *_) = Breakaway.cases
+    counts = breakaway.LEAST_SPEED * pull.speed
+    assert np.isnan(breakaway.slip_time(pull, [0.0, counts, -counts]))
+    assert breakaway.slip_time(pull, [0.0, counts, -1.01 * counts]) == pytest.approx(3 * pull.time_step)
+
+
 CARRIER_AND_READING = {"sdnd104-1.01": 1e-4}
 """What the carrier's spring and the reading at steps leave of a published number, over it; else below 2e-6 of it.
 
