@@ -14,6 +14,7 @@ from reports.data.points import NAMES, POINT_COLUMNS
 from reports.data.report import Report
 from reports.export.files import files_of, report_dataset
 from reports.page.render import FIGURES
+from reports.plan import planned_report
 from reports.write import check_folder, write_sweep_report
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
@@ -243,3 +244,9 @@ def test_a_report_has_the_scope_that_is_asked_for(
     monkeypatch.setattr(write, "_written", lambda *_: None)
     write_sweep_report(sweep, tmp_path, "", store=store, run=False, scope=given)
     assert asked == [meant]
+
+
+@pytest.mark.parametrize(("names", "quick"), [(["mujoco"], False), ([], True)])
+def test_a_sweep_leaves_no_choice_of_engines_or_grid(names, quick) -> None:
+    with pytest.raises(ParameterError, match="--sweep names engines and grid; allowed beside it: neither"):
+        planned_report(names, Path("sweep.toml"), quick=quick, stored_in=None)

@@ -60,6 +60,15 @@ def assert_exact_solution(M, q, basic) -> None:
     assert min(sum(Fraction(int(M[i, j])) * z[j] for j in z) + int(q[i]) for i in range(q.size)) >= 0
 
 
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_a_tie_of_all_rows_is_broken_by_the_last_column_that_tells_them_apart(n) -> None:
+    """From B = I with q = a_s = 1 the columns e_1, e_2, … each leave one row less, until the last one is left."""
+    identity, ones = np.eye(n), np.ones(n)
+    row, x = pivoting._leaving_row(identity, np.vstack([identity, ones]), np.arange(n), ones, ones)
+    assert row == n - 1
+    assert x.tolist() == ones.tolist()
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_every_covering_vector_leads_to_a_solution_of_the_degenerate_problem(seed) -> None:
     M, q = literature_case("lcp_tobenna.dat")
