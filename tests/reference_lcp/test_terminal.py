@@ -75,6 +75,14 @@ def test_a_name_with_many_options_is_wrapped_and_does_not_push_the_numbers_out()
     assert "".join(line.replace("1.234e-05", "").strip() for line in lines[3:]) == name
 
 
+@pytest.mark.parametrize(("missing", "tables"), [(0, 1), (1, 2)])
+def test_a_table_as_wide_as_the_terminal_is_one_table(missing: int, tables: int) -> None:
+    columns = ["mujoco", "1.2345678", "8.7654321"]
+    width = sum(len(cell) + 2 for cell in columns) + 1
+    lines = printed(["name", "a", "b"], [columns], width - missing)
+    assert sum("mujoco" in line for line in lines) == tables
+
+
 def test_texts_that_fit_are_not_wrapped() -> None:
     one, other = "as long as a sentence that is not short", "likewise, and longer by some words than the first one is"
     width = len("mujoco") + len(one) + len(other) + 7
