@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+import typer
 
 from reference_lcp import process
 
@@ -155,3 +156,15 @@ def test_kernels_are_kept_in_a_private_folder_where_no_absolute_place_can_be_wri
     for remove in registered:
         remove()
     os.environ.pop(process.CACHE_VARIABLE, None)
+
+
+def test_an_engine_that_ends_the_process_is_a_fault_and_no_completion(monkeypatch, capsys) -> None:
+    app = typer.Typer()
+
+    @app.command()
+    def leave() -> None:
+        raise SystemExit(0)
+
+    monkeypatch.setattr(process, "_exit_code", lambda *_: leave())
+    assert process.run_command(app, []) == process.ExitCode.UNEXPECTED
+    assert "a fault of the suite, SystemExit" in capsys.readouterr().err

@@ -348,6 +348,27 @@ def test_an_environment_that_lost_its_python_is_refused(folder: Path) -> None:
     assert str(Environment(NAME).fault()).startswith("has lost its Python 3.")
 
 
+@pytest.mark.parametrize(
+    ("problem", "reason"),
+    [
+        (OSError(28, "No space left on device"), "No space left on device"),
+        (OSError("the pipe is gone"), "the pipe is gone"),
+    ],
+)
+def test_a_folder_that_cannot_be_written_is_one_line_with_the_reason(
+    problem: OSError, reason: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = plan()
+
+    def fail(*_: object) -> None:
+        raise problem
+
+    monkeypatch.setattr(installation, "run_uv", fail)
+    with pytest.raises(ParameterError, match=f"{NAME} cannot be written: {reason}$"):
+        install(chosen)
+    assert left_in(folder) == []
+
+
 @pytest.fixture
 def closed(folder: Path) -> Iterator[None]:
     """A folder of environments into which this user may not look."""

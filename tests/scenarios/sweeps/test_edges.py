@@ -2,14 +2,17 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
+from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.refinement import EDGE_RESIDUAL, decided_db
 from scenarios.sweeps.sweep import GivenTolerance
 from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import REFERENCE
@@ -75,3 +78,9 @@ def test_the_reference_itself_is_compared_with_the_converged_one_by_its_own_step
     for edge in edges_of(compared(), REFERENCE):
         assert edge.comparison.verdict is Verdict.AGREE
         assert abs(edge.comparison.difference) > 2 * EDGE_RESOLUTION
+
+
+@pytest.mark.parametrize(("residual", "decides"), [(EDGE_RESIDUAL, True), (1.001 * EDGE_RESIDUAL, False)])
+def test_a_search_that_has_come_close_decides_an_edge(residual: float, decides: bool) -> None:
+    level = decided_db(Result(status="period limit", transmittance_db=-3.0, residual=residual, period=1.0))
+    assert level == -3.0 if decides else np.isnan(level)
