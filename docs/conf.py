@@ -1,4 +1,4 @@
-"""Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build`."""
+"""Configuration of the documentation: `python -m sphinx -W -j auto -b html docs docs/_build`."""
 
 import re
 import runpy
@@ -108,8 +108,9 @@ def write_pages(_app):
 
 
 def setup(app):
-    """Connect what is above."""
+    """Connect what is above; pages are read and written side by side with ``-j auto``."""
     app.connect("builder-inited", write_pages)
     app.add_html_math_renderer("svg", (visit_inline_math, None), (visit_display_math, None))
     app.connect("autodoc-process-docstring", bars_are_absolute_values, priority=900)
     app.connect("autodoc-process-signature", short_types)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -213,17 +213,27 @@ def first_failure(tests: Sequence[str], copy: Path, environment: Mapping[str, st
     return failed[1] if failed else tests[0]
 
 
+def not_killed(every: Sequence[Change], printed: str) -> list[Change]:
+    """Give the changes that a run has printed as not killed; all that are named alike, for a line may have several."""
+    lines = [line.partition(" ")[::2] for line in printed.splitlines()]
+    named = {change.strip() for ended, change in lines if ended in (SURVIVED, UNDECIDED)}
+    return [change for change in every if str(change) in named]
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Draw changes, and print what becomes of each and the score; 1 if any survives."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutations.code", description=__doc__)
     parser.add_argument("--count", type=int, default=40, help="changes that are drawn")
     parser.add_argument("--seed", type=int, default=0, help="of the draw")
+    parser.add_argument("--again", type=Path, help="what an earlier run printed: what it did not kill is met again")
     parser.add_argument("--seconds", type=float, default=DECIDED_IN, help="that the tests of one change may take")
     chosen = parser.parse_args(arguments)
     if find_spec("coverage") is None:
         print("coverage is not installed: tests are chosen by file; allowed: pip install -e '.[test]'")
     every = [change for file in product_files() for change in changes_of(file)]
     drawn = random.Random(chosen.seed).sample(every, min(chosen.count, len(every)))
+    if chosen.again is not None:
+        drawn = not_killed(every, chosen.again.read_text(encoding="utf-8"))
     outcomes: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "project"

@@ -7,7 +7,17 @@ from pathlib import Path
 import pytest
 
 from tests.mutations import code, lines
-from tests.mutations.code import KILLED, SURVIVED, UNDECIDED, Change, changes_of, executing, outcome, product_files
+from tests.mutations.code import (
+    KILLED,
+    SURVIVED,
+    UNDECIDED,
+    Change,
+    changes_of,
+    executing,
+    not_killed,
+    outcome,
+    product_files,
+)
 from tests.scenarios.runs.builders import ended
 
 SMALL = "def least(a, b):\n    return a if a < b and not b + a == 1 else b\n"
@@ -110,3 +120,14 @@ def test_an_adapter_meets_the_contract_with_its_engine_alone(monkeypatch, tmp_pa
     first, again = asked
     assert first == [*code.tests_of(change.file), "--xval-engine=mujoco"]
     assert again == ["engines/contract", "--xval-engine=mujoco"]
+
+
+def test_what_an_earlier_run_has_not_killed_is_met_again() -> None:
+    every = list(changes_of(Path("reference_lcp/validation.py")))
+    first, other = every[0], next(each for each in every if str(each) != str(every[0]))
+    printed = f"{KILLED:9} {other}\n{SURVIVED:9} {first}\n1 of 2 decided changes are killed\n"
+    again = not_killed(every, printed)
+    assert first in again
+    assert {str(each) for each in again} == {str(first)}
+    assert other in not_killed(every, f"{UNDECIDED:9} {other}\n")
+    assert not_killed(every, f"{KILLED:9} {first}\n") == []
