@@ -441,9 +441,9 @@ def history_document(name: str, history: Sequence[VersionNumbers]) -> str:
     if len(used) > 1:
         parts = [f"{_span(own)} with Python {python}" for python, own in used]
         lines += ["", f"Wheels: {', '.join(parts)}."]
-    for one in history:
-        if one.reason:
-            lines += ["", f"{one.version}: {one.reason}"]
+    for reason, alike in groupby(history, lambda one: one.reason):
+        if reason:
+            lines += ["", f"{_span([one.version for one in alike])}: {reason}"]
     return "\n".join(lines) + "\n"
 
 

@@ -109,6 +109,14 @@ def test_changes_are_between_versions_that_follow_each_other_and_say_something()
     assert "**1.3** changed as it comes: 1 of 16 numbers, by 0.8 of the error at most." in page
 
 
+def test_versions_that_say_nothing_for_one_reason_are_named_together():
+    silent = [VersionNumbers(f"0.{place}", "", {}, "no such joint") for place in range(3)]
+    page = history_document("rapier", [*silent, measured("1.0"), VersionNumbers("1.1", "", {}, "no such joint")])
+    assert page.count("no such joint") == 2
+    assert "\n0.0 … 0.2: no such joint\n" in page
+    assert "\n1.1: no such joint\n" in page
+
+
 def test_what_changes_with_an_option_only_is_said_of_it() -> None:
     both = {HELD: 1e-3, f"{HELD}, exact": 1e-3}
     known = [VersionNumbers("1.0", "", both), VersionNumbers("1.1", "", both | {HELD: 2e-3})]
