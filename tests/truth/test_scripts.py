@@ -39,6 +39,19 @@ def test_joints_of_rapier_pass(name, tmp_path):
     assert all(one.passes for one in found(tmp_path, "rapier", "joint", name))
 
 
+@pytest.mark.needs("sapien")
+@pytest.mark.parametrize("name", ["block-held", "block-stops"])
+def test_drives_of_sapien_pass(name, tmp_path):
+    assert all(one.passes for one in found(tmp_path, "sapien", "joint", name))
+
+
+@pytest.mark.needs("pinocchio")
+def test_a_solver_that_stops_early_lets_a_joint_of_pinocchio_creep(tmp_path):
+    errors = [found(tmp_path, "pinocchio", "joint", "block-held", *options)[1] for options in ((), ("exact",))]
+    assert [one.passes for one in errors] == [False, True]
+    assert errors[0].error < 1e-6
+
+
 @pytest.mark.needs("mujoco")
 @pytest.mark.parametrize("options", [(), ("exact",)])
 def test_a_joint_of_mujoco_creeps_as_its_impedance_says(options, tmp_path):
