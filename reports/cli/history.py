@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +14,8 @@ import typer
 from reports.cli.options import Work, check_outs
 
 if TYPE_CHECKING:
+    from reports.reproducers.scene_script import SceneReproduction
+    from reports.reproducers.script import Reproduction
     from scenarios.studies.history import ReleasedEngine, ReleasedVersion, VersionNumbers
 
 SCRIPTED = ("figure3", "slope-hold", "slide-to-stop", "joint-hold")
@@ -55,7 +58,7 @@ def history(
     check_outs([out], (".md",), store)
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
-    known.scripts = _scripts(known.engine)
+    known.scripts = _scripts(_shown(known.engine))
     found: list[VersionNumbers] = []
     for release in versions:
         found.append(known.of(release))
@@ -88,24 +91,25 @@ def bisect(
 
     checked_scalar("tolerance", tolerance, "> 0")
     known = History(engine, store)
-    known.scripts = _scripts(known.engine)
-    number = numbers_of(known, metric)
+    shown = _shown(known.engine)
+    number = numbers_of(known, metric, list(shown))
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
+    known.scripts = _scripts(shown)
     before, after, old, new = first_change(versions, number, tolerance)
     word = "better" if new < old else "worse"
     print(f"{metric}: {old:.12g} in {before.version} ({before.date})")
     print(f"{metric}: {new:.12g} in {after.version} ({after.date}), {word} by {abs(new - old):.3g}")
 
 
-def _scripts(engine: ReleasedEngine) -> dict[str, str]:
-    """Give what `reproduce` prints of the defaults of the installed version, by its name; nothing if there is none."""
+def _shown(engine: ReleasedEngine) -> dict[str, Reproduction | SceneReproduction]:
+    """Give what `reproduce` can print of the defaults of the installed version, by its name, before any work."""
     from engines.interface.registry import registered_engine
     from engines.interface.variant import Variant
     from reference_lcp.errors import ParameterError
-    from reports.reproducers.scene_script import reproduction, reproduction_script
+    from reports.reproducers.scene_script import reproduction
 
-    scripts = {}
+    shown = {}
     adapters = [registered_engine(name) for name in engine.adapters]
     variants = [
         Variant(adapter.name, str(formulation), "default")
@@ -114,13 +118,21 @@ def _scripts(engine: ReleasedEngine) -> dict[str, str]:
         for formulation, presets in adapter.capabilities.presets.items()
         if "default" in presets
     ]
+    for variant in variants:
+        for scenario in SCRIPTED:
+            with suppress(ParameterError):  # it has no such script
+                own = reproduction(str(variant), scenario)
+                shown[f"{variant} {scenario} [{own.metric.unit}]"] = own
+    return shown
+
+
+def _scripts(shown: Mapping[str, Reproduction | SceneReproduction]) -> dict[str, str]:
+    """Write the scripts; the numbers that stand in them are computed."""
+    from reports.reproducers.scene_script import reproduction_script
+
+    variants = [own.variant for own in shown.values()]
     with Work(1).evaluator(None, variants) as evaluator:
-        for variant in variants:
-            for scenario in SCRIPTED:
-                with suppress(ParameterError):  # it has no such script
-                    shown = reproduction(str(variant), scenario)
-                    scripts[f"{variant} {scenario} [{shown.metric.unit}]"] = reproduction_script(shown, evaluator)
-    return scripts
+        return {name: reproduction_script(own, evaluator) for name, own in shown.items()}
 
 
 def _announce(engine: ReleasedEngine, versions: list[ReleasedVersion]) -> None:

@@ -479,7 +479,7 @@ def _span(versions: Sequence[str]) -> str:
     return versions[0] if len(versions) == 1 else f"{versions[0]} … {versions[-1]}"
 
 
-def numbers_of(history: History, metric: str) -> Callable[[ReleasedVersion], float]:
-    """Give the number of a release by its name; a `ParameterError` if there is no such name."""
-    checked_choice("metric", metric, [*metrics_of(history.engine), *history.scripts])
+def numbers_of(history: History, metric: str, scripts: Sequence[str] = ()) -> Callable[[ReleasedVersion], float]:
+    """Give the number of a release by its name, that of a script too; a `ParameterError` if there is no such name."""
+    checked_choice("metric", metric, [*metrics_of(history.engine), *scripts])
     return lambda release: history.of(release).numbers.get(metric, math.nan)

@@ -267,8 +267,7 @@ def test_a_page_has_the_scripts_beside_the_blocks_and_bisection_takes_their_name
     history = History("rapier")
     with pytest.raises(ParameterError, match="metric = "):
         module.numbers_of(history, POINT)
-    history.scripts = {POINT: "print()"}
-    assert callable(module.numbers_of(history, POINT))
+    assert callable(module.numbers_of(history, POINT, [POINT]))
 
 
 @pytest.mark.needs("mujoco")
@@ -280,8 +279,11 @@ def test_the_installed_version_writes_the_scripts_that_others_run():
         "mujoco:contact:default slope-hold [µm/s]",
         "mujoco:contact:default slide-to-stop [%]",
     }
-    assert set(command._scripts(ENGINES["mujoco"])) == names
-    assert command._scripts(ENGINES["mjx"]) == {}
+    shown = command._shown(ENGINES["mujoco"])
+    assert set(shown) == names
+    (written,) = command._scripts({name: own for name, own in shown.items() if "slope-hold" in name}).values()
+    assert "import mujoco" in written
+    assert command._shown(ENGINES["mjx"]) == {}
 
 
 def test_every_engine_has_its_script():
