@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -58,7 +59,7 @@ def history(
     check_outs([out], (".md",), store)
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
-    known.scripts = _scripts(_shown(known.engine))
+    known.scripts = cache(partial(_scripts, _shown(known.engine)))
     found: list[VersionNumbers] = []
     for release in versions:
         found.append(known.of(release))
@@ -87,7 +88,7 @@ def bisect(
     Example: multibody-xval bisect mujoco --from 3.8.0 --metric "joint block-held velocity"
     """
     from reference_lcp.validation import checked_scalar
-    from scenarios.studies.history import History, first_change, numbers_of, releases
+    from scenarios.studies.history import History, VersionChange, first_change, numbers_of, releases
 
     checked_scalar("tolerance", tolerance, "> 0")
     known = History(engine, store)
@@ -95,11 +96,11 @@ def bisect(
     number = numbers_of(known, metric, list(shown))
     versions = releases(known.engine, first, last)
     _announce(known.engine, versions)
-    known.scripts = _scripts(shown)
+    known.scripts = cache(partial(_scripts, shown))
     before, after, old, new = first_change(versions, number, tolerance)
-    word = "better" if new < old else "worse"
+    found = VersionChange(metric, before.version, after.version, old, new)
     print(f"{metric}: {old:.12g} in {before.version} ({before.date})")
-    print(f"{metric}: {new:.12g} in {after.version} ({after.date}), {word} by {abs(new - old):.3g}")
+    print(f"{metric}: {new:.12g} in {after.version} ({after.date}), {found.direction} by {abs(new - old):.3g}")
 
 
 def _shown(engine: ReleasedEngine) -> dict[str, Reproduction | SceneReproduction]:

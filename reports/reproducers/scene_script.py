@@ -66,7 +66,7 @@ class SceneReproduction:
     def number(self, result: Result) -> tuple[Metric, float]:
         """Give the first number of the scenario; NaN without a motion."""
         if not result.series:
-            return self.scenario.metrics[0], math.nan
+            return self.metric, math.nan
         ((metric, read), *_) = self.scenario.numbers(self.case, self.task, result.series).items()
         return metric, read.value
 

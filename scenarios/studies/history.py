@@ -312,8 +312,8 @@ class History:
 
     def __init__(self, name: str, file: Path | None = None):
         self.name, self.engine, self._file = name, released_engine(name), file
-        self.scripts: Mapping[str, str] = {}
-        """Texts by the names of their numbers, which versions are asked beside blocks."""
+        self.scripts: Callable[[], Mapping[str, str]] = dict
+        """Gives texts by the names of their numbers, which versions that are measured are asked beside blocks."""
         self._known: dict[str, VersionNumbers] = {}
         if file is not None and file.exists():
             self._known = _read(file, name)
@@ -321,7 +321,7 @@ class History:
     def of(self, release: ReleasedVersion) -> VersionNumbers:
         """Give what a version gave, measured now if the file does not have it."""
         if release.version not in self._known:
-            self._known[release.version] = measured(self.engine, release, self.scripts)
+            self._known[release.version] = measured(self.engine, release, self.scripts())
             if self._file is not None:
                 write_whole(self._file, self.as_json())
         return self._known[release.version]
