@@ -16,7 +16,7 @@ from scenarios.runs.parameters import ChainRatios, OperatingPoint
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies.claims import Conclusions, compared_conclusions, evaluated_conclusions
+from scenarios.studies.claims import Conclusions, claims_sweep, compared_conclusions, evaluated_conclusions
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
@@ -25,7 +25,7 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
-from scenarios.studies.headline import headline_points
+from scenarios.studies.headline import headline_points, headline_tasks
 from scenarios.studies.response import ONE_CELL, response_curves
 from scenarios.studies.scale import scale_study, scale_tasks
 from scenarios.studies.work_precision import (
@@ -91,7 +91,9 @@ def collect(
 ) -> Report:
     """Collect everything that the report of a sweep shows."""
     scope = scope or Scope()
-    evaluator.stage("points, band edges and laws")
+    evaluator.stage("all points that are known from the start")
+    evaluator.evaluate(expected_tasks(sweep, scope))
+    evaluator.stage("band edges and laws")
     compared = compare_sweep(sweep, evaluator)
     evaluator.stage("searches from harmonic balance")
     result, starts = check_starts(compared, evaluator, scope.starts)
@@ -134,16 +136,18 @@ def collect(
 
 def _headline(sweep: Sweep, scope: Scope, evaluator: Evaluator) -> tuple[Point, ...]:
     """Compare every variant with the truth at the headline's points, which are of the canonical chain."""
-    if not _is_canonical(sweep) or sweep.excitation.kind != "base":
-        return ()
-    shown = (*sweep.variants, *scope.beside, *scope.recommended, *scope.one_option)
-    return headline_points(tuple(dict.fromkeys(shown)), evaluator, sweep.excitation)
+    return headline_points(_shown(sweep, scope), evaluator, sweep.excitation) if _is_papers(sweep) else ()
+
+
+def _shown(sweep: Sweep, scope: Scope) -> tuple[Variant, ...]:
+    """Give the variants at the headline's points; those that may have no steady state, and take longest, come last."""
+    return tuple(dict.fromkeys((*sweep.variants, *scope.beside, *scope.recommended, *scope.one_option)))
 
 
 def _conclusions(result: ComparedSweep, scope: Scope, evaluator: Evaluator) -> tuple[Conclusions, ...]:
     """Answer the paper's claims, which are about the canonical chain on a moving base."""
     sweep = result.sweep
-    if not _is_canonical(sweep) or sweep.excitation.kind != "base":
+    if not _is_papers(sweep):
         return ()
     if not scope.claims:
         return tuple(compared_conclusions(result))
@@ -186,9 +190,18 @@ def _is_canonical(sweep: Sweep) -> bool:
     return sweep.case_axes == ("friction_ratio",) and sweep.ratios == ChainRatios()
 
 
+def _is_papers(sweep: Sweep) -> bool:
+    """Whether the sweep is about the canonical chain on a moving base, as the paper's claims and the headline are."""
+    return _is_canonical(sweep) and sweep.excitation.kind == "base"
+
+
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
-    """Give what is known from the start to be evaluated, for bars of progress."""
-    tasks = tasks_of(sweep, list(sweep.grid_points()))
+    """Give what is known from the start to be evaluated: what may take longest first, so that no worker is idle."""
+    tasks = headline_tasks(_shown(sweep, scope)[::-1], sweep.excitation) if _is_papers(sweep) else []
+    tasks += tasks_of(sweep, list(sweep.grid_points()))
+    if _is_papers(sweep) and scope.claims:
+        asked = claims_sweep(sweep, scope.claims)
+        tasks += [asked.task(*place) for place in asked.grid_points()]
     mapped = _map(sweep, scope)
     if mapped is not None:
         tasks += mapped.tasks()

@@ -265,14 +265,19 @@ def compared_conclusions(result: ComparedSweep) -> list[Conclusions]:
     return conclusions(variants, results, edges, result.sweep.band)
 
 
-def evaluated_conclusions(sweep: Sweep, variants: Sequence[Variant], evaluator: GivesResults) -> list[Conclusions]:
-    """Evaluate what the claims need, some 200 steady states a variant, for the reference and then the variants.
+def claims_sweep(sweep: Sweep, variants: Sequence[Variant]) -> Sweep:
+    """Give the sweep that answers the claims, of some 200 steady states a variant, the reference's among them.
 
     Chain, drive, steps and band are those of `sweep`.
     """
     axes = {"friction_ratio": FRICTION_RATIOS, "frequency_ratio": claim_frequency_ratios(sweep.ratios)}
     asked = dict.fromkeys((REFERENCE, *(variant for variant in variants if variant != CONVERGED)))
-    planned = replace(sweep, variants=tuple(asked), axes=axes, frequencies=None, tolerance=None)
+    return replace(sweep, variants=tuple(asked), axes=axes, frequencies=None, tolerance=None)
+
+
+def evaluated_conclusions(sweep: Sweep, variants: Sequence[Variant], evaluator: GivesResults) -> list[Conclusions]:
+    """Evaluate what the claims need, see `claims_sweep`, for the reference and then the variants."""
+    planned = claims_sweep(sweep, variants)
     results = refined(planned, list(planned.grid_points()), for_the_band(planned), evaluator)
     found = refined_edges(planned, results, evaluator)
     edges: dict[tuple[Variant, Case, Edge], float | None] = {

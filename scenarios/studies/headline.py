@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from engines.interface.variant import Variant
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION
+from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.studies.accuracy import ACCURACY_MAP_STEPS
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import GivesResults, Point
-from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.sweep import Case, GridPoint, Sweep
 from scenarios.sweeps.truths import with_truths
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
@@ -29,14 +29,27 @@ HEADLINE_STEPS = ACCURACY_MAP_STEPS
 """Steps a period."""
 
 
+def headline_tasks(variants: Sequence[Variant], excitation: Excitation = DEFAULT_EXCITATION) -> list[SteadyStateTask]:
+    """Give the tasks of the reference and variants at the five points."""
+    sweep = _headline_sweep(variants, excitation)
+    return [sweep.task(*place) for place in _places(sweep)]
+
+
+def _headline_sweep(variants: Sequence[Variant], excitation: Excitation) -> Sweep:
+    frictions, etas = (sorted(set(values)) for values in zip(*HEADLINE_POINTS, strict=True))
+    return figure3(variants, frictions, etas, steps_per_period=HEADLINE_STEPS, excitation=excitation)
+
+
+def _places(sweep: Sweep) -> list[GridPoint]:
+    return [(own, Case.of(friction_ratio=f), eta) for own in sweep.variants for f, eta in HEADLINE_POINTS]
+
+
 def headline_points(
     variants: Sequence[Variant], evaluator: GivesResults, excitation: Excitation = DEFAULT_EXCITATION
 ) -> tuple[Point, ...]:
     """Evaluate the reference and variants at the five points, with the truth; without those that have no result."""
-    frictions, etas = (sorted(set(values)) for values in zip(*HEADLINE_POINTS, strict=True))
-    sweep = figure3(variants, frictions, etas, steps_per_period=HEADLINE_STEPS, excitation=excitation)
-    places = [(own, Case.of(friction_ratio=f), eta) for own in sweep.variants for f, eta in HEADLINE_POINTS]
-    results = dict(zip(places, evaluator.evaluate([sweep.task(*place) for place in places]), strict=True))
+    sweep = _headline_sweep(variants, excitation)
+    results = dict(zip(_places(sweep), evaluator.evaluate(headline_tasks(variants, excitation)), strict=True))
     points = [
         Point(
             variant=variant, case=case, frequency_ratio=eta, result=result,
