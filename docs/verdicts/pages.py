@@ -3,16 +3,16 @@
 The documentation calls `write` before it is built; what it writes is not kept.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from engines.interface import registry
 from reports.data.catalogue import Outcome, cell_of
 from scenarios.catalogue.registry import CATALOGUE
-from scenarios.tables import markdown_lines
 
 ENGINES = Path(__file__).parents[1] / "engines"
 """Pages of the engines."""
@@ -42,9 +42,8 @@ def write(table: Path, folder: Path) -> None:
         (folder / file).write_text("\n".join(lines), encoding="utf-8")
 
 
-def outcomes(rows: pd.DataFrame) -> dict[str, int]:
-    """Count the numbers of each outcome that there is, the worst first."""
-    counts = rows[list(OUTCOMES)].sum()
+def _counted(counts: Mapping[Any, Any]) -> dict[str, int]:
+    """Give how many numbers have each outcome that there is, the worst first."""
     return {name: int(count) for name, count in counts.items() if count}
 
 
@@ -77,7 +76,7 @@ def _map(every: pd.DataFrame, rows: pd.DataFrame) -> Iterator[str]:
 def _cell(engine: str, variant: str, scenario: str, rows: pd.DataFrame | None) -> str:
     if rows is None:
         return "<td></td>"
-    cell = cell_of(outcomes(rows))
+    cell = cell_of(_counted(rows[list(OUTCOMES)].sum().to_dict()))
     return (
         f'<td class="{cell["outcome"]}"><a href="engines/{engine}.html#{scenario}" '
         f'title="{engine} {variant}, {scenario}: {cell["words"]}">{cell["text"]}</a></td>'
@@ -111,17 +110,18 @@ def scenario_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
 
 
 def _table(rows: pd.DataFrame) -> list[str]:
-    """Give the lines of a table with one row a preset and metric."""
-    counts = (outcomes(row.to_frame().T) for _, row in rows.iterrows())
+    """Give a table with one row a preset and metric, in HTML: Sphinx need not read its thousands of cells."""
     shown = pd.DataFrame({
         "preset": rows["variant"],
         "metric": list(map(_with_unit, rows["metric"], rows["unit"])),
-        "verdicts": [cell_of(own)["words"] for own in counts],
+        "verdicts": [cell_of(_counted(own))["words"] for own in rows[list(OUTCOMES)].to_dict("records")],
         "worst at": rows["case"],
         **{name: rows[name].map("{:.4g}".format).replace("nan", "–") for name in NUMBERS},
         "why": rows["reason"],
     })  # fmt: skip
-    return markdown_lines(shown.astype(object))
+    with pd.option_context("display.max_colwidth", None):
+        table = shown.to_html(index=False, border=0, justify="left", classes="docutils")
+    return ["```{raw} html", table, "```"]
 
 
 def _with_unit(name: str, unit: str) -> str:
