@@ -152,13 +152,16 @@ def engines_of(file: Path) -> list[str]:
 
 
 def executing(change: Change, lines: Lines) -> list[str]:
-    """Give the tests that execute the line of a change, the fastest first, but those of its file before."""
+    """Give the tests that execute the line of a change, the fastest first, but all examples of those of its file before.
+
+    Of others one example is enough.
+    """
     places = [(str(change.file), line) for line in range(change.line, change.statement - 1, -1)]
     tests = next((lines[place] for place in places if place in lines), [])
     near = set(tests_of(change.file))
-    first = {test.partition("[")[0]: test for _, test in reversed(tests)}  # one of the examples of each test
-    ordered = sorted(first.values(), key=[test for _, test in tests].index)
-    return sorted(ordered, key=lambda test: test.partition("::")[0] not in near)[:MOST_TESTS]
+    of_file = [test for _, test in tests if test.partition("::")[0] in near]
+    first = {test.partition("[")[0]: test for _, test in reversed(tests) if test not in of_file}
+    return [*of_file, *sorted(first.values(), key=[test for _, test in tests].index)][:MOST_TESTS]
 
 
 def outcome(change: Change, copy: Path, tests: Sequence[str] = (), seconds: float = DECIDED_IN) -> str:

@@ -90,6 +90,21 @@ def test_a_change_meets_the_passing_tests_that_execute_its_line(project: Path, t
     assert executing(lines_of_it, found) == ["tests/reports/test_small.py::test_it"], "a later line of the statement"
 
 
+def test_all_examples_of_the_tests_of_a_file_are_met_and_one_of_others(project: Path) -> None:
+    """The fastest example may be the one that does not notice."""
+    change, *_ = changes_of(Path("reports/small.py"))
+    near, far = "tests/reports/test_small.py::test_it", "tests/far/test_far.py::test_it"
+    found = {
+        (str(change.file), change.line): [
+            (0.1, far + "[a]"),
+            (0.2, near + "[a]"),
+            (0.3, near + "[b]"),
+            (0.4, far + "[b]"),
+        ]
+    }
+    assert executing(change, found) == [near + "[a]", near + "[b]", far + "[a]"]
+
+
 def test_a_line_that_no_test_was_seen_to_execute_is_not_taken_for_the_one_above(project: Path) -> None:
     """What is above belongs to other statements, whose tests do not notice a change of this one."""
     (project / "reports/small.py").write_text("def f(a):\n    b = a\n    return (b\n        + 1)\n")
