@@ -196,9 +196,9 @@ def _is_papers(sweep: Sweep) -> bool:
 
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
-    """Give what is known from the start to be evaluated: what may take longest first, so that no worker is idle."""
-    tasks = headline_tasks(_shown(sweep, scope)[::-1], sweep.excitation) if _is_papers(sweep) else []
-    tasks += tasks_of(sweep, list(sweep.grid_points()))
+    """Give what is known from the start to be evaluated; what may never settle comes before most of it."""
+    tasks = tasks_of(sweep, list(sweep.grid_points()))
+    tasks += headline_tasks(_shown(sweep, scope)[::-1], sweep.excitation) if _is_papers(sweep) else []
     if _is_papers(sweep) and scope.claims:
         asked = claims_sweep(sweep, scope.claims)
         tasks += [asked.task(*place) for place in asked.grid_points()]

@@ -152,10 +152,7 @@ def engines_of(file: Path) -> list[str]:
 
 
 def executing(change: Change, lines: Lines) -> list[str]:
-    """Give the tests that execute the line of a change, the fastest first, but all examples of those of its file before.
-
-    Of others one example is enough.
-    """
+    """Give the tests that execute the line of a change: all examples of those of its file, then one of each other."""
     places = [(str(change.file), line) for line in range(change.line, change.statement - 1, -1)]
     tests = next((lines[place] for place in places if place in lines), [])
     near = set(tests_of(change.file))
