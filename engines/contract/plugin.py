@@ -4,7 +4,7 @@ Every session of pytest imports it where the suite is installed: the option has 
 projects have options too, and nothing of the suite is imported before it is used.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -29,7 +29,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
-    config.addinivalue_line("markers", "slow: longer than ten seconds with some engines")
+    config.addinivalue_line("markers", "slow: longer than five seconds, or of presets that nobody has named")
     names: list[str] = config.getoption(OPTION)
     for name in names:
         from engines.interface.registry import engine
@@ -77,9 +77,14 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     }
     for argument, chosen in cases.items():
         if argument in metafunc.fixturenames:
-            metafunc.parametrize(argument, chosen, ids=_label)
+            metafunc.parametrize(argument, [_later_if_optional(variant, named) for variant in chosen], ids=_label)
     if "installed" in metafunc.fixturenames:
         metafunc.parametrize("installed", names)
+
+
+def _later_if_optional(variant: "Variant", named: list[str]) -> Any:
+    """Let presets that take part where they are named be slow, unless their engine is named."""
+    return pytest.param(variant, marks=pytest.mark.slow) if variant.preset.optional and not named else variant
 
 
 def _label(variant: "Variant") -> str:

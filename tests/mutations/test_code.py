@@ -65,6 +65,7 @@ def test_a_test_that_fails_without_the_change_kills_nothing(project: Path) -> No
     assert outcome(less, project) == UNDECIDED
 
 
+@pytest.mark.slow  # waits for processes
 def test_a_change_that_never_ends_is_not_decided_and_leaves_no_process(project: Path) -> None:
     less = next(change for change in changes_of(Path("reports/small.py")) if change.operator is ast.Lt)
     (project / "tests/golden/test_golden.py").write_text(

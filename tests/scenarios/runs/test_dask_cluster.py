@@ -62,6 +62,7 @@ def scheduler(install) -> Iterator[str]:
         yield address
 
 
+@pytest.mark.slow  # waits for processes
 def test_cluster_and_local_processes_give_the_same_table(scheduler) -> None:
     executors = LocalExecutor(2), DaskExecutor(scheduler)
     here, there = (numbers(("mujoco", "reference"), (0.4, 0.6, 0.9), executor) for executor in executors)
@@ -76,6 +77,7 @@ def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(sch
     assert "; expected: faulty-version 1.0.0, Python " in reason
 
 
+@pytest.mark.slow  # waits for processes
 def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, faulty) -> None:
     """One takes 6 s, where a batch may take 5; the other does not end within the 2 s that it names."""
     results = evaluated(["faulty-slowly-ready", "faulty-never-ready"], (0.9,), DaskExecutor(scheduler, 5.0))

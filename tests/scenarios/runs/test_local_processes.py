@@ -54,12 +54,14 @@ def rows(faulty) -> dict[tuple[str, float], Result]:
     return results
 
 
+@pytest.mark.slow  # waits for processes
 def test_an_engine_that_fails_in_whatever_way_blocks_its_own_points_only(rows) -> None:
     for (engine, eta), status in statuses(rows).items():
         blocked = engine in USELESS or (engine in DEADLY and eta == 0.5)
         assert status == ("blocked" if blocked else "converged"), (engine, eta)
 
 
+@pytest.mark.slow  # waits for processes
 @pytest.mark.parametrize(
     ("engine", "reason"),
     [
@@ -78,6 +80,7 @@ def test_whatever_ends_a_run_is_the_reason_of_its_point(rows, engine, reason) ->
     assert re.fullmatch(reason, rows[engine, 0.5].reason)
 
 
+@pytest.mark.slow  # waits for processes
 @pytest.mark.parametrize("name", ["faulty-stopped", "faulty-disarms", "faulty-sending"])
 def test_the_time_limit_holds_for_a_process_that_cannot_keep_it_itself(rows, name) -> None:
     """One is stopped, one has disarmed its alarm, one is stopped while it sends: all are ended from outside."""
@@ -116,6 +119,7 @@ def test_what_an_engine_does_to_its_process_is_felt_by_no_other() -> None:
     assert after["faulty-changes"] != pytest.approx(alone["reference"], abs=0.1)
 
 
+@pytest.mark.slow  # waits for processes
 def test_engine_of_another_version_in_the_worker_is_blocked_with_both_named(rows) -> None:
     reason = rows["faulty-version", 0.9].reason.removeprefix("not the same in the worker: ")
     here, expected = reason.split("; expected: ")
@@ -151,6 +155,7 @@ evaluated(["faulty-hang", "faulty-disarms"], [0.5], LocalExecutor(2, 600.0))
 """
 
 
+@pytest.mark.slow  # waits for processes
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
 @pytest.mark.parametrize("signalled", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
 def test_workers_end_with_their_client(signalled) -> None:

@@ -38,6 +38,7 @@ def times_prepared(folder: Path) -> int:
     return len((folder / "prepared").read_text().splitlines())
 
 
+@pytest.mark.slow  # waits for processes
 def test_preparation_that_takes_longer_than_a_task_may_is_not_counted_as_its_time_and_said_once(run, tmp_path) -> None:
     points, told = run("faulty-slowly-ready")
     assert points == len(RATIOS) * [("converged", "")]

@@ -32,6 +32,7 @@ def test_results_of_a_version_are_its_own() -> None:
     assert '"version":"3.99.0"' in steady(variant=OWN, cells=1).text()
 
 
+@pytest.mark.slow  # waits for processes
 def test_a_version_that_crashes_or_hangs_dies_alone_and_says_where(store) -> None:
     with Evaluator(store, LocalExecutor(2, LIMIT)) as evaluator:
         tasks = [steady(variant=variant, cells=1) for variant in (BESIDE, OWN, CRASHES, HANGS)]

@@ -99,7 +99,10 @@ def supervisor_of(worker: LocalWorker) -> int:
     return next(int(line.split()[1]) for line in lines if line.startswith("Pid:"))
 
 
-@pytest.mark.parametrize("signalled", [signal.SIGSTOP, signal.SIGKILL], ids=["stopped", "killed"])
+@pytest.mark.parametrize(
+    "signalled",
+    [pytest.param(signal.SIGSTOP, id="stopped", marks=pytest.mark.slow), pytest.param(signal.SIGKILL, id="killed")],
+)
 def test_batch_goes_to_another_worker_where_its_own_was_lost_between_batches(executor, signalled) -> None:
     """One that is stopped seems to live; the limit of a batch that it has not begun with does not hold for it."""
     (worker,) = executor._workers

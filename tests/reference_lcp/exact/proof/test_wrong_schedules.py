@@ -22,7 +22,12 @@ def test_right_order_of_events_is_proven_without_repair(friction, frequency) -> 
     assert observed.margin > 0
 
 
-@pytest.mark.parametrize("kind", WRONG)
+LONG = "a stuck cell declared slipping"
+
+
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] if kind == LONG else []) for kind in WRONG]
+)
 def test_wrong_order_of_events_is_refused(kind) -> None:
     wrong = wrong_orders(kind)
     assert len(wrong) >= 2
