@@ -5,6 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+from engines.contract import plugin
+from engines.interface.variant import Variant
+
 
 def test_installed_engine_is_listed(install) -> None:
     rows = {row["engine"]: row for row in json.loads(install("plugin").run("-m", "reports", "engines", "--json"))}
@@ -70,3 +73,11 @@ def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> 
     file = tmp_path / "compare.py"
     file.write_text(script)
     assert install("plugin").run(str(file)).strip() == "['agree', 'agree']"
+
+
+def test_presets_that_take_part_where_they_are_named_are_slow_unless_their_engine_is_named() -> None:
+    recommended, tuned = Variant("mujoco", "joint", "recommended"), Variant("mujoco")
+    (mark,) = plugin._later_if_optional(recommended, []).marks
+    assert mark.name == "slow"
+    assert plugin._later_if_optional(recommended, ["mujoco"]) is recommended
+    assert plugin._later_if_optional(tuned, []) is tuned
