@@ -33,7 +33,7 @@ class Shown:
     """What a page shows."""
 
     quick: Annotated[
-        bool, typer.Option("--quick", help="Take a small grid: the whole report takes about two minutes.")
+        bool, typer.Option("--quick", help="Take a small grid: the whole report takes a minute and a half.")
     ] = False
     chosen: Annotated[
         list[str] | None,
