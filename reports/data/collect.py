@@ -25,7 +25,7 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
-from scenarios.studies.headline import headline_points, headline_tasks
+from scenarios.studies.headline import headline_points, headline_sweep, headline_tasks
 from scenarios.studies.response import ONE_CELL, response_curves
 from scenarios.studies.scale import scale_study, scale_tasks
 from scenarios.studies.work_precision import (
@@ -198,10 +198,9 @@ def _is_papers(sweep: Sweep) -> bool:
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     """Give what is known from the start to be evaluated; what may never settle comes before most of it."""
     tasks = tasks_of(sweep, list(sweep.grid_points()))
-    tasks += headline_tasks(_shown(sweep, scope)[::-1], sweep.excitation) if _is_papers(sweep) else []
-    if _is_papers(sweep) and scope.claims:
-        asked = claims_sweep(sweep, scope.claims)
-        tasks += [asked.task(*place) for place in asked.grid_points()]
+    if _is_papers(sweep):
+        tasks += headline_tasks(headline_sweep(_shown(sweep, scope)[::-1], sweep.excitation)).values()
+        tasks += claims_sweep(sweep, scope.claims).tasks() if scope.claims else ()
     mapped = _map(sweep, scope)
     if mapped is not None:
         tasks += mapped.tasks()

@@ -29,27 +29,25 @@ HEADLINE_STEPS = ACCURACY_MAP_STEPS
 """Steps a period."""
 
 
-def headline_tasks(variants: Sequence[Variant], excitation: Excitation = DEFAULT_EXCITATION) -> list[SteadyStateTask]:
-    """Give the tasks of the reference and variants at the five points."""
-    sweep = _headline_sweep(variants, excitation)
-    return [sweep.task(*place) for place in _places(sweep)]
-
-
-def _headline_sweep(variants: Sequence[Variant], excitation: Excitation) -> Sweep:
+def headline_sweep(variants: Sequence[Variant], excitation: Excitation = DEFAULT_EXCITATION) -> Sweep:
+    """Give the sweep of the reference and variants whose grid holds the five points."""
     frictions, etas = (sorted(set(values)) for values in zip(*HEADLINE_POINTS, strict=True))
     return figure3(variants, frictions, etas, steps_per_period=HEADLINE_STEPS, excitation=excitation)
 
 
-def _places(sweep: Sweep) -> list[GridPoint]:
-    return [(own, Case.of(friction_ratio=f), eta) for own in sweep.variants for f, eta in HEADLINE_POINTS]
+def headline_tasks(sweep: Sweep) -> dict[GridPoint, SteadyStateTask]:
+    """Give the tasks of a `headline_sweep` at the five points."""
+    places = [(own, Case.of(friction_ratio=f), eta) for own in sweep.variants for f, eta in HEADLINE_POINTS]
+    return {place: sweep.task(*place) for place in places}
 
 
 def headline_points(
     variants: Sequence[Variant], evaluator: GivesResults, excitation: Excitation = DEFAULT_EXCITATION
 ) -> tuple[Point, ...]:
     """Evaluate the reference and variants at the five points, with the truth; without those that have no result."""
-    sweep = _headline_sweep(variants, excitation)
-    results = dict(zip(_places(sweep), evaluator.evaluate(headline_tasks(variants, excitation)), strict=True))
+    sweep = headline_sweep(variants, excitation)
+    tasks = headline_tasks(sweep)
+    results = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True))
     points = [
         Point(
             variant=variant, case=case, frequency_ratio=eta, result=result,

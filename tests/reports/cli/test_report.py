@@ -30,7 +30,7 @@ from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.accuracy import task_at
 from scenarios.studies.claims import claims_sweep
 from scenarios.studies.figure3 import figure3
-from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS, headline_tasks
+from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS, headline_sweep, headline_tasks
 from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import compared_points, save_sweep, stored_points
@@ -344,9 +344,9 @@ def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Pa
 def test_headline_and_claims_are_begun_with_the_grid_and_what_may_never_settle_is_not_left_to_the_end() -> None:
     planned = planned_report([], None, quick=True, stored_in=None)
     expected = expected_tasks(planned.sweep, planned.scope)
-    claims = claims_sweep(planned.sweep, planned.scope.claims)
-    assert set(headline_tasks((*planned.sweep.variants, *planned.scope.beside))) <= set(expected)
-    assert {claims.task(*place) for place in claims.grid_points()} <= set(expected)
+    headline = headline_tasks(headline_sweep((*planned.sweep.variants, *planned.scope.beside)))
+    assert set(headline.values()) <= set(expected)
+    assert set(claims_sweep(planned.sweep, planned.scope.claims).tasks()) <= set(expected)
     unsettled = [number for number, task in enumerate(expected) if task.variant in planned.scope.beside]
     assert 2 * max(unsettled) < len(expected)
 
