@@ -230,15 +230,23 @@ MOST_CORRECTIONS = 20
 
 @Kernel
 def _solved(coupling: Any, aim: Any, pressing: Any) -> Any:
-    """Give p of the edges that press, (E A Eᵀ + R) p = −(E y_free + o), and (E A Eᵀ) p + E y_free + o of the others."""
-    count = aim.size
-    matrix = np.zeros((count, count))
-    for i in range(count):
-        matrix[i, i] = 1.0
-        for j in range(count):
-            if pressing[j]:
-                matrix[i, j] = -coupling[i, j]
-    return np.linalg.solve(matrix, aim)
+    """Give p of the edges that press, (E A Eᵀ + R) p = −(E y_free + o), and (E A Eᵀ) p + E y_free + o of the others.
+
+    By elimination without pivoting, since E A Eᵀ + R is positive definite; LAPACK takes seconds to be compiled for.
+    """
+    count, matrix, solution = aim.size, coupling.copy(), aim.copy()
+    for k in range(count):
+        if not pressing[k]:
+            continue
+        for i in range(count):
+            factor = 0.0 if i == k else matrix[i, k] / matrix[k, k]
+            for j in range(count):
+                matrix[i, j] -= factor * matrix[k, j]
+            solution[i] -= factor * solution[k]
+    for k in range(count):
+        if pressing[k]:
+            solution[k] /= -matrix[k, k]
+    return solution
 
 
 @Kernel
@@ -258,15 +266,14 @@ def edge_impulses(free: Any, inverse_mass: Any, edges: Any, softness: Any, offse
     Newton's iteration over the sets of edges that press; where it cycles, all sets are tried.
     """
     count = edges.shape[0]
-    weighted, aim = np.empty(edges.shape), edges @ free
+    aim, coupling = np.full(count, offset), np.zeros((count, count))
     for i in range(count):
-        aim[i] += offset
+        coupling[i, i] = softness
         for k in range(inverse_mass.size):
-            weighted[i, k] = edges[i, k] * inverse_mass[k]
-    coupling = weighted @ edges.T
-    for i in range(count):
-        coupling[i, i] += softness
-    pressing = np.ones(count, np.bool_)
+            aim[i] += edges[i, k] * free[k]
+            for j in range(count):
+                coupling[i, j] += edges[i, k] * inverse_mass[k] * edges[j, k]
+    pressing = np.full(count, fill_value=True)
     for _ in range(MOST_CORRECTIONS):
         solution = _solved(coupling, aim, pressing)
         if _settled(pressing, solution):
@@ -276,7 +283,9 @@ def edge_impulses(free: Any, inverse_mass: Any, edges: Any, softness: Any, offse
         for edge in range(count):
             pressing[edge] = (number >> edge) & 1
         solution = _solved(coupling, aim, pressing)
-        worst = -np.min(solution)
+        worst = 0.0
+        for edge in range(count):
+            worst = max(worst, -solution[edge])
         if worst < least:
             best, least = _pressed(pressing, solution), worst
     return best
@@ -319,6 +328,15 @@ def _contact_impulses(free: Any, press: Any, depth: Any, contact: Any, edges: An
 
 
 @Kernel
+def _dot(a: Any, b: Any) -> Any:
+    """Give the scalar product; written out, since BLAS takes seconds to be compiled for."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@Kernel
 def advance(
     motion: Any, aside: Any, loads: Any, presses: Any, matrices: Any, numbers: Any, contacts: Any, record: Any
 ) -> None:
@@ -338,11 +356,10 @@ def advance(
     state, seen = np.empty(2 * size), np.empty(size + cells)
     for i in range(size):
         state[i], state[size + i] = motion[1, i], motion[0, i]
-    free, impulse, held = np.empty(3), np.empty(3), constraint[0] == 0
+    free, impulse, pressed, held = np.empty(3), np.empty(3), np.empty(3), constraint[0] == 0
     for step in range(loads.size):
-        moved = state_matrix @ state
         for i in range(size + cells):
-            seen[i] = moved[i] + load[i] * loads[step]
+            seen[i] = load[i] * loads[step] + _dot(state_matrix[i], state)
         for i in range(cells):
             gap = normal[2] * aside[i, 1] + normal[0] * (state[size + cells + i] - state[size + i])
             free[0], free[1], free[2] = seen[size + i], length * rate * aside[i, 0], length * rate * aside[i, 2]
@@ -350,12 +367,12 @@ def advance(
                 impulse[k] = 0.0 if held else -length * presses[step, i] * normal[k]
                 free[k] += contact[i, k] * impulse[k]
             parts = _contact_impulses(free, length * presses[step, i], touch[i] - gap, contact[i], edges[i], constraint)
-            pressed = parts @ edges[i]
             for k in range(3):
+                pressed[k] = _dot(parts, edges[i, :, k])
                 impulse[k] += pressed[k]
             if record.shape[0] > 0:
-                record[step, 2 * size + i] = pressed @ tangent / length
-                record[step, 2 * size + cells + i] = np.sum(parts) / length
+                record[step, 2 * size + i] = _dot(pressed, tangent) / length
+                record[step, 2 * size + cells + i] = _dot(parts, np.ones(parts.size)) / length
             aside[i, 0] += contact[i, 1] * impulse[1]
             aside[i, 2] += contact[i, 2] * impulse[2]
             aside[i, 1] += length * aside[i, 2]
