@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
@@ -101,7 +102,7 @@ class Lane:
         """Whether contacts can open; then a state carries the gaps, see `State.normal_state`."""
         return self.preload is not None and (self.preload.opens or self.inclination != 0)
 
-    @property
+    @cached_property
     def axis(self) -> tuple[float, float]:
         """Direction of the row in the plane of the contacts, (cos, sin) of its angle."""
         return math.cos(self.direction), math.sin(self.direction)
