@@ -21,6 +21,12 @@ LONGEST_REASON = 500
 NOT_INSTALLED, UNREPRESENTABLE = "not installed", "cannot be represented"
 """How reasons begin where an engine has nothing to answer for: it is not there, or says that it lacks the ability."""
 
+RESOLVED_DB = 1e-3
+"""What a motion that is not certified may leave open of its transmittance to be compared all the same [dB].
+
+That is a hundredth of a percent of the amplitude, and less than the step of any scheme here.
+"""
+
 NamedNumbers = Mapping[str, tuple[float, ...]]
 """Numbers by name."""
 

@@ -4,22 +4,27 @@ import math
 import time
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-from engines.interface.engine import SteadyStateSolver
+import numpy as np
+
+from engines.interface.engine import Engine, SteadyStateSolver
 from engines.interface.law import ROUND_OFF_PERIOD, Law
-from engines.interface.registry import LAW_SUFFIX
+from engines.interface.registry import LAW_SUFFIX, law_of
 from engines.interface.variant import Variant
 from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
+from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.neighbours import orbits_from_balance, orbits_from_euler, residual_amplification
-from reference_lcp.steady.orbits import part_of, periodic_orbits
+from reference_lcp.steady.orbits import part_of, periodic_orbits, repetitions
+from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.runs.failures import NOT_FINITE, CheckedSimulation, check_trajectory, results_together
 from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
 from scenarios.runs.task import Recorded, Start, SteadyStateTask
 
 LAW_RESIDUAL = 0.1
@@ -37,7 +42,7 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     Those are variants of the reference and of laws themselves, presets whose steps are not modelled, and lanes that a
     law does not claim.
     """
-    law = stepped_by(variant) if is_warm_started(variant) else None
+    law = _supposed_law(variant)
     found: list[PeriodicOrbit | None] = [None] * len(lanes)
     claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
     if law is None or not claimed:
@@ -48,6 +53,14 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     for number, orbit in zip(claimed, orbits, strict=True):
         found[number] = orbit
     return found
+
+
+def _supposed_law(variant: Variant) -> Engine | Law | None:
+    """Give what a variant steps by, or what it would step by if its changed options did not matter."""
+    if not is_warm_started(variant):
+        return None
+    unchanged = variant.preset.unchanged
+    return stepped_by(variant) or (None if unchanged is None else law_of(unchanged))
 
 
 EULER = Variant("reference")
@@ -114,11 +127,12 @@ def _orbits(
         return periodic_orbits(simulation, steps, tolerance=tolerance)
     if start is Start.HARMONIC_BALANCE:
         return orbits_from_balance(simulation, steps, tolerance=tolerance)
-    orbits: dict[int, PeriodicOrbit] = {}
-    groups = defaultdict(list)
     laws = law_orbits(variant, lanes, steps)
+    orbits = _unsettled(simulation, variant, laws, steps)
+    groups, has_law = defaultdict(list), stepped_by(variant) is not None
     for lane, law in enumerate(laws):
-        groups[None if law is None else law.converged].append(lane)
+        if lane not in orbits:
+            groups[law.converged if has_law and law is not None else None].append(lane)
     for has_orbit, group in groups.items():
         begin = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
         part = part_of(simulation, group)
@@ -130,6 +144,32 @@ def _orbits(
             found = orbits_from_euler(part, steps, tolerance=tolerance, start=State.stack(begin), anew=False)
         orbits |= dict(zip(group, found, strict=True))
     return [orbits[lane] for lane in range(len(lanes))]
+
+
+def _unsettled(
+    simulation: CheckedSimulation, variant: Variant, laws: Sequence[PeriodicOrbit | None], steps: int
+) -> dict[int, PeriodicOrbit]:
+    """Give a period of the lanes that neither settle nor repeat by their law, where it is the law's to its bound.
+
+    Lanes whose transmittance the law's best period resolves are left to the engine: its own may be better.
+    """
+    law, orbits, tolerance = _supposed_law(variant), {}, variant.capabilities.residual
+    for lane, known in enumerate(laws):
+        if not isinstance(law, Law) or known is None or known.converged or _is_resolved(known):
+            continue
+        model, end = law.build([known.lane]), known.trajectory.end
+        (own,) = periodic_orbits(part_of(simulation, [lane]), steps, start=end, tolerance=tolerance, max_periods=1)
+        (predicted,) = model.run(end, 0, steps)
+        distance = np.max(np.abs(own.trajectory.positions - predicted.positions))
+        if distance <= law.bound_at(steps) * known.lane.drive.displacement_scale(known.lane.chain):
+            multiples, _, _ = repetitions(model, end, steps, LAW_RESIDUAL * tolerance)
+            if multiples == [0]:
+                orbits[lane] = replace(own, multiple=0)
+    return orbits
+
+
+def _is_resolved(orbit: PeriodicOrbit) -> bool:
+    return amplitude_in_db(orbit.residual, decibel(transmittance(orbit))) <= RESOLVED_DB
 
 
 def _result(variant: Variant, state: SteadyState, seconds: float, recorded: Recorded) -> Result:

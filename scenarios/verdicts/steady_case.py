@@ -14,7 +14,7 @@ from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import TimedTransition
 from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
 from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
-from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
 from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.finding import Comparison, Verdict
 from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, friction_effect, missing
@@ -48,12 +48,6 @@ the fourth costs the reference next to nothing.
 
 AMPLIFICATION_MARGIN = 2.0
 """On the amplification of the reference: an engine's contacts may stick for another part of the period."""
-
-RESOLVED_DB = 1e-3
-"""What a motion that is not certified may leave open of its transmittance to be compared all the same [dB].
-
-That is a hundredth of a percent of the amplitude, and less than the step of any scheme here.
-"""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.result import Result
+from scenarios.runs.result import RESOLVED_DB, Result
 from scenarios.verdicts.finding import (
     TRANSMITTANCE,
     Comparison,
@@ -20,7 +20,7 @@ from scenarios.verdicts.finding import (
 )
 from scenarios.verdicts.judge import missing
 from scenarios.verdicts.prediction import LawPeriod, with_predictions
-from scenarios.verdicts.steady_case import RESOLVED_DB, is_resolved
+from scenarios.verdicts.steady_case import is_resolved
 from tests.scenarios.conftest import WRONG, InProcess
 
 OWN_SCHEME = Variant("drake")
