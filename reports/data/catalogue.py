@@ -14,6 +14,7 @@ from scenarios.catalogue.scenes.base import SceneScenario
 from scenarios.catalogue.scenes.table import worst_numbers
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Task
@@ -63,9 +64,10 @@ def scene_numbers(store: ResultStore) -> pd.DataFrame:
     Columns ``engine``, ``number``, and ``default`` and ``recommended`` as `worst_numbers` gives them; nothing is run.
     """
     found: dict[Scenario, list[Finding]] = {}
+    stored = StoredResults(store)
     for scenario in CATALOGUE.values():
         if isinstance(scenario, SceneScenario):
-            watched = _Watched(store, StoredResults(store))
+            watched = _Watched(store, stored)
             findings = scenario.run(scenario.variants([]), watched)
             found[scenario] = [own for own in findings if own.variant in watched.known - watched.missing]
     if not any(found.values()):
@@ -87,11 +89,11 @@ def _outcomes(
     return {variant: _counted([own for own in findings if own.variant == variant]) for variant in shown}
 
 
-class _Watched(StoredResults):
+class _Watched(Evaluator):
     """Results of an evaluator; notes of which variants some are known, and of which some are missing."""
 
     def __init__(self, store: ResultStore, evaluator: Evaluator):
-        super().__init__(store)
+        super().__init__(store, InProcessExecutor())  # it gets no tasks
         self._evaluator = evaluator
         self.known: set[Variant] = set()
         self.missing: set[Variant] = set()

@@ -1,6 +1,7 @@
 """Parameters of a task: the chain in ratios, its excitation, the modulation of its normal force."""
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
@@ -101,10 +102,7 @@ class ChainRatios:
 
     def chain(self, friction_ratio: Ratio, base_amplitude: float = defaults.BASE_AMPLITUDE) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
-        ratios = dict(vars(self))
-        profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0", largest=LARGEST_PARAMETER)
-        bound = checked_array("friction_ratio", friction_ratio, ">= 0", largest=LARGEST_PARAMETER) * profile
-        return Chain.from_ratios(friction_ratio=bound, base_amplitude=base_amplitude, **ratios)
+        return _chain(self, friction_ratio, base_amplitude)
 
     def as_data(self) -> dict[str, Any]:
         """Give the ratios as plain data; those in which cells may differ beside the paper's are left out where not."""
@@ -112,6 +110,15 @@ class ChainRatios:
 
 
 _RATIOS = TypeAdapter(ChainRatios)
+
+
+@lru_cache(maxsize=256)
+def _chain(parameters: ChainRatios, friction_ratio: Ratio, base_amplitude: float) -> Chain:
+    """Build a chain, of which thousands of tasks have the same few."""
+    ratios = dict(vars(parameters))
+    profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0", largest=LARGEST_PARAMETER)
+    bound = checked_array("friction_ratio", friction_ratio, ">= 0", largest=LARGEST_PARAMETER) * profile
+    return Chain.from_ratios(friction_ratio=bound, base_amplitude=base_amplitude, **ratios)
 
 
 @dataclass(frozen=True, kw_only=True)
