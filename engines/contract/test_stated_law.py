@@ -117,10 +117,12 @@ def test_law_with_a_constant_off_by_a_hundredth_is_found_out(tested: Variant) ->
     law = law_of(tested.preset)
     if law is None:
         pytest.skip("it has no constants of its own")
+    lanes = [lane for lane in random_lanes() if law.unclaimed_reason(lane) is None]
+    own = _period(tested, lanes)
     for symbol, constant in law.constants.items():
         factor = 0.0 if constant.too_small_to_see else 1 + constant.visible_error
         wrong = replace(law, constants={**law.constants, symbol: replace(constant, value=factor * constant.value)})
-        distance = np.max(_distances(tested, wrong))
+        distance = np.max(_apart(lanes, own, _period(wrong, lanes)))
         moved = distance > law.period_bound
         assert moved != constant.too_small_to_see, f"{symbol} × {factor:g} makes {distance:.1g}"
 
@@ -132,14 +134,22 @@ def _distances(tested: Variant, expected: Engine | Law, given: Sequence[Lane] = 
     """
     law = law_of(tested.preset)
     lanes = [lane for lane in given or random_lanes() if law is None or law.unclaimed_reason(lane) is None]
-    state = scaled_state(lanes)
-    simulations: list[Simulation] = [tested.build(lanes), expected.build(lanes)]
-    runs = [simulation.run(state, 0, STEPS) for simulation in simulations]
-    for simulation in simulations:
-        simulation.close()
+    return _apart(lanes, _period(tested, lanes), _period(expected, lanes))
+
+
+def _period(what: Variant | Engine | Law, lanes: Sequence[Lane]) -> list[Trajectory]:
+    """Give a period of every lane from a random state."""
+    simulation = what.build(lanes)
+    runs = simulation.run(scaled_state(lanes), 0, STEPS)
+    simulation.close()
+    return runs
+
+
+def _apart(lanes: Sequence[Lane], runs: Sequence[Trajectory], others: Sequence[Trajectory]) -> FloatArray:
+    """Largest difference of positions, over the displacement scale, per lane."""
     return np.array(
         [
-            np.max(np.abs(run.positions - predicted.positions)) / lane.drive.displacement_scale(lane.chain)
-            for lane, run, predicted in zip(lanes, *runs, strict=True)
+            np.max(np.abs(run.positions - other.positions)) / lane.drive.displacement_scale(lane.chain)
+            for lane, run, other in zip(lanes, runs, others, strict=True)
         ]
     )
