@@ -15,21 +15,29 @@ import numba
 import numpy as np
 
 from reference_lcp.schemes.subnormals import flush_subnormals, restore
+from reference_lcp.schemes.vectors import (
+    WIDTH,
+    after,
+    before,
+    chosen,
+    clipped,
+    gathered,
+    multiply_add,
+    set_vector,
+    vector_at,
+)
 
-WIDTH = 8
-"""Columns: numbers of float64 in the widest vector register of usual processors, of 512 bits."""
+U, V, DU, DV, FRICTION = range(0, 5 * WIDTH, WIDTH)
+"""Where a row has u, v, u̇, v̇ and λ_T of the last step."""
 
-U, V, DU, DV, FRICTION, PULL = range(0, 6 * WIDTH, WIDTH)
-"""Where a row has u, v, u̇, v̇, λ_T of the last step, and the force of the chain element at the left of the cell."""
-
-CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING = range(6 * WIDTH, 10 * WIDTH, WIDTH)
-PER_OUTER, PER_INNER, REDUCED_MASS, BOUND, TIME_STEP = range(10 * WIDTH, 15 * WIDTH, WIDTH)
+CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING = range(5 * WIDTH, 9 * WIDTH, WIDTH)
+PER_OUTER, PER_INNER, REDUCED_MASS, BOUND = range(9 * WIDTH, 13 * WIDTH, WIDTH)
 """The same for the parameters; in row 0 the stiffness is 1 where a segment goes on from the one before, else 0."""
 
 PARAMETERS = 8
 """Parameters of a cell, in the order above; the time step is one of the lane."""
 
-ROW = 15 * WIDTH
+ROW = 13 * WIDTH
 
 TILE = 64
 """Rows that are copied together into a table and out of it: they stay in the second-level cache."""
@@ -38,52 +46,44 @@ _inlined = numba.njit(inline="always", nogil=True, error_model="numpy")
 
 
 @_inlined
-def _exchange(table: Any, last: int) -> None:
-    """Copy the ends of the segments to where their neighbours read them; zeros where a lane begins or ends."""
-    top = last + ROW
-    for j in range(WIDTH):
-        position, velocity = table[last + U + j - 1], table[last + DU + j - 1]
-        follows = table[CHAIN_STIFFNESS + j] > 0
-        table[U + j] = position if follows else 0.0
-        table[DU + j] = velocity if follows else 0.0
-    for j in range(WIDTH):
-        position, velocity = table[ROW + U + j + 1], table[ROW + DU + j + 1]
-        precedes = table[top + CHAIN_STIFFNESS + j] > 0
-        table[top + U + j] = position if precedes else 0.0
-        table[top + DU + j] = velocity if precedes else 0.0
+def _pull(table: Any, row: int, stretch: Any, rate: Any) -> Any:
+    """Force of the chain elements at the left of a cell of every column."""
+    damping = vector_at(table, row + CHAIN_DAMPING) * rate
+    return multiply_add(vector_at(table, row + CHAIN_STIFFNESS), stretch, damping)
 
 
 @_inlined
-def _pull_first(table: Any) -> None:
-    """Force of the first element of each column, less the load of the drive, which row 0 has as its pull."""
-    for j in range(WIDTH):
-        stretch, rate = table[ROW + U + j] - table[U + j], table[ROW + DU + j] - table[DU + j]
-        pull = table[ROW + CHAIN_STIFFNESS + j] * stretch + table[ROW + CHAIN_DAMPING + j] * rate
-        table[ROW + PULL + j] = pull - table[PULL + j]
-
-
-@_inlined
-def _step_row(table: Any, row: int) -> None:
-    """Equation (5), and (7) in closed form, for a cell of every column; forms the pull of the next cell on the way."""
-    after = row + ROW
-    for j in range(WIDTH):
-        u, v, du, dv = table[row + U + j], table[row + V + j], table[row + DU + j], table[row + DV + j]
-        stretch, rate = table[after + U + j] - u, table[after + DU + j] - du
-        following = table[after + CHAIN_STIFFNESS + j] * stretch + table[after + CHAIN_DAMPING + j] * rate
-        inner = table[row + INNER_STIFFNESS + j] * (v - u) + table[row + INNER_DAMPING + j] * (dv - du)
-        outer_free = du + table[row + PER_OUTER + j] * (following - table[row + PULL + j] + inner)
-        inner_free = dv - table[row + PER_INNER + j] * inner
-        force, bound = table[row + REDUCED_MASS + j] * (outer_free - inner_free), table[row + BOUND + j]
-        force = force if force < bound else bound
-        force = force if force > -bound else -bound
-        outer_end = outer_free - table[row + PER_OUTER + j] * force
-        inner_end = inner_free + table[row + PER_INNER + j] * force
-        table[after + PULL + j] = following
-        table[row + FRICTION + j] = force
-        table[row + DU + j] = outer_end
-        table[row + DV + j] = inner_end
-        table[row + U + j] = u + table[row + TIME_STEP + j] * outer_end
-        table[row + V + j] = v + table[row + TIME_STEP + j] * inner_end
+def _step(table: Any, rows: int, load: Any, time_step: Any, keeps: Any) -> None:
+    """Equation (5), and (7) in closed form, for a cell of every column, row after row."""
+    last, top = rows * ROW, (rows + 1) * ROW
+    follows, precedes = vector_at(table, CHAIN_STIFFNESS), vector_at(table, top + CHAIN_STIFFNESS)
+    rest = vector_at(table, U)
+    u, du = vector_at(table, ROW + U), vector_at(table, ROW + DU)
+    set_vector(table, top + U, chosen(precedes, after(u), rest))
+    set_vector(table, top + DU, chosen(precedes, after(du), rest))
+    base_u = chosen(follows, before(vector_at(table, last + U)), rest)
+    base_du = chosen(follows, before(vector_at(table, last + DU)), rest)
+    load = chosen(follows, rest, load)
+    pull = _pull(table, ROW, u - base_u, du - base_du) - load
+    for row in range(ROW, top, ROW):
+        v, dv = vector_at(table, row + V), vector_at(table, row + DV)
+        next_u, next_du = vector_at(table, row + ROW + U), vector_at(table, row + ROW + DU)
+        following = _pull(table, row + ROW, next_u - u, next_du - du)
+        inner = vector_at(table, row + INNER_DAMPING) * (dv - du)
+        inner = multiply_add(vector_at(table, row + INNER_STIFFNESS), v - u, inner)
+        per_outer, per_inner = vector_at(table, row + PER_OUTER), vector_at(table, row + PER_INNER)
+        outer_free = multiply_add(per_outer, following - pull + inner, du)
+        inner_free = multiply_add(per_inner, -inner, dv)
+        force = vector_at(table, row + REDUCED_MASS) * (outer_free - inner_free)
+        force = clipped(force, vector_at(table, row + BOUND))
+        outer_end, inner_end = multiply_add(per_outer, -force, outer_free), multiply_add(per_inner, force, inner_free)
+        set_vector(table, row + U, multiply_add(time_step, outer_end, u))
+        set_vector(table, row + V, multiply_add(time_step, inner_end, v))
+        set_vector(table, row + DU, outer_end)
+        set_vector(table, row + DV, inner_end)
+        if keeps:
+            set_vector(table, row + FRICTION, force)
+        u, du, pull = next_u, next_du, following
 
 
 _called = numba.njit(
@@ -101,7 +101,7 @@ def _empty_table(rows: int) -> Any:
 
 
 @_called
-def _table(x: Any, parameters: Any, time_step: Any, block: Any, segments: int, rows: int) -> Any:
+def _table(x: Any, parameters: Any, block: Any, segments: int, rows: int) -> Any:
     """Table of a block of lanes, at most eight columns; the last row has the parameters of the cell that follows."""
     table = _empty_table(rows)
     begin, lanes = block
@@ -117,8 +117,6 @@ def _table(x: Any, parameters: Any, time_step: Any, block: Any, segments: int, r
             for k in range(PARAMETERS):
                 for row in some:
                     table[at + row * ROW + CHAIN_STIFFNESS + k * WIDTH] = parameters[lane, k, first + row]
-            for row in some:
-                table[at + row * ROW + TIME_STEP] = time_step[lane]
     for column in range(lanes * segments):
         table[CHAIN_STIFFNESS + column] = 1.0 if column % segments else 0.0
     return table
@@ -153,23 +151,21 @@ def _advance_block(
 ) -> None:
     """Advance a block, its first lane and their number of at most eight; arguments as in `advance`."""
     first, lanes = block
-    cells, row_of_load = parameters.shape[2], load_rows[first:]
+    cells = parameters.shape[2]
     segments = WIDTH
     while segments * lanes > WIDTH:
         segments //= 2
     rows = (cells + segments - 1) // segments
-    table = _table(x, parameters, time_step, block, segments, rows)
+    table = _table(x, parameters, block, segments, rows)
+    keeps, places, lengths = record.shape[1] > 0, np.empty(WIDTH, np.int64), np.empty(WIDTH)
+    for column in range(WIDTH):
+        lane = first + min(column // segments, lanes - 1)
+        places[column], lengths[column] = load_rows[lane] * loads.shape[1], time_step[lane]
     for step in range(loads.shape[1]):
         if bounds.shape[0] > 0:
             _set_bounds(table, segments, rows, block, step, bounds)
-        for lane in range(lanes):
-            table[PULL + lane * segments] = loads[row_of_load[lane], step]
-        if segments > 1:
-            _exchange(table, rows * ROW)
-        _pull_first(table)
-        for row in range(1, rows + 1):
-            _step_row(table, row * ROW)
-        if record.shape[1] > 0:
+        _step(table, rows, gathered(loads, places, step), vector_at(lengths, 0), keeps)
+        if keeps:
             _copy_out(table, segments, rows, block, 5, cells, step, record)
     _copy_out(table, segments, rows, block, 4, cells, 0, x)
 
