@@ -44,7 +44,7 @@ class CompiledSimulation:
         springs = [of_cells(f"{place}_{kind}") for place in ("chain", "inner") for kind in ("stiffness", "damping")]
         bound = of_cells("friction_coefficient") * of_cells("normal_force")
         rows = [*springs, dt / outer, dt / inner, 1 / (1 / outer + 1 / inner) / dt, bound]
-        self._parameters = np.stack(rows, axis=1)
+        self._parameters = np.hstack(rows)[:, None]
         self._modulated = np.array([lane.preload is not None for lane in lanes])
         self._opens = np.array([lane.opens for lane in lanes])
         self._loads: tuple[tuple[int, int], FloatArray] = ((0, 0), np.empty((len(self.lanes), 0)))

@@ -2,11 +2,14 @@
 
 A column is a run of consecutive cells. Eight lanes have a column each; where there are fewer, a lane is cut into two,
 four or eight segments, so that a single chain advances eight of its cells at once. Every column does the same
-operations in the same order whatever the cut: the answers are the same to the last bit.
+operations in the same order whatever the cut: the answers are the same to the last bit. They are also the same on all
+processors that multiply and add with one rounding, and on all that do not; between the two they differ by round-off.
 
-A row of the table holds one cell of every column: eight numbers of each field, one field after the other. Row 0 and the
-last row belong to the neighbours at the ends of each column: the base and the free end, or the cells of the segments
-before and after it. Rows beyond the end of a lane are cells without springs and masses, which stay still.
+A row of a table holds one cell of every column: eight numbers of each field, one field after the other. One table has
+the state, another the parameters. Row 0 and the last row of the state belong to the neighbours at the ends of each
+column: the base and the free end, or the cells of the segments before and after it. Rows beyond the end of a lane are
+cells without springs and masses, which stay still. Long chains of equal cells have one row of parameters: what is not
+read again and again from memory is not waited for.
 """
 
 from typing import Any
@@ -28,16 +31,20 @@ from reference_lcp.schemes.vectors import (
 )
 
 U, V, DU, DV, FRICTION = range(0, 5 * WIDTH, WIDTH)
-"""Where a row has u, v, u̇, v̇ and λ_T of the last step."""
+"""Where a row of the state has u, v, u̇, v̇ and, where it is kept, λ_T of the last step."""
 
-CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING = range(5 * WIDTH, 9 * WIDTH, WIDTH)
-PER_OUTER, PER_INNER, REDUCED_MASS, BOUND = range(9 * WIDTH, 13 * WIDTH, WIDTH)
-"""The same for the parameters; in row 0 the stiffness is 1 where a segment goes on from the one before, else 0."""
+CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING = range(0, 4 * WIDTH, WIDTH)
+PER_OUTER, PER_INNER, REDUCED_MASS, BOUND = range(4 * WIDTH, 8 * WIDTH, WIDTH)
+"""The same for the parameters, from row 1 on."""
+
+FOLLOWS, PRECEDES = 0, WIDTH
+"""Where row 0 of the parameters has 1 if a segment goes on from the one before, or into the one after, else 0."""
 
 PARAMETERS = 8
 """Parameters of a cell, in the order above; the time step is one of the lane."""
 
-ROW = 13 * WIDTH
+CELL = PARAMETERS * WIDTH
+"""Numbers of a row of parameters."""
 
 TILE = 64
 """Rows that are copied together into a table and out of it: they stay in the second-level cache."""
@@ -46,44 +53,57 @@ _inlined = numba.njit(inline="always", nogil=True, error_model="numpy")
 
 
 @_inlined
-def _pull(table: Any, row: int, stretch: Any, rate: Any) -> Any:
+def _pull(parameters: Any, at: int, stretch: Any, rate: Any) -> Any:
     """Force of the chain elements at the left of a cell of every column."""
-    damping = vector_at(table, row + CHAIN_DAMPING) * rate
-    return multiply_add(vector_at(table, row + CHAIN_STIFFNESS), stretch, damping)
+    damping = vector_at(parameters, at + CHAIN_DAMPING) * rate
+    return multiply_add(vector_at(parameters, at + CHAIN_STIFFNESS), stretch, damping)
 
 
 @_inlined
-def _step(table: Any, rows: int, load: Any, time_step: Any, keeps: Any) -> None:
+def _pull_first(state: Any, parameters: Any, segments: int, top: int, size: int, load: Any) -> Any:
+    """Force at the left of the first cells, less the load of the drive; writes what is at the right of the last ones.
+
+    Beside the free end is a cell that moves as the last one does: nothing pulls there.
+    """
+    still, last = vector_at(state, U), top - size
+    u, du = vector_at(state, size + U), vector_at(state, size + DU)
+    left_u, left_du, right_u, right_du = still, still, vector_at(state, last + U), vector_at(state, last + DU)
+    if segments > 1:
+        follows, precedes = vector_at(parameters, FOLLOWS), vector_at(parameters, PRECEDES)
+        left_u, left_du = chosen(follows, before(right_u), still), chosen(follows, before(right_du), still)
+        right_u, right_du = chosen(precedes, after(u), right_u), chosen(precedes, after(du), right_du)
+        load = chosen(follows, still, load)
+    set_vector(state, top + U, right_u)
+    set_vector(state, top + DU, right_du)
+    return _pull(parameters, CELL, u - left_u, du - left_du) - load
+
+
+@_inlined
+def _step(state: Any, parameters: Any, shape: Any, load: Any, time_step: Any) -> None:
     """Equation (5), and (7) in closed form, for a cell of every column, row after row."""
-    last, top = rows * ROW, (rows + 1) * ROW
-    follows, precedes = vector_at(table, CHAIN_STIFFNESS), vector_at(table, top + CHAIN_STIFFNESS)
-    rest = vector_at(table, U)
-    u, du = vector_at(table, ROW + U), vector_at(table, ROW + DU)
-    set_vector(table, top + U, chosen(precedes, after(u), rest))
-    set_vector(table, top + DU, chosen(precedes, after(du), rest))
-    base_u = chosen(follows, before(vector_at(table, last + U)), rest)
-    base_du = chosen(follows, before(vector_at(table, last + DU)), rest)
-    load = chosen(follows, rest, load)
-    pull = _pull(table, ROW, u - base_u, du - base_du) - load
-    for row in range(ROW, top, ROW):
-        v, dv = vector_at(table, row + V), vector_at(table, row + DV)
-        next_u, next_du = vector_at(table, row + ROW + U), vector_at(table, row + ROW + DU)
-        following = _pull(table, row + ROW, next_u - u, next_du - du)
-        inner = vector_at(table, row + INNER_DAMPING) * (dv - du)
-        inner = multiply_add(vector_at(table, row + INNER_STIFFNESS), v - u, inner)
-        per_outer, per_inner = vector_at(table, row + PER_OUTER), vector_at(table, row + PER_INNER)
+    segments, rows, size, stride = shape
+    top, at = (rows + 1) * size, CELL
+    pull = _pull_first(state, parameters, segments, top, size, load)
+    u, du = vector_at(state, size + U), vector_at(state, size + DU)
+    for row in range(size, top, size):
+        v, dv = vector_at(state, row + V), vector_at(state, row + DV)
+        next_u, next_du = vector_at(state, row + size + U), vector_at(state, row + size + DU)
+        following = _pull(parameters, at + stride, next_u - u, next_du - du)
+        inner = vector_at(parameters, at + INNER_DAMPING) * (dv - du)
+        inner = multiply_add(vector_at(parameters, at + INNER_STIFFNESS), v - u, inner)
+        per_outer, per_inner = vector_at(parameters, at + PER_OUTER), vector_at(parameters, at + PER_INNER)
         outer_free = multiply_add(per_outer, following - pull + inner, du)
         inner_free = multiply_add(per_inner, -inner, dv)
-        force = vector_at(table, row + REDUCED_MASS) * (outer_free - inner_free)
-        force = clipped(force, vector_at(table, row + BOUND))
+        force = vector_at(parameters, at + REDUCED_MASS) * (outer_free - inner_free)
+        force = clipped(force, vector_at(parameters, at + BOUND))
         outer_end, inner_end = multiply_add(per_outer, -force, outer_free), multiply_add(per_inner, force, inner_free)
-        set_vector(table, row + U, multiply_add(time_step, outer_end, u))
-        set_vector(table, row + V, multiply_add(time_step, inner_end, v))
-        set_vector(table, row + DU, outer_end)
-        set_vector(table, row + DV, inner_end)
-        if keeps:
-            set_vector(table, row + FRICTION, force)
-        u, du, pull = next_u, next_du, following
+        set_vector(state, row + U, multiply_add(time_step, outer_end, u))
+        set_vector(state, row + V, multiply_add(time_step, inner_end, v))
+        set_vector(state, row + DU, outer_end)
+        set_vector(state, row + DV, inner_end)
+        if size > FRICTION:
+            set_vector(state, row + FRICTION, force)
+        u, du, pull, at = next_u, next_du, following, at + stride
 
 
 _called = numba.njit(
@@ -93,56 +113,75 @@ _called = numba.njit(
 
 
 @_called
-def _empty_table(rows: int) -> Any:
-    """Table of so many rows of cells, all zero, that begins at a cache line: no vector is split between two."""
-    room = np.zeros((rows + 2) * ROW + WIDTH)
+def _table(numbers: Any, fields: int, cut: Any, rows: int, size: int) -> Any:
+    """Table of a block of lanes, at most eight columns, with so many rows of cells from row 1 on, and zeros elsewhere.
+
+    The `numbers`, shape (lanes, 1, fields n), are those of every cell. The table begins at a cache line: no vector is
+    split between two.
+    """
+    room = np.zeros((rows + 2) * size + WIDTH)
     ahead = -(room.ctypes.data // room.itemsize) % WIDTH
-    return room[ahead : ahead + (rows + 2) * ROW]
-
-
-@_called
-def _table(x: Any, parameters: Any, block: Any, segments: int, rows: int) -> Any:
-    """Table of a block of lanes, at most eight columns; the last row has the parameters of the cell that follows."""
-    table = _empty_table(rows)
-    begin, lanes = block
-    cells = parameters.shape[2]
-    for tile in range(0, rows + 1, TILE):
+    table = room[ahead : ahead + (rows + 2) * size]
+    begin, lanes, segments, length = cut
+    cells = numbers.shape[2] // fields
+    for tile in range(0, rows, TILE):
         for column in range(lanes * segments):
-            lane, segment = begin + column // segments, column % segments
-            first, at = segment * rows, ROW + column
-            some = range(tile, min(tile + TILE, rows + 1, cells - first))
-            for k in range(4):
-                for row in some:
-                    table[at + row * ROW + k * WIDTH] = x[lane, 0, k * cells + first + row]
-            for k in range(PARAMETERS):
-                for row in some:
-                    table[at + row * ROW + CHAIN_STIFFNESS + k * WIDTH] = parameters[lane, k, first + row]
-    for column in range(lanes * segments):
-        table[CHAIN_STIFFNESS + column] = 1.0 if column % segments else 0.0
+            lane, first, at = begin + column // segments, column % segments * length, size + column
+            for k in range(fields):
+                for row in range(tile, min(tile + TILE, rows, cells - first)):
+                    table[at + row * size + k * WIDTH] = numbers[lane, 0, k * cells + first + row]
     return table
 
 
 @_called
-def _copy_out(table: Any, segments: int, rows: int, block: Any, fields: int, cells: int, step: int, out: Any) -> None:
+def _parameter_table(parameters: Any, cut: Any, rows: int) -> Any:
+    _, lanes, segments, length = cut
+    table = _table(parameters, PARAMETERS, cut, rows, CELL)
+    for column in range(lanes * segments):
+        segment = column % segments
+        table[FOLLOWS + column] = 1.0 if segment > 0 else 0.0
+        goes_on = segment + 1 < segments and (segment + 1) * length * PARAMETERS < parameters.shape[2]
+        table[PRECEDES + column] = 1.0 if goes_on else 0.0
+    return table
+
+
+@_called
+def _are_equal(parameters: Any, cut: Any) -> bool:
+    """Whether the cells of each lane are equal, and fill their columns."""
+    begin, lanes, segments, length = cut
+    cells = parameters.shape[2] // PARAMETERS
+    if segments * length > cells:
+        return False
+    for lane in range(begin, begin + lanes):
+        for k in range(0, parameters.shape[2], cells):
+            for cell in range(1, cells):
+                if parameters[lane, 0, k + cell] != parameters[lane, 0, k]:
+                    return False
+    return True
+
+
+@_called
+def _copy_out(state: Any, fields: int, cut: Any, size: int, step: int, out: Any) -> None:
     """Copy the first fields of all cells of a block to `out` (lanes, steps, fields n), at one step."""
-    begin, lanes = block
-    for tile in range(0, rows, TILE):
+    begin, lanes, segments, length = cut
+    cells = out.shape[2] // fields
+    for tile in range(0, length, TILE):
         for lane in range(lanes):
             to = out[begin + lane, step]
             for k in range(fields):
                 for segment in range(segments):
-                    at, first = ROW + k * WIDTH + lane * segments + segment, segment * rows
-                    for row in range(tile, min(tile + TILE, rows, cells - first)):
-                        to[k * cells + first + row] = table[at + row * ROW]
+                    at, first = size + k * WIDTH + lane * segments + segment, segment * length
+                    for row in range(tile, min(tile + TILE, length, cells - first)):
+                        to[k * cells + first + row] = state[at + row * size]
 
 
 @_called
-def _set_bounds(table: Any, segments: int, rows: int, block: Any, step: int, bounds: Any) -> None:
-    begin, lanes = block
+def _set_bounds(parameters: Any, cut: Any, step: int, bounds: Any) -> None:
+    begin, lanes, segments, length = cut
     for cell in range(bounds.shape[1]):
         for lane in range(lanes):
-            at = (1 + cell % rows) * ROW + lane * segments + cell // rows
-            table[at + BOUND] = bounds[step, cell, begin + lane]
+            at = (1 + cell % length) * CELL + lane * segments + cell // length
+            parameters[at + BOUND] = bounds[step, cell, begin + lane]
 
 
 @_called
@@ -151,30 +190,33 @@ def _advance_block(
 ) -> None:
     """Advance a block, its first lane and their number of at most eight; arguments as in `advance`."""
     first, lanes = block
-    cells = parameters.shape[2]
     segments = WIDTH
     while segments * lanes > WIDTH:
         segments //= 2
-    rows = (cells + segments - 1) // segments
-    table = _table(x, parameters, block, segments, rows)
-    keeps, places, lengths = record.shape[1] > 0, np.empty(WIDTH, np.int64), np.empty(WIDTH)
+    rows = (x.shape[2] // 4 + segments - 1) // segments
+    cut, kept = (first, lanes, segments, rows), 5 if record.shape[1] > 0 else 4
+    state = _table(x, 4, cut, rows, kept * WIDTH)
+    one_row = bounds.shape[0] == 0 and _are_equal(parameters, cut)
+    table = _parameter_table(parameters, cut, 1 if one_row else rows + 1)
+    shape = segments, rows, kept * WIDTH, 0 if one_row else CELL
+    places, lengths = np.empty(WIDTH, np.int64), np.empty(WIDTH)
     for column in range(WIDTH):
         lane = first + min(column // segments, lanes - 1)
         places[column], lengths[column] = load_rows[lane] * loads.shape[1], time_step[lane]
     for step in range(loads.shape[1]):
         if bounds.shape[0] > 0:
-            _set_bounds(table, segments, rows, block, step, bounds)
-        _step(table, rows, gathered(loads, places, step), vector_at(lengths, 0), keeps)
-        if keeps:
-            _copy_out(table, segments, rows, block, 5, cells, step, record)
-    _copy_out(table, segments, rows, block, 4, cells, 0, x)
+            _set_bounds(table, cut, step, bounds)
+        _step(state, table, shape, gathered(loads, places, step), vector_at(lengths, 0))
+        if kept > 4:
+            _copy_out(state, kept, cut, kept * WIDTH, step, record)
+    _copy_out(state, 4, cut, kept * WIDTH, 0, x)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def advance(x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any, bounds: Any, record: Any) -> None:
     """Advance every lane, in place, in blocks of at most eight.
 
-    The state `x`, shape (lanes, 1, 4n), holds u, v, u̇, v̇; `parameters` (lanes, 8, n) those of `PARAMETERS`;
+    The state `x`, shape (lanes, 1, 4n), holds u, v, u̇, v̇; `parameters` (lanes, 1, 8n) those of `PARAMETERS`;
     `load_rows` the row of each lane in `loads`, the force on cell 1 at the start of each step. `bounds` (steps, n,
     lanes) has no steps where the friction bounds of the parameters always hold; `record` (lanes, steps, 5n) receives x
     and λ_T at the end of each step, and has no steps when nothing is kept.

@@ -27,9 +27,9 @@ ROUND_OFF = 1e-13
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 11))
 def test_lemke_and_the_closed_form_agree_at_every_step_to_round_off(seed, cells) -> None:
-    """From the same state, step after step, also where contacts change between stick and slip."""
+    """From the same state, step after step, also where contacts change between stick and slip; with equal cells too."""
     rng = np.random.default_rng(seed)
-    chain = random_chain(rng, cells)
+    chain = random_chain(rng, cells) if seed % 2 else Chain.from_ratios(cells=cells, friction_ratio=0.3)
     drive = HarmonicBase(0.01, rng.uniform(5, 60))
     lane = Lane.periodic(chain, drive, 400)
     lemke, compiled = LemkeSimulation([lane]), CompiledSimulation([lane])
@@ -71,6 +71,20 @@ def test_a_chain_cut_into_segments_moves_bitwise_as_one_beside_others(seed, lane
         assert np.array_equal(alone.friction, trajectories[lane].friction)
         assert np.array_equal(alone.positions[-1], ends.positions[lane])
         assert np.array_equal(alone.velocities[-1], ends.velocities[lane])
+
+
+@pytest.mark.parametrize("cells", [8, 24, 27, 80])
+def test_equal_cells_move_bitwise_as_they_do_beside_cells_that_are_not(cells) -> None:
+    """Alone their parameters are read from one row, beside a graded chain from a row of each cell."""
+    rng = np.random.default_rng(cells)
+    equal, graded = Chain.from_ratios(cells=cells, friction_ratio=0.3), random_chain(rng, cells)
+    lanes = [Lane.periodic(chain, HarmonicBase.from_ratio(equal, 0.9), 400) for chain in (equal, graded)]
+    state = State(rng.normal(0, 0.01, (2, 2 * cells)), rng.normal(0, 0.1, (2, 2 * cells)))
+    together = CompiledSimulation(lanes).advance(state, 3, 100)
+    alone = CompiledSimulation(lanes[:1]).advance(state.subset([0]), 3, 100)
+    assert np.array_equal(alone.positions[0], together.positions[0])
+    assert np.array_equal(alone.velocities[0], together.velocities[0])
+    assert not np.array_equal(alone.positions[0], together.positions[1])
 
 
 def test_a_lane_that_diverges_leaves_the_others_alone() -> None:

@@ -1,0 +1,78 @@
+"""Vectors of eight numbers in compiled code do what NumPy does with eight numbers."""
+
+import numba
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from reference_lcp.schemes.vectors import (
+    WIDTH,
+    after,
+    before,
+    chosen,
+    clipped,
+    gathered,
+    multiply_add,
+    set_vector,
+    vector_at,
+)
+
+A, B = np.random.default_rng(0).normal(size=(2, WIDTH))
+EXACT = np.arange(1.0, 1 + WIDTH)  # products and sums of small integers are not rounded
+
+
+def compiled(operation, *numbers):
+    """Give what an operation makes of vectors."""
+    operation = numba.njit(operation)
+
+    @numba.njit
+    def run(table):
+        set_vector(table, 0, operation(vector_at(table, 0), vector_at(table, 8), vector_at(table, 16)))
+
+    table = np.concatenate([*numbers, np.zeros((4 - len(numbers)) * WIDTH)])
+    run(table)
+    assert_array_equal(table[WIDTH:], np.concatenate([*numbers, np.zeros((4 - len(numbers)) * WIDTH)])[WIDTH:])
+    return table[:WIDTH]
+
+
+@pytest.mark.parametrize(
+    ("operation", "numbers", "expected"),
+    [
+        (lambda a, b, _: a + b, (A, B), A + B),
+        (lambda a, b, _: a - b, (A, B), A - B),
+        (lambda a, b, _: a * b, (A, B), A * B),
+        (lambda a, _, __: -a, (A,), -A),
+        (lambda a, b, c: multiply_add(c, b, a), (EXACT, 2 * EXACT, EXACT), 2 * EXACT**2 + EXACT),
+        (lambda a, b, _: clipped(a, b), (A, np.abs(B)), np.clip(A, -np.abs(B), np.abs(B))),
+        (lambda a, b, c: chosen(b, a, c), (A, B, EXACT), np.where(B > 0, A, EXACT)),
+        (lambda a, _, __: before(a), (A,), np.roll(A, 1)),
+        (lambda a, _, __: after(a), (A,), np.roll(A, -1)),
+    ],
+)
+def test_an_operation_acts_on_every_number(operation, numbers, expected) -> None:
+    assert_array_equal(compiled(operation, *numbers), expected)
+    with pytest.raises(AssertionError):
+        assert_array_equal(compiled(operation, *numbers[:-1], numbers[-1][::-1].copy()), expected)
+
+
+def test_numbers_are_gathered_from_their_places_and_an_index() -> None:
+    places, rows = np.array([8, 0, 0, 4, 12, 8, 4, 0]), np.random.default_rng(1).normal(size=(4, 4))
+
+    @numba.njit
+    def run(rows, places, index, given):
+        set_vector(given, 0, gathered(rows, places, index))
+
+    given = np.zeros(WIDTH)
+    run(rows, places, 3, given)
+    assert_array_equal(given, rows[places // 4, 3])
+    assert not np.array_equal(given, rows[places // 4, 2])
+
+
+def test_vectors_begin_anywhere() -> None:
+    @numba.njit
+    def run(table):
+        set_vector(table, 11, vector_at(table, 3))
+
+    table = np.arange(20.0)
+    run(table)
+    assert_array_equal(table, [*range(11), *range(3, 11), 19])
