@@ -162,26 +162,30 @@ def _are_equal(parameters: Any, cut: Any) -> bool:
 
 @_called
 def _copy_out(state: Any, fields: int, cut: Any, size: int, step: int, out: Any) -> None:
-    """Copy the first fields of all cells of a block to `out` (lanes, steps, fields n), at one step."""
+    """Copy four fields of all cells of a block, or five with λ_T, to one step of `out` (lanes, steps, fields n)."""
     begin, lanes, segments, length = cut
     cells = out.shape[2] // fields
     for tile in range(0, length, TILE):
         for lane in range(lanes):
             to = out[begin + lane, step]
-            for k in range(fields):
-                for segment in range(segments):
-                    at, first = size + k * WIDTH + lane * segments + segment, segment * length
-                    for row in range(tile, min(tile + TILE, length, cells - first)):
-                        to[k * cells + first + row] = state[at + row * size]
+            for segment in range(segments):
+                at, first = size + lane * segments + segment, segment * length
+                for row in range(tile, min(tile + TILE, length, cells - first)):
+                    place, cell = at + row * size, first + row
+                    to[cell], to[cells + cell] = state[place + U], state[place + V]
+                    to[2 * cells + cell], to[3 * cells + cell] = state[place + DU], state[place + DV]
+                    if fields > 4:
+                        to[4 * cells + cell] = state[place + FRICTION]
 
 
 @_called
 def _set_bounds(parameters: Any, cut: Any, step: int, bounds: Any) -> None:
     begin, lanes, segments, length = cut
-    for cell in range(bounds.shape[1]):
-        for lane in range(lanes):
-            at = (1 + cell % length) * CELL + lane * segments + cell // length
-            parameters[at + BOUND] = bounds[step, cell, begin + lane]
+    for lane in range(lanes):
+        for segment in range(segments):
+            at, first = CELL + BOUND + lane * segments + segment, segment * length
+            for row in range(min(length, bounds.shape[1] - first)):
+                parameters[at + row * CELL] = bounds[step, first + row, begin + lane]
 
 
 @_called
