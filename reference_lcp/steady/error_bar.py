@@ -39,8 +39,8 @@ MARGINAL_STEPS = 3
 """Steps before a reversal in which a force below its bound would have held the contact, and which leave open whether it
 sticks there for a moment: the scheme stops contacts a step or two early or late, and steps of any size may agree."""
 
-BATCH = 900
-"""Cells of orbits that are refined together: more save no time, and take memory."""
+BATCH = 450
+"""Cells of orbits that are refined together: records of more, over 32 MB, are new memory each time, which is slow."""
 
 
 @dataclass(frozen=True)
@@ -216,15 +216,20 @@ def _marginal_reversals(
 
     The force that would have held a contact is that on it, less what has changed its relative velocity.
     """
-    trajectory, chain = orbit.trajectory, orbit.lane.chain
+    trajectory, chain, time_step = orbit.trajectory, orbit.lane.chain, orbit.lane.time_step
+    steps, cells = np.nonzero(modes * np.roll(modes, 1, axis=0) == -1)
+    before = (steps - np.arange(1, MARGINAL_STEPS + 1)[:, None]) % trajectory.steps
     slip = trajectory.relative_velocity
     mass = chain.inner_mass * chain.outer_mass / (chain.inner_mass + chain.outer_mass)
-    held = trajectory.friction - mass * (slip - np.roll(slip, 1, axis=0)) / orbit.lane.time_step
-    within = np.abs(held) < chain.friction_coefficient * trajectory.normal_force
-    marginal = np.any([np.roll(within, before, axis=0) for before in range(1, MARGINAL_STEPS + 1)], axis=0)
-    found = marginal & (modes * np.roll(modes, 1, axis=0) == -1)
-    places = [round(change.time / orbit.lane.time_step) % trajectory.steps for change in changes]
-    return [change for change, step in zip(changes, places, strict=True) if found[step, change.cell - 1]]
+    held = (
+        trajectory.friction[before, cells] - mass[cells] * (slip[before, cells] - slip[before - 1, cells]) / time_step
+    )
+    within = np.abs(held) < chain.friction_coefficient[cells] * trajectory.normal_force[before, cells]
+    marginal = np.any(within, axis=0)
+    found = set(zip(steps[marginal].tolist(), cells[marginal].tolist(), strict=True))
+    return [
+        change for change in changes if (round(change.time / time_step) % trajectory.steps, change.cell - 1) in found
+    ]
 
 
 def _transition_times(
@@ -245,7 +250,8 @@ def _transition_times(
         match = match_transitions(observed[number], judged, period)
         for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
             times[number, index[expected]] = expected[1] + error * period
-        missing.extend(match_transitions(match.spurious, missing, period).spurious)
+        if match.spurious:
+            missing.extend(match_transitions(match.spurious, missing, period).spurious)
     times[:, [index[change] for change in marginal]] = np.nan
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
 
