@@ -168,11 +168,19 @@ def refuse_shadows() -> None:
             raise SystemExit(ExitCode.WRONG_INPUT)
 
 
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Environment of commands, which time one core, and of worker processes. The suite runs these side by side, one a
+processor, where threads of linear algebra slow each other down; and a process that workers are forked from must have no
+other thread."""
+
+
 def run_command(app: "typer.Typer", arguments: list[str] | None = None) -> int:
     """Run a command line and give its `ExitCode`."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # an output in ASCII has no μ
+    for name, count in ONE_THREAD.items():
+        os.environ.setdefault(name, count)
     os.environ["MPLBACKEND"] = "agg"  # commands draw into files; a backend that there is not ends matplotlib
     with closing_on_interrupt():
         try:

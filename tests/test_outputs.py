@@ -40,6 +40,7 @@ ONTO_WHAT_IS_USED = [
     "run record --engine reference --record record.csv --out record.csv",
     "run accuracy --engine reference --store kept.csv --out kept.csv",
     "run cost --engine reference --out kept.csv",
+    "run work-precision --engine reference --store kept.csv --out kept.csv",
     "compare kept.csv hard.csv --out kept.csv",
     "compare kept.csv hard.csv --out link.csv",
     "report --quick --store rep/transmittance.csv --out rep",

@@ -17,6 +17,7 @@ from typing import Any, BinaryIO
 
 from engines.isolated.worker import Message, NotAMessage, read_message, write_message
 from reference_lcp.errors import ParameterError
+from reference_lcp.process import ONE_THREAD
 from reference_lcp.terminal import visible
 
 FATAL = "Fatal Python error: "
@@ -43,10 +44,6 @@ LAST_LINES = 5
 
 LONGEST_LINE = 200
 """Characters of a line that it quotes."""
-
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""Environment of worker processes. The suite runs them side by side, one a processor, where threads of linear algebra
-slow each other down; and a process that workers are forked from must have no other thread."""
 
 CACHE_VARIABLES = ("HOME", "XDG_CACHE_HOME")
 """Where engines that compile keep what they have compiled; one that finds no home may end the process."""

@@ -5,6 +5,7 @@ the drive; friction is taken in time, and brought back (T. M. Cameron and J. H. 
 Coulomb's law is smoothed, λ = −μ λ_N ẇ / √(ẇ² + ε²), and Newton's method follows the solution while ε falls.
 """
 
+import itertools
 import timeit
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -38,8 +39,10 @@ SUBNORMAL = 1e-310  # m, below the normal numbers
 CELL_STEPS_OF_A_SAMPLE = 10_000_000
 LCPS_OF_A_SAMPLE = 1_000
 
-FRICTION_RATIOS = (0.1, 0.3, 1.0)
-FREQUENCY_RATIOS = (0.5, 0.7, 0.9, 1.1, 1.4)
+POINTS = tuple(itertools.product((0.1, 0.3, 1.0), (0.5, 0.7, 0.9, 1.1, 1.4)))
+
+HARMONIC_BALANCE = "harmonic balance"
+"""Name of the method."""
 
 HARMONICS = 8  # odd ones, 1 to 15
 BALANCE_SAMPLES = 128  # phases of a period at which friction is taken
@@ -153,11 +156,12 @@ def _figure3() -> tuple[float, float, int]:
     return seconds, max(orbit.residual for orbit in orbits), len(curve)
 
 
-def bench_points(
-    friction_ratios: Sequence[float] = FRICTION_RATIOS, frequency_ratios: Sequence[float] = FREQUENCY_RATIOS
-) -> list[dict[str, Any]]:
-    """Measure cost and error of several methods at the same points, on one core, with compilation left out."""
-    lanes = [canonical_lane(friction, ratio) for friction in friction_ratios for ratio in frequency_ratios]
+def bench_points(points: Sequence[tuple[float, float]] = POINTS) -> list[dict[str, Any]]:
+    """Measure cost and error of several methods at points (friction, frequency ratio), on one core, once compiled.
+
+    A point has failed where harmonic balance finds nothing, or the scheme's steady state is not certified.
+    """
+    lanes = [canonical_lane(*point) for point in points]
     begin = timeit.default_timer()
     exact = np.array([decibel(transmittance(exact_orbit(lane.chain, lane.drive)[0])) for lane in lanes])  # type: ignore[arg-type]
     seconds = (timeit.default_timer() - begin) / len(lanes)
@@ -166,7 +170,7 @@ def bench_points(
     def scheme(*, with_bars: bool) -> list[list[float]]:
         orbits = periodic_orbits(CompiledSimulation(lanes), steps)
         bars = [[bar.transmittance_db for bar in measured_error_bars(orbits)]] if with_bars else []
-        return [[decibel(transmittance(orbit)) for orbit in orbits], *bars]
+        return [[decibel(transmittance(orbit)) if orbit.converged else np.nan for orbit in orbits], *bars]
 
     def balance() -> list[list[float]]:
         return [[decibel(balanced_transmittance(lane, steps)) for lane in lanes]]
@@ -178,7 +182,7 @@ def bench_points(
     return [
         measured(f"scheme, {steps} steps", partial(scheme, with_bars=False)),
         measured("scheme with error bar", partial(scheme, with_bars=True)),
-        measured("harmonic balance", balance),
+        measured(HARMONIC_BALANCE, balance),
         _row("exact", seconds, np.zeros(len(lanes)), None),
     ]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,6 +20,7 @@ from scenarios.studies import COST_SECONDS
 
 if TYPE_CHECKING:
     from engines.interface.variant import Variant
+    from reports.drawing.figure import Figure
     from scenarios.catalogue.verdict_table import Results
     from scenarios.runs.evaluator import Evaluator
     from scenarios.studies.claims import Conclusions
@@ -42,6 +43,8 @@ FIGURE3 = "figure3"
 ENDINGS, TABLE_ENDINGS = (".md", ".json", ".xml", ".csv"), (".md", ".csv")
 """Formats of verdicts, and of tables."""
 
+CHART_ENDINGS = (".svg", ".pdf", ".png")
+
 TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
 
 EXPERIMENTS = {
@@ -49,6 +52,7 @@ EXPERIMENTS = {
     "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
     "cost": "What do a step and a steady state cost in each engine, and how much faster are two workers?",
     "proofs": "What is the exact transmittance at every point of the standard grids, proven?",
+    "work-precision": "How large is each engine's error to the proven truth, over the time of a simulated second?",
     "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
 }
 
@@ -365,6 +369,63 @@ def measure_cost(
 
 
 @app.command()
+@grouped
+def work_precision(
+    engines: Engines,
+    *,
+    steps: Annotated[
+        list[int] | None,
+        typer.Option(help="Steps a period; may be repeated. Without it, 50, 100, 200, 400 and 800.", metavar="N"),
+    ] = None,
+    store: Store = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Write both tables here as .md, the first in full as .csv, the chart as .svg, .pdf or .png; may be "
+            "repeated."
+        ),
+    ] = None,
+    work: Work,
+) -> None:
+    """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
+
+    Steady states a second of the reference stand beside those of harmonic balance. All times are measured at the end,
+    on one core with nothing else running, none is of --store; a step is one of a single chain. Batches of many worlds:
+    run cost --lanes.
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
+    """
+    from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
+    from reference_lcp.studies.bench import bench_points
+    from reference_lcp.validation import MOST_STEPS, checked_count
+    from scenarios.studies import work_precision as study
+    from scenarios.studies.accuracy import SIX_POINTS
+    from scenarios.studies.figure3 import figure3
+    from scenarios.tables import print_table, text_table
+    from scenarios.verdicts.steady_case import EXACT
+
+    chosen = steps or study.USUAL_STEPS
+    counts = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in chosen})
+    sweep = figure3([variant for variant in engines.variants() if variant != EXACT])
+    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
+    with work.evaluator(store, sweep.variants) as evaluator:
+        studied = study.step_study(sweep.variants, evaluator, steps=counts)
+    points, methods = study.timed_now(studied), bench_points(SIX_POINTS)
+    command = engines.command("work-precision", [f"--steps={count}" for count in steps or ()])
+    _end(None, study.WORK_COLUMNS, study.PRINTED_COLUMNS, points, remarks=study.remarks(points))
+    print_table(text_table(study.METHOD_COLUMNS, methods))
+    for file in (each for each in outs if each.suffix in TABLE_ENDINGS):
+        _write_table(file, study.WORK_COLUMNS, points, study.document(points, methods, command))
+    charts = [each for each in outs if each.suffix in CHART_ENDINGS]
+    if charts:
+        from reports.figures.errors import curves, speed_figure
+
+        _write_charts(charts, speed_figure(sweep, curves(points), study.balance_error(methods)))
+
+
+@app.command()
 def proofs(
     *,
     sample: Annotated[int | None, typer.Option(help="Prove so many points at random instead of all.")] = None,
@@ -449,10 +510,25 @@ def _end(
     tables.print_table(text)
     for remark in remarks:
         print(visible(remark))
-    if out is not None and out.suffix == ".csv":
-        write_whole(out, tables.csv_text(tables.full_table(columns, rows)))
-    elif out is not None:
-        write_whole(out, document() if document is not None else "\n".join([*tables.markdown_lines(text), ""]))
+    if out is not None:
+        written = document() if document is not None else "\n".join([*tables.markdown_lines(text), ""])
+        _write_table(out, columns, rows, written)
+
+
+def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row], document: str) -> None:
+    """Write a table in full as CSV, or else a document with it."""
+    from scenarios.tables import csv_text, full_table
+
+    write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)
+
+
+def _write_charts(outs: Sequence[Path], figure: Figure) -> None:
+    """Draw a figure once, and write it in the format of each file."""
+    from reports.drawing.matplotlib_backend import print_files
+
+    files = print_files(replace(figure, dense=True))  # in pixels too
+    for out in outs:
+        write_whole(out, files[out.suffix[1:]])
 
 
 def _measured(variants: Sequence[Variant], measure: Callable[[Variant], Sequence[Row]]) -> list[Row]:

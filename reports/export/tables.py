@@ -9,8 +9,8 @@ from reports.data.options import option_table
 from reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, transition_table, written
 from reports.data.report import Report
 from scenarios.studies.scale import ScalePoint
-from scenarios.studies.work_precision import StepPoint
-from scenarios.tables import csv_text, json_text, records
+from scenarios.studies.work_precision import STEP_COLUMNS
+from scenarios.tables import csv_text, full_table, json_text, records
 
 HEADLINE_COLUMNS = (
     "frequency_ratio", "steps_per_period", "status", "transmittance_db", "truth_db", "truth_error_db", "error_db",
@@ -27,22 +27,6 @@ def catalogue_table(known: Outcomes) -> pd.DataFrame:
         for variant, counts in own.items()
     ]
     return pd.DataFrame(rows, columns=["scenario", *NAMES, *map(str, Outcome)])
-
-
-def step_table(steps: Sequence[StepPoint]) -> pd.DataFrame:
-    """Error and cost of every variant by its steps a period."""
-    rows = [
-        (
-            *names_of(point.variant).values(), point.steps_per_period, point.error_db, point.step_seconds,
-            point.seconds, point.certified, point.evaluated, point.reason,
-        )
-        for point in steps
-    ]  # fmt: skip
-    columns = (
-        "steps_per_period", "largest_error_db", "step_s", "steady_state_s", "points_certified", "points_evaluated",
-        "reason",
-    )  # fmt: skip
-    return pd.DataFrame(rows, columns=[*NAMES, *columns], dtype=object)
 
 
 def scale_table(points: Sequence[ScalePoint]) -> pd.DataFrame:
@@ -75,7 +59,7 @@ def table_files(report: Report) -> dict[str, str]:
         "transitions.csv": csv_text(transition_table(result)),
         "catalogue.csv": csv_text(catalogue_table(report.catalogue)),
         "options.csv": csv_text(option_table(report.option_curves, report.single_options)),
-        "work_precision.csv": csv_text(step_table(report.steps or ())),
+        "work_precision.csv": csv_text(full_table(STEP_COLUMNS, report.steps or ())),
         "scale.csv": csv_text(scale_table(report.scale)),
         "report.json": json_text(content),
     }

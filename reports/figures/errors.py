@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -180,6 +181,8 @@ SMALLEST_DB = 1e-5
 MOST_VECTOR_POINTS = 40
 """Points beyond which the page has a still picture of pixels, a quarter of the drawing's size."""
 
+BALANCE = Style("#666666", dash=DOTTED)
+
 ERROR_LABEL = "largest error at six points [dB]"
 
 Curves = dict[Variant, list[StepPoint]]
@@ -198,16 +201,15 @@ def curves(points: Iterable[StepPoint]) -> Curves:
 
 
 def work_precision_figure(sweep: Sweep, drawn: Curves) -> Figure:
-    """Draw the error over the cost of a step and over the time to the steady state."""
+    """Draw the error over the time of a simulated second and over the time to the steady state."""
     steps = _steps(drawn)
-    step = _series(sweep, drawn, lambda point: 1e6 * point.step_seconds)
     whole = _series(sweep, drawn, lambda point: point.seconds)
     return Figure(
         "work-precision",
-        "Work and precision: error over the cost of a step, and over the time to a certified steady state; "
+        "Work and precision: error over the time of a simulated second, and over that to a certified steady state; "
         f"points of one variant from {steps[0]} to {steps[-1]} steps a period are joined",
         [
-            Panel(Axis("time of a step, seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"), step),
+            _speed_panel(sweep, drawn),
             Panel(Axis("time to the steady state [s]", scale="log"), Axis(scale="log"), whole),
         ],
         height=2.9 + 0.13 * (len(drawn) // 4),
@@ -217,6 +219,28 @@ def work_precision_figure(sweep: Sweep, drawn: Curves) -> Figure:
         wide=True,
         dense=_is_dense(drawn),
     )
+
+
+def speed_figure(sweep: Sweep, drawn: Curves, balance_db: float) -> Figure:
+    """Draw the error over the time of a simulated second alone, and that of harmonic balance, which has no steps."""
+    panel, steps = _speed_panel(sweep, drawn), _steps(drawn)
+    times = [1e3 * point.simulated_second for own in drawn.values() for point in own]
+    balance = Series([min(times), max(times)], [balance_db] * 2, BALANCE, "harmonic balance, no time step")
+    return Figure(
+        "work-precision",
+        "Work and precision: error over the time of a simulated second",
+        [replace(panel, marks=[balance, *panel.marks])],
+        height=2.9 + 0.13 * len(drawn),
+        pixels=430,
+        legend_columns=1 if len(drawn) < MOST_ROWS else 2,
+        legend_title=f"error to the proven truth, with {steps[0]} to {steps[-1]} steps a period",
+    )
+
+
+def _speed_panel(sweep: Sweep, drawn: Curves) -> Panel:
+    series = _series(sweep, drawn, lambda point: 1e3 * point.simulated_second)
+    label = "time of a simulated second, seven cells [ms]"
+    return Panel(Axis(label, scale="log"), Axis(ERROR_LABEL, scale="log"), series)
 
 
 def convergence_figure(sweep: Sweep, drawn: Curves) -> Figure:

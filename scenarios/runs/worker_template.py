@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import IO
 
 from engines.interface.variant import Variant
-from engines.isolated.process import ONE_THREAD
+from reference_lcp.process import ONE_THREAD
 from scenarios.runs.executor import run_batch
 from scenarios.runs.failures import ExecutorError
 from scenarios.runs.parameters import ChainRatios

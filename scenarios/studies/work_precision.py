@@ -1,16 +1,22 @@
 """Cost of accuracy: error, cost of a step and time to the steady state, at several step sizes."""
 
 import math
+import platform
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import groupby
 from statistics import median
+from typing import Any
 
 from engines.interface.variant import Variant
+from engines.shared.step_cost import step_cost
+from reference_lcp.studies.bench import HARMONIC_BALANCE
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
+from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
 from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
+from scenarios.tables import Column, markdown_lines, markdown_list, text_table
 from scenarios.verdicts.proven import with_proven_level
 from scenarios.verdicts.steady_case import EXACT
 
@@ -19,6 +25,12 @@ FINEST_STEPS = (3200, 6400)
 
 STUDY_STEPS = (50, 100, 200, *ORDER_STEPS, *FINEST_STEPS)
 """Steps a period of the whole study: from what games take, a few steps a stick, to errors of a thousandth of a dB."""
+
+USUAL_STEPS = (50, 100, 200, 400, 800)
+"""Steps a period that take an engine seconds to a minute."""
+
+TIMED_POINT = OperatingPoint(0.3, 0.9)
+"""One of the six, at which `step_cost` times a step; its frequency is the median of theirs."""
 
 STILL_FALLS = 0.9
 """Error after twice the steps over the error before: 1/2 for a first-order scheme, 1 where the law itself is off."""
@@ -42,6 +54,12 @@ class StepPoint:
     """Points that have a result at all, with a steady state or without."""
     reason: str
     """Why the first point that is blocked has no result; empty if there is none."""
+
+    @property
+    def simulated_second(self) -> float:
+        """Wall-clock time of a simulated second of the chain at `TIMED_POINT` [s]: that of a step over its length."""
+        lane, _ = task_at(self.variant, TIMED_POINT, self.steps_per_period).lane()
+        return self.step_seconds / lane.time_step
 
 
 def step_tasks(
@@ -97,6 +115,17 @@ def thrifty_step_study(
     return sorted(known, key=lambda point: (variants.index(point.variant), point.steps_per_period))
 
 
+def timed_now(points: Sequence[StepPoint]) -> list[StepPoint]:
+    """Take the time of a step of one chain alone, measured here and now, for that of a search.
+
+    A search may have been on another machine, imports its engine, and begins near its steady state: the fewer its
+    steps, the larger the part of its time that is none of theirs.
+    """
+    certified = dict.fromkeys(point.variant for point in points if point.certified)
+    times = {variant: step_cost(variant, lanes=1).advance for variant in certified}
+    return [replace(point, step_seconds=times.get(point.variant, math.nan), seconds=math.nan) for point in points]
+
+
 def coarse_steps(steps: Iterable[int]) -> list[int]:
     """Give the numbers of steps at which every variant is simulated."""
     return [number for number in steps if number not in FINEST_STEPS]
@@ -104,7 +133,11 @@ def coarse_steps(steps: Iterable[int]) -> list[int]:
 
 def _falls(points: Sequence[StepPoint]) -> bool:
     """Whether the error falls from the last but one number of steps to the last, or is not known."""
-    return len(points) < 2 or not points[-1].error_db > STILL_FALLS * points[-2].error_db
+    if len(points) < 2:
+        return True
+    before, last = points[-2:]
+    doublings = math.log2(last.steps_per_period / before.steps_per_period)
+    return not last.error_db > STILL_FALLS**doublings * before.error_db
 
 
 def _step_point(
@@ -126,6 +159,100 @@ def _step_point(
         evaluated=sum(result.status not in (ResultStatus.MISSING, ResultStatus.BLOCKED) for _, result in results),
         reason=next((result.reason for _, result in results if result.status is ResultStatus.BLOCKED), ""),
     )
+
+
+def remarks(points: Iterable[StepPoint]) -> list[str]:
+    """Say of each variant why points are missing, and where its error falls no more: the law itself is off."""
+    texts = []
+    for variant, own in groupby(points, key=lambda point: point.variant):
+        every = list(own)
+        reason = next((point.reason for point in every if point.reason), "")
+        lost = [str(point.steps_per_period) for point in every if point.certified < len(SIX_POINTS)]
+        if reason:
+            texts.append(f"{variant}: blocked: {reason}")
+        elif lost:
+            texts.append(f"{variant}: not all of the six points are certified at {', '.join(lost)} steps a period")
+        elif not _falls(every):
+            before, last = (f"{p.error_db:.3g} dB at {p.steps_per_period}" for p in every[-2:])
+            texts.append(f"{variant}: the error does not fall with the step: {before} steps a period, {last}")
+    return texts
+
+
+def balance_error(methods: Iterable[Mapping[str, Any]]) -> float:
+    """Give the largest error of harmonic balance [dB]; NaN where it finds less than all points."""
+    own = next(method for method in methods if method["method"] == HARMONIC_BALANCE)
+    return math.nan if own["failed"] else float(own["largest_error_db"])
+
+
+def _method_rate(method: Mapping[str, Any]) -> float:
+    """Give the states a second, if none has failed."""
+    return math.nan if method["failed"] else 1 / method["seconds_per_point"]
+
+
+STEP_COLUMNS: tuple[Column[StepPoint], ...] = (
+    Column("engine", lambda point: point.variant.engine),
+    Column("formulation", lambda point: point.variant.formulation),
+    Column("preset", lambda point: point.variant.preset_name),
+    Column("steps_per_period", lambda point: point.steps_per_period, "steps a period"),
+    Column("largest_error_db", lambda point: point.error_db, "error [dB]", "{:.3g}"),
+    Column("step_s", lambda point: point.step_seconds),
+    Column("steady_state_s", lambda point: point.seconds),
+    Column("points_certified", lambda point: point.certified),
+    Column("points_evaluated", lambda point: point.evaluated),
+    Column("reason", lambda point: point.reason),
+)
+"""For programs, in full; times are those of the search."""
+
+WORK_COLUMNS: tuple[Column[StepPoint], ...] = (
+    *(column for column in STEP_COLUMNS if column.key != "steady_state_s"),
+    Column("simulated_second_s", lambda point: point.simulated_second),
+)
+"""Likewise, of points that are `timed_now`."""
+
+PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
+    Column("variant", lambda point: str(point.variant), "engine:formulation:preset"),
+    *STEP_COLUMNS[3:5],
+    Column("", lambda point: 1e3 * point.simulated_second, "ms a second", "{:.3g}"),
+    Column("", lambda point: 1e3 * point.simulated_second * point.error_db, "error × time [dB ms]", "{:.3g}"),
+    Column("", lambda point: f"{point.certified}/{len(SIX_POINTS)}", "certified"),
+)
+
+METHOD_COLUMNS: tuple[Column[Mapping[str, Any]], ...] = (
+    Column("method", lambda method: method["method"], "method of the reference"),
+    Column("", lambda method: 1e3 * method["seconds_per_point"], "ms a point", "{:.3g}"),
+    Column("", _method_rate, "states a second", "{:.3g}"),
+    Column("", lambda method: method["largest_error_db"], "error [dB]", "{:.3g}"),
+    Column("", lambda method: f"{len(SIX_POINTS) - method['failed']}/{len(SIX_POINTS)}", "found"),
+)
+"""Of the rows of `reference_lcp.studies.bench.bench_points` at the six points."""
+
+LEGEND = """\
+What does accuracy cost? Every variant is simulated at six stick–slip points, with several numbers of steps a period:
+
+- *error*: the largest of the transmittance, to the proven truth;
+- *ms a second*: wall-clock time of a simulated second of the chain of seven cells (friction ratio 0.3, frequency ratio
+  0.9), alone on one core: that of a step, the fastest of seven periods of 400 without a record, over its length;
+- *error × time*: of a scheme of first order nearly the same at every step; the less, the better;
+- *certified*: points whose steady state repeats to the engine's residual.
+
+Batches of many worlds: `multibody-xval run cost --lanes`; steady states of engines: `multibody-xval run cost`.
+"""
+
+METHOD_LEGEND = """\
+The reference beside the harmonic balance that is written for it, at the same six points, on one core. Harmonic balance
+smooths Coulomb's law, takes eight harmonics and has no time step; the exact solver has none either. *Error*: the
+largest, to the exact solver. *Found*: points whose steady state is certified; of harmonic balance, which certifies
+nothing, points whose equations are solved.
+"""
+
+
+def document(points: Sequence[StepPoint], methods: Sequence[Mapping[str, Any]], command: str) -> str:
+    """Give both tables as a document, with how they were made."""
+    lines = ["# Work and precision", "", LEGEND, f"Made by `{command}`.", ""]
+    lines += [*markdown_lines(text_table(PRINTED_COLUMNS, points)), "", *markdown_list(remarks(points))]
+    lines += ["", "## Steady states a second", "", METHOD_LEGEND, *markdown_lines(text_table(METHOD_COLUMNS, methods))]
+    versions = versions_of(point.variant.engine for point in points)
+    return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
 
 
 def _median(values: Iterable[float]) -> float:

@@ -37,7 +37,7 @@ def test_harmonic_balance_of_contacts_that_hardly_slip_is_the_response_of_stuck_
 
 
 def test_the_scheme_is_nearer_to_the_exact_point_than_harmonic_balance_and_its_bar_covers_it() -> None:
-    scheme, barred, balance, exact = bench_points((0.3,), (0.5, 0.9))
+    scheme, barred, balance, exact = bench_points([(0.3, 0.5), (0.3, 0.9)])
     assert scheme["largest_error_db"] < 0.01
     assert scheme["largest_error_db"] < balance["largest_error_db"] < 0.5
     assert barred["covered"] == 1.0
