@@ -35,7 +35,7 @@ LINES = [
     pytest.param("run accuracy --engine reference --no-cost --workers 1", marks=pytest.mark.slow),
     "run laws --engine mujoco:joint:default --workers 1",
     pytest.param("run cost --engine mujoco:contact:default --seconds 0.1", marks=pytest.mark.slow),
-    "run work-precision --engine exudyn-regularised:contact:default --steps 400 --workers 1",
+    pytest.param("run work-precision --engine mujoco:contact:default --steps 100 --workers 1", marks=pytest.mark.slow),
     "run cost --engine exudyn-regularised:contact:default --lanes 1 --lanes 2",
     "sweep sweep.toml --store sweep.sqlite --workers 1",
     "compare sweep.sqlite lost.sqlite",

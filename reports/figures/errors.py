@@ -229,7 +229,7 @@ def speed_figure(sweep: Sweep, drawn: Curves, balance_db: float) -> Figure:
     return Figure(
         "work-precision",
         "Work and precision: error over the time of a simulated second",
-        [replace(panel, marks=[balance, *panel.marks])],
+        [replace(panel, marks=[*([] if math.isnan(balance_db) else [balance]), *panel.marks])],
         height=2.9 + 0.13 * len(drawn),
         pixels=430,
         legend_columns=1 if len(drawn) < MOST_ROWS else 2,

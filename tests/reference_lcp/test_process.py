@@ -168,3 +168,26 @@ def test_an_engine_that_ends_the_process_is_a_fault_and_no_completion(monkeypatc
     monkeypatch.setattr(process, "_exit_code", lambda *_: leave())
     assert process.run_command(app, []) == process.ExitCode.UNEXPECTED
     assert "a fault of the suite, SystemExit" in capsys.readouterr().err
+
+
+MULTIPLY = """
+import os, sys, typer
+from reference_lcp.process import run_command
+app = typer.Typer()
+@app.command()
+def multiply():
+    import numpy as np
+    np.ones((500, 500)) @ np.ones((500, 500))
+    print(len(os.listdir("/proc/self/task")))
+sys.exit(run_command(app, []) if sys.argv[1] == "command" else multiply())
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists() or (os.cpu_count() or 1) < 2, reason="threads are not seen")
+@pytest.mark.parametrize("how", ["command", "alone"])
+def test_linear_algebra_of_a_command_has_one_thread_and_of_a_program_one_a_processor(how: str) -> None:
+    """What a command times is the work of one core, and does not wait for other programs on the others."""
+    free = {name: value for name, value in os.environ.items() if name not in process.ONE_THREAD}
+    arguments = [sys.executable, "-c", MULTIPLY, how]
+    done = subprocess.run(arguments, env=free, capture_output=True, text=True, check=True)
+    assert (int(done.stdout) == 1) == (how == "command")

@@ -101,7 +101,7 @@ def run(monkeypatch):
 def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(capsys) -> None:
     assert run_command(app, ["run"]) == 0
     printed = capsys.readouterr().out
-    for name in (*CATALOGUE, "accuracy", "cost"):
+    for name in (*CATALOGUE, "accuracy", "cost", "work-precision"):
         assert name in printed
 
 
@@ -305,6 +305,22 @@ def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None
     assert 0.8 < float(tuned["order"]) < 1.3
     assert int(tuned["missed"]) == int(converged["missed"]) == int(converged["spurious"]) == 0
     assert float(converged["map_db"]) < 0.01 < float(tuned["map_db"])
+
+
+def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, capsys) -> None:
+    """Its error falls with the step, and a simulated second takes twice the time with twice the steps."""
+    outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]
+    options = [*(f"--out={out}" for out in outs), "--steps=200", "--steps=100", "--workers=1"]
+    assert run_command(app, ["run", "work-precision", "--engine", "reference", *options]) == 0
+    rows = [row for row in csv.DictReader(outs[0].read_text().splitlines()) if row["preset"] == "tuned"]
+    assert [row["steps_per_period"] for row in rows] == ["100", "200"]
+    errors, seconds = ([float(row[name]) for row in rows] for name in ("largest_error_db", "simulated_second_s"))
+    assert 0 < errors[1] < 0.6 * errors[0]
+    assert seconds[1] == pytest.approx(2 * seconds[0]), "one time of a step"
+    assert "| harmonic balance |" in outs[1].read_text()
+    assert "harmonic balance" in capsys.readouterr().out
+    assert outs[2].read_bytes().startswith(b"<?xml")
+    assert outs[3].read_bytes().startswith(b"\x89PNG")
 
 
 def test_claims_end_with_what_one_would_conclude_and_say_what_is_missing(capsys) -> None:

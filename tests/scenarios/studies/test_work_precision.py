@@ -3,11 +3,13 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp import exact_steady_state
+from engines.shared.step_cost import StepCost
+from reference_lcp import Chain, exact_steady_state
 from reference_lcp.defaults import EXACT_RESIDUAL
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
@@ -18,13 +20,21 @@ from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.studies.accuracy import ORDER_STEPS
 from scenarios.studies.work_precision import (
     FINEST_STEPS,
+    PRINTED_COLUMNS,
     STUDY_STEPS,
+    WORK_COLUMNS,
+    StepPoint,
+    balance_error,
     coarse_steps,
+    document,
     exact_step_tasks,
+    remarks,
     step_study,
     step_tasks,
     thrifty_step_study,
+    timed_now,
 )
+from scenarios.tables import full_table, text_table
 from scenarios.verdicts.proven import proven_level
 from tests.scenarios.runs.builders import certified
 
@@ -150,3 +160,93 @@ def test_the_finest_steps_are_not_run_where_the_error_of_a_law_stays(store: Resu
 
 def test_finest_steps_are_none_of_the_coarse_ones() -> None:
     assert coarse_steps([50, *FINEST_STEPS, 400]) == [50, 400]
+
+
+def point(steps: int, error_db: float, **more: Any) -> StepPoint:
+    own = {"step_seconds": 1e-6, "seconds": 0.1, "certified": 6, "evaluated": 6, "reason": "", **more}
+    return StepPoint(variant=own.pop("variant", REFERENCE), steps_per_period=steps, error_db=error_db, **own)
+
+
+def drive_frequency() -> float:
+    """Of the point at which steps are timed [Hz]."""
+    return 0.9 * Chain.from_ratios(friction_ratio=0.3).resonator_frequency / (2 * math.pi)
+
+
+@pytest.mark.parametrize("steps", [50, 400, 6400])
+def test_a_simulated_second_takes_the_time_of_all_its_steps(steps: int) -> None:
+    own = point(steps, 0.1, step_seconds=2e-6)
+    assert own.simulated_second == pytest.approx(2e-6 * steps * drive_frequency(), rel=1e-12)
+
+
+def test_steps_that_the_highest_mode_needs_are_paid_for() -> None:
+    asked = 2e-6 * 16 * drive_frequency()
+    assert point(16, 0.1, step_seconds=2e-6).simulated_second > 1.5 * asked
+
+
+def test_times_are_those_of_steps_that_are_measured_now_whatever_a_store_says(monkeypatch) -> None:
+    """Nothing is measured of an engine that finds no steady state: it may not even be here."""
+    lost = Variant("mujoco")
+    measured: list[tuple[Variant, int]] = []
+
+    def cost(variant: Variant, lanes: int) -> StepCost:
+        measured.append((variant, lanes))
+        return StepCost(variant, lanes, advance=3e-6, run=5e-6, bare=1e-6)
+
+    monkeypatch.setattr("scenarios.studies.work_precision.step_cost", cost)
+    stored = [point(50, 0.8, step_seconds=7.0), point(400, 0.1, step_seconds=9.0)]
+    absent = point(50, math.nan, variant=lost, step_seconds=math.nan, certified=0)
+    *timed, untimed = timed_now([*stored, absent])
+    assert measured == [(REFERENCE, 1)]
+    assert [own.step_seconds for own in timed] == [3e-6, 3e-6]
+    assert math.isnan(untimed.simulated_second)
+    assert all(math.isnan(own.seconds) for own in timed), "the time of a search that a store may have"
+    table = full_table(WORK_COLUMNS, timed)
+    assert list(table["simulated_second_s"]) == [pytest.approx(3e-6 * n * drive_frequency()) for n in (50, 400)]
+    assert "steady_state_s" not in table
+
+
+def test_a_printed_row_is_error_times_time_of_its_point() -> None:
+    own = point(400, 0.25, step_seconds=2e-3 / (400 * drive_frequency()))
+    (row,) = text_table(PRINTED_COLUMNS, [own]).itertuples(index=False, name=None)
+    assert row == ("reference", "400", "0.25", "2", "0.5", "6/6")
+
+
+def test_an_error_that_does_not_fall_with_the_step_is_said_and_one_of_first_order_is_not() -> None:
+    off = Variant("mujoco", "joint", "default")
+    first_order = [point(400, 0.2), point(800, 0.1)]
+    assert remarks(first_order) == []
+    stays = [point(400, 1.01, variant=off), point(800, 0.997, variant=off)]
+    assert remarks([*first_order, *stays]) == [
+        "mujoco:joint:default: the error does not fall with the step: 1.01 dB at 400 steps a period, 0.997 dB at 800"
+    ]
+
+
+@pytest.mark.parametrize(("error_db", "count"), [(0.89, 0), (0.91, 1)])
+def test_an_error_has_to_fall_at_every_doubling_of_the_steps(error_db: float, count: int) -> None:
+    assert len(remarks([point(50, 1.0), point(100, error_db)])) == count
+    assert len(remarks([point(50, 1.0), point(400, error_db**3)])) == count
+
+
+def test_points_that_are_missing_have_a_reason() -> None:
+    lost = Variant("mujoco")
+    every = [
+        *(point(n, 0.1, certified=certified) for n, certified in ((50, 5), (100, 6), (200, 0))),
+        point(50, math.nan, variant=lost, certified=0, evaluated=0, reason="crashed"),
+    ]
+    assert remarks(every) == [
+        "reference: not all of the six points are certified at 50, 200 steps a period",
+        "mujoco: blocked: crashed",
+    ]
+
+
+BALANCE = {"method": "harmonic balance", "seconds_per_point": 0.02, "failed": 0, "largest_error_db": 0.04}
+
+
+def test_steady_states_a_second_are_only_those_of_a_method_that_finds_all() -> None:
+    scheme = {"method": "scheme", "seconds_per_point": 1e-3, "failed": 1, "largest_error_db": 0.007}
+    text = document([point(400, 0.25)], [scheme, BALANCE], "multibody-xval run work-precision")
+    assert "| scheme | 1 | – | 0.007 | 5/6 |" in text
+    assert "| harmonic balance | 20 | 50 | 0.04 | 6/6 |" in text
+    assert "`multibody-xval run work-precision`" in text
+    assert balance_error([scheme, BALANCE]) == 0.04
+    assert math.isnan(balance_error([{**BALANCE, "failed": 1}]))
