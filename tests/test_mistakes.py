@@ -105,7 +105,7 @@ COMMAND_LINES = [
     ("recipe siconos", r"engine = siconos has no recipe: it has no options to recommend; allowed: .*mujoco"),
     ("run proofs --sample 0", r"sample = 0.*>= 1"),
     ("run work-precision --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
-    ("run work-precision --steps 15", r"steps = 15.*16 to 1000000"),
+    ("run work-precision --steps 15", r"steps = 15.*>= 16"),
     ("run work-precision --steps 400 --steps 1000001", r"steps = 1000001.*16 to 1000000"),
     ("run work-precision --steps 2.5", r"--steps.*valid integer.*given: 2.5"),
     ("run work-precision --out speed.gif", r"ending '.gif'; allowed: .md or .csv or .svg or .pdf or .png"),

@@ -390,8 +390,8 @@ def work_precision(
     """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
 
     Steady states a second of the reference stand beside those of harmonic balance. All times are measured at the end,
-    on one core with nothing else running, none is of --store; a step is one of a single chain. Batches of many worlds:
-    run cost --lanes.
+    with nothing else of the suite running, and none is of --store; a step is one of a single chain. Batches of many
+    worlds: run cost --lanes.
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
     130: interrupted.
 

@@ -219,7 +219,7 @@ PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
 
 METHOD_COLUMNS: tuple[Column[Mapping[str, Any]], ...] = (
     Column("method", lambda method: method["method"], "method of the reference"),
-    Column("", lambda method: 1e3 * method["seconds_per_point"], "ms a point", "{:.3g}"),
+    Column("", lambda method: 1e3 * method["seconds_per_point"], "CPU ms a point", "{:.3g}"),
     Column("", _method_rate, "states a second", "{:.3g}"),
     Column("", lambda method: method["largest_error_db"], "error [dB]", "{:.3g}"),
     Column("", lambda method: f"{len(SIX_POINTS) - method['failed']}/{len(SIX_POINTS)}", "found"),
@@ -239,8 +239,8 @@ Batches of many worlds: `multibody-xval run cost --lanes`; steady states of engi
 """
 
 METHOD_LEGEND = """\
-The reference beside the harmonic balance that is written for it, at the same six points, on one core. Harmonic balance
-smooths Coulomb's law, takes eight harmonics and has no time step; the exact solver has none either. *Error*: the
+The reference beside the harmonic balance that is written for it, at the same six points, by processor time. Harmonic
+balance smooths Coulomb's law, takes eight harmonics and has no time step; the exact solver has none either. *Error*: the
 largest, to the exact solver. *Found*: points whose steady state is certified; of harmonic balance, which certifies
 nothing, points whose equations are solved.
 """
