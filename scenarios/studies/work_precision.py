@@ -241,8 +241,8 @@ Batches of many worlds: `multibody-xval run cost --lanes`; steady states of engi
 METHOD_LEGEND = """\
 The reference beside the harmonic balance that is written for it, at the same six points, by processor time. Harmonic
 balance smooths Coulomb's law, takes eight odd harmonics and has no time step; the exact solver has none either.
-*Error*: the largest, to the exact solver. *Found*: points whose steady state is certified; of harmonic balance, which certifies
-nothing, points whose equations are solved.
+*Error*: the largest, to the exact solver. *Found*: points whose steady state is certified; of harmonic balance, which
+certifies nothing, points whose equations are solved.
 """
 
 
