@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from engines.interface.variant import Variant
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reference_lcp.validation import FloatArray
 from reports.data.points import by_variant
 from reports.data.variants import Errors
@@ -195,7 +194,7 @@ def curves(points: Iterable[StepPoint]) -> Curves:
     """
     complete: Curves = {}
     for point in points:
-        if point.certified == len(STICK_SLIP_POINTS) and not math.isnan(point.error_db):
+        if point.is_complete and not math.isnan(point.error_db):
             complete.setdefault(point.variant, []).append(point)
     return complete
 

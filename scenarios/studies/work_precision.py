@@ -61,6 +61,16 @@ class StepPoint:
         lane, _ = task_at(self.variant, TIMED_POINT, self.steps_per_period).lane()
         return self.step_seconds / lane.time_step
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether all six are certified: an error over fewer is not comparable."""
+        return self.certified == len(SIX_POINTS)
+
+    @property
+    def product(self) -> float:
+        """Error times time of a simulated second [dB s]; NaN unless it is complete."""
+        return self.error_db * self.simulated_second if self.is_complete else math.nan
+
 
 def step_tasks(
     variant: Variant, excitation: Excitation = DEFAULT_EXCITATION, steps: Sequence[int] = ORDER_STEPS
@@ -167,13 +177,14 @@ def remarks(points: Iterable[StepPoint]) -> list[str]:
     for variant, own in groupby(points, key=lambda point: point.variant):
         every = list(own)
         reason = next((point.reason for point in every if point.reason), "")
-        lost = [str(point.steps_per_period) for point in every if point.certified < len(SIX_POINTS)]
+        lost = [str(point.steps_per_period) for point in every if not point.is_complete]
         if reason:
             texts.append(f"{variant}: blocked: {reason}")
         elif lost:
             texts.append(f"{variant}: not all of the six points are certified at {', '.join(lost)} steps a period")
-        elif not _falls(every):
-            before, last = (f"{p.error_db:.3g} dB at {p.steps_per_period}" for p in every[-2:])
+        complete = [point for point in every if point.is_complete]
+        if not _falls(complete):
+            before, last = (f"{p.error_db:.3g} dB at {p.steps_per_period}" for p in complete[-2:])
             texts.append(f"{variant}: the error does not fall with the step: {before} steps a period, {last}")
     return texts
 
@@ -213,7 +224,7 @@ PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("variant", lambda point: str(point.variant), "engine:formulation:preset"),
     *STEP_COLUMNS[3:5],
     Column("", lambda point: 1e3 * point.simulated_second, "ms a second", "{:.3g}"),
-    Column("", lambda point: 1e3 * point.simulated_second * point.error_db, "error × time [dB ms]", "{:.3g}"),
+    Column("", lambda point: 1e3 * point.product, "error × time [dB ms]", "{:.3g}"),
     Column("", lambda point: f"{point.certified}/{len(SIX_POINTS)}", "certified"),
 )
 

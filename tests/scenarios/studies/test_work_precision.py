@@ -211,6 +211,11 @@ def test_a_printed_row_is_error_times_time_of_its_point() -> None:
     assert row == ("reference", "400", "0.25", "2", "0.5", "6/6")
 
 
+def test_an_error_over_fewer_points_has_no_product_with_the_time() -> None:
+    (row,) = text_table(PRINTED_COLUMNS, [point(400, 0.25, certified=5)]).itertuples(index=False, name=None)
+    assert row[-2:] == ("–", "5/6")
+
+
 def test_an_error_that_does_not_fall_with_the_step_is_said_and_one_of_first_order_is_not() -> None:
     off = Variant("mujoco", "joint", "default")
     first_order = [point(400, 0.2), point(800, 0.1)]
@@ -225,6 +230,13 @@ def test_an_error_that_does_not_fall_with_the_step_is_said_and_one_of_first_orde
 def test_an_error_has_to_fall_at_every_doubling_of_the_steps(error_db: float, count: int) -> None:
     assert len(remarks([point(50, 1.0), point(100, error_db)])) == count
     assert len(remarks([point(50, 1.0), point(400, error_db**3)])) == count
+
+
+def test_an_error_that_stays_is_said_beside_steps_that_lack_points_and_not_compared_with_theirs() -> None:
+    lacking = point(400, 1.0, certified=4)
+    last = "reference: the error does not fall with the step: 1 dB at 100 steps a period, 1 dB at 200"
+    assert remarks([point(100, 1.0), point(200, 1.0), lacking])[1:] == [last]
+    assert len(remarks([point(200, 1.0), lacking])) == 1
 
 
 def test_points_that_are_missing_have_a_reason() -> None:
