@@ -29,7 +29,8 @@ from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
-from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, FORCE_TOLERANCE, EventsAccumulate
+from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, EventsAccumulate
+from reference_lcp.exact.event_driven_kernel import FORCE_TOLERANCE
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, Stretch, harmonic_load
 from reference_lcp.exact.polynomial_roots import first_roots
 from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring, SystemTrajectory

@@ -12,7 +12,6 @@ where a slipping one stops or turns round, h is its relative velocity.
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation
-from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment
+from reference_lcp.exact.mode_dynamics import Segment, monodromy
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN, Transition
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.attraction import attracts_all, largest_moving, without_dashpots
@@ -168,33 +167,9 @@ def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatA
     Contacts that stick at the start have one velocity for both masses; a change of it that parts them
     counts for its common part.
     """
-    n, stuck = chain.lane.chain.cells, segments[0].modes == 0
-    outer, inner = 2 * n + np.flatnonzero(stuck), 3 * n + np.flatnonzero(stuck)
-    total, share = np.eye(4 * n), chain.outer_share[stuck, None]
-    total[outer] = total[inner] = share * total[outer] + (1 - share) * total[inner]
-    total = chain.system.propagator(stuck, segments[0].duration) @ total
-    for before, after in pairwise(segments):
-        chain.deadline.check()
-        total = _saltation(chain.system, before, after) @ total
-        total = chain.system.propagator(after.modes == 0, after.duration) @ total
-    return total
-
-
-def _saltation(system: PiecewiseLinearChain, before: Segment, after: Segment) -> FloatArray:
-    """Saltation matrix of the contacts that stop or turn round between two segments, shape (4n, 4n)."""
-    n = before.cells
-    matrix = np.eye(4 * n)
-    stopping = np.flatnonzero((before.modes != 0) & (after.modes != before.modes))
-    if stopping.size == 0:
-        return matrix
-    rate = system.rates(before.end_vector, before.modes == 0)
-    jump = system.rates(after.coefficients[0], after.modes == 0) - rate
-    for cell in stopping:
-        outer, inner = 2 * n + cell, 3 * n + cell
-        slip_acceleration = rate[inner] - rate[outer]
-        for mass in (outer, inner):
-            matrix[mass, inner] += jump[mass] / slip_acceleration
-            matrix[mass, outer] -= jump[mass] / slip_acceleration
+    coefficients = np.array([segment.coefficients for segment in segments])
+    durations = np.array([segment.duration for segment in segments])
+    matrix: FloatArray = monodromy(chain.system, durations, coefficients, np.array([s.modes for s in segments]))
     return matrix
 
 

@@ -1,25 +1,22 @@
 """The chain as a linear system while every contact keeps its mode, and the series that solves it.
 
-Between two changes of mode the chain is linear. With its state x = (u, v, u̇, v̇), the drive's
-(sin ωt, cos ωt) and the constant forces of slipping contacts in one vector z, it obeys ż = A z, with
-an A that depends on which contacts stick and not on the direction in which the others slip:
+Between two changes of mode the chain is linear. With its state x = (u, v, u̇, v̇) and the drive's (sin ωt, cos ωt) in one
+vector z, and the forces p without friction, every mass is accelerated at a rate that depends on which contacts stick:
 
-- a slipping contact: m_o ü = p_o − λ_T, m_i v̈ = p_i + λ_T, with λ_T an entry of z, constant;
+- a slipping contact: m_o ü = p_o − λ_T, m_i v̈ = p_i + λ_T, with λ_T constant;
 - a sticking one: ü = v̈ = (p_o + p_i) / (m_o + m_i), and λ_T = m_i v̈ − p_i.
 
-The solution exp(A τ) z is taken as its power series over at most one `span`: exact to round-off also where A is
+The solution is taken as its power series over at most one `span`: exact to round-off, also where the system is
 defective, and with motion and friction force as polynomials, whose first root can be found with certainty.
 """
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from reference_lcp.chain.drives import Drive, HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
@@ -29,141 +26,154 @@ from reference_lcp.validation import FloatArray
 SERIES_ORDER = 20
 """Highest power of the series. Over one span the terms fall as k / k!: what is left out is below 1e-17."""
 
-BoolArray = NDArray[np.bool_]
+LEFT_OUT = 1e-18
+"""Largest size of a term of a propagator, over that of the first, that is left out: a hundredth of round-off."""
 
 
-@dataclass(frozen=True)
-class _Matrices:
-    """A of ż = A z times the span, shape (d, d), and the rows that give λ_T = R z, shape (n, d)."""
+class PiecewiseLinearChain(NamedTuple):
+    """Numbers of a chain under a harmonic or still drive, as compiled loops read them; arrays have one a cell."""
 
-    scaled_rates: FloatArray
-    friction: FloatArray
+    per_outer: FloatArray
+    """1 / m_o [1/kg]."""
+    per_inner: FloatArray
+    """1 / m_i [1/kg]."""
+    per_both: FloatArray
+    """1 / (m_o + m_i) [1/kg]."""
+    inner_share: FloatArray
+    """m_i / (m_o + m_i)."""
+    chain_stiffness: FloatArray
+    chain_damping: FloatArray
+    inner_stiffness: FloatArray
+    inner_damping: FloatArray
+    friction_bound: FloatArray
+    load: FloatArray
+    """Parts of the force on cell 1 along sin ωt and cos ωt [N]."""
+    angular_frequency: float
+    """ω of the drive [rad/s]."""
+    rate: float
+    """Bound on the speed of any motion [1/s]: ω_max + ‖M^-½ C M^-½‖, which no constraint raises, and ω."""
+    drive_velocity: float
+    """ω times the drive's displacement scale [m/s]."""
 
-    @cached_property
-    def sparse_rates(self) -> csr_array:
-        """A row of A has a few entries, of the mass and its neighbours, however long the chain is."""
-        return csr_array(self.scaled_rates)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _series(entries: Any, columns: Any, starts: Any, z: Any) -> Any:
-    """Coefficients of exp(A s) z in powers of s, A in compressed rows; written out, since BLAS uses threads for it."""
-    coefficients = np.empty((SERIES_ORDER + 1, z.size))
-    for row in range(z.size):
-        coefficients[0, row] = z[row]
-    for k in range(1, SERIES_ORDER + 1):
-        for row in range(z.size):
-            total = 0.0
-            for entry in range(starts[row], starts[row + 1]):
-                total += entries[entry] * coefficients[k - 1, columns[entry]]
-            coefficients[k, row] = total / k
-    return coefficients
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _exponential(entries: Any, columns: Any, starts: Any, size: int) -> Any:
-    """exp(A) of a square matrix in compressed rows, as 1 + A (1 + A/2 (1 + A/3 …))."""
-    matrix = np.eye(size)
-    for k in range(SERIES_ORDER, 0, -1):
-        following = np.eye(size)
-        for row in range(size):
-            for entry in range(starts[row], starts[row + 1]):
-                following[row] += entries[entry] / k * matrix[columns[entry]]
-        matrix = following
-    return matrix
-
-
-class PiecewiseLinearChain:
-    """A chain under a harmonic or still drive, as one linear system for each pattern of sticking contacts.
-
-    The vector z has d = 5n + 2 entries: u, v, u̇, v̇ (n each), sin ωt, cos ωt, and λ_T of the contacts that slip (n).
-    """
-
-    def __init__(self, chain: Chain, drive: Drive):
-        self.chain = chain
-        self.angular_frequency, self._load = harmonic_load(chain, drive)
-        self._patterns: dict[bytes, _Matrices] = {}
-
-    @property
-    def size(self) -> int:
-        """Number d of entries of z."""
-        return 5 * self.chain.cells + 2
-
-    @cached_property
-    def rate(self) -> float:
-        """Bound on the speed of any motion [1/s]: ω_max + ‖M^-½ C M^-½‖, which no constraint raises, and ω."""
-        weights = 1 / np.sqrt(np.diag(self.chain.mass_matrix))
-        damping = np.linalg.norm(weights[:, None] * self.chain.damping_matrix * weights, 2)
-        return max(self.chain.highest_natural_frequency + float(damping), self.angular_frequency)
+    @classmethod
+    def of(cls, chain: Chain, drive: Drive) -> Self:
+        """Read a chain and its drive."""
+        omega, load = harmonic_load(chain, drive)
+        weights = 1 / np.sqrt(np.diag(chain.mass_matrix))
+        damping = np.linalg.norm(weights[:, None] * chain.damping_matrix * weights, 2)
+        both = chain.outer_mass + chain.inner_mass
+        return cls(
+            1 / chain.outer_mass,
+            1 / chain.inner_mass,
+            1 / both,
+            chain.inner_mass / both,
+            chain.chain_stiffness,
+            chain.chain_damping,
+            chain.inner_stiffness,
+            chain.inner_damping,
+            chain.friction_bound,
+            np.array(load),
+            omega,
+            max(chain.highest_natural_frequency + float(damping), omega),
+            omega * drive.displacement_scale(chain),
+        )
 
     @property
     def span(self) -> float:
         """Time over which one series is used [s]: one over the rate."""
         return 1 / self.rate
 
-    def phase(self, time: float) -> tuple[float, float]:
-        """(sin ωt, cos ωt), two entries of z."""
-        return float(np.sin(self.angular_frequency * time)), float(np.cos(self.angular_frequency * time))
 
-    def series(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
-        """Coefficients of z(τ) in powers of s = τ / span, shape (SERIES_ORDER + 1, d)."""
-        rates = self._matrices(stuck).sparse_rates
-        return _series(rates.data, rates.indices, rates.indptr, z)
+_called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
-    def friction(self, vectors: FloatArray, stuck: BoolArray) -> FloatArray:
-        """λ_T [N] of vectors z, or of coefficients of them, shape (..., d); the result has (..., n)."""
-        return vectors @ self._matrices(stuck).friction.T
 
-    def force_magnitude(self, coefficients: FloatArray) -> FloatArray:
-        """Sum of the sizes of all forces on the two masses of each cell [N], shape (n,): what round-off scales with."""
-        # Two terms of the series count, since forces may all pass zero at one instant.
-        sizes = np.abs(self._forces_without_friction) @ (np.abs(coefficients[0]) + np.abs(coefficients[1]))
-        outer, inner = np.split(sizes, 2)
-        return outer + inner
+@_called
+def _differentiate(chain: Any, stuck: Any, z: Any, friction: Any, factor: float, rates: Any) -> None:
+    """Fill `rates` with `factor` times ż, and `friction` with λ_T of contacts that stick; it has that of the others."""
+    n, omega = friction.size, chain.angular_frequency
+    rates[4 * n], rates[4 * n + 1] = factor * omega * z[4 * n + 1], -factor * omega * z[4 * n]
+    load = chain.load[0] * z[4 * n] + chain.load[1] * z[4 * n + 1]
+    pull = chain.chain_stiffness[0] * z[0] + chain.chain_damping[0] * z[2 * n] - load
+    for i in range(n):
+        u, v, du, dv = z[i], z[n + i], z[2 * n + i], z[3 * n + i]
+        following = 0.0
+        if i + 1 < n:
+            stretch, speed = z[i + 1] - u, z[2 * n + i + 1] - du
+            following = chain.chain_stiffness[i + 1] * stretch + chain.chain_damping[i + 1] * speed
+        inner = chain.inner_stiffness[i] * (v - u) + chain.inner_damping[i] * (dv - du)
+        row = following - pull
+        if stuck[i]:
+            friction[i] = chain.inner_share[i] * row + inner
+            outer_rate = inner_rate = chain.per_both[i] * row
+        else:
+            outer_rate = chain.per_outer[i] * (row + inner - friction[i])
+            inner_rate = chain.per_inner[i] * (friction[i] - inner)
+        rates[i], rates[n + i] = factor * du, factor * dv
+        rates[2 * n + i], rates[3 * n + i] = factor * outer_rate, factor * inner_rate
+        pull = following
 
-    def rates(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
-        """ż of the vector z, shape (d,)."""
-        return self._matrices(stuck).scaled_rates @ z * self.rate
 
-    def propagator(self, stuck: BoolArray, duration: float) -> FloatArray:
-        """Jacobian of the state after `duration` [s] <= one span of one pattern to the state before, shape (4n, 4n)."""
-        motion = 4 * self.chain.cells
-        rates = self._matrices(stuck).sparse_rates[:motion, :motion] * (duration * self.rate)
-        return _exponential(rates.data, rates.indices, rates.indptr, motion)
+@_called
+def continue_series(chain: Any, stuck: Any, coefficients: Any, friction: Any) -> None:
+    """Fill z and λ_T in powers of s = τ / span from z, and the λ_T of slipping contacts, at s = 0."""
+    friction[1:] = 0.0
+    for k in range(SERIES_ORDER):
+        _differentiate(chain, stuck, coefficients[k], friction[k], 1 / (chain.rate * (k + 1)), coefficients[k + 1])
+    unused = np.empty_like(coefficients[0])
+    _differentiate(chain, stuck, coefficients[SERIES_ORDER], friction[SERIES_ORDER], 0.0, unused)
 
-    def _matrices(self, stuck: BoolArray) -> _Matrices:
-        """Matrices of one pattern; the motion visits few of the 2ⁿ, and those are kept."""
-        key = stuck.tobytes()
-        if key in self._patterns:
-            return self._patterns[key]
-        chain, n = self.chain, self.chain.cells
-        outer, inner, slipping_force = slice(0, n), slice(n, 2 * n), slice(4 * n + 2, 5 * n + 2)
-        forces = self._forces_without_friction
-        mean = (forces[outer] + forces[inner]) / (chain.outer_mass + chain.inner_mass)[:, None]
-        held = chain.inner_mass[:, None] * mean - forces[inner]
-        own = np.zeros((n, self.size))
-        own[:, slipping_force] = np.eye(n)
-        friction = np.where(stuck[:, None], held, own)
-        slip_outer = (forces[outer] - own) / chain.outer_mass[:, None]
-        slip_inner = (forces[inner] + own) / chain.inner_mass[:, None]
-        rates = np.zeros((self.size, self.size))
-        rates[: 2 * n, 2 * n : 4 * n] = np.eye(2 * n)
-        rates[2 * n : 3 * n] = np.where(stuck[:, None], mean, slip_outer)
-        rates[3 * n : 4 * n] = np.where(stuck[:, None], mean, slip_inner)
-        rates[4 * n, 4 * n + 1] = self.angular_frequency
-        rates[4 * n + 1, 4 * n] = -self.angular_frequency
-        self._patterns[key] = _Matrices(rates * self.span, friction)
-        return self._patterns[key]
 
-    @cached_property
-    def _forces_without_friction(self) -> FloatArray:
-        """Rows that give f − K x − C q on every mass [N] from z, shape (2n, d)."""
-        chain, n = self.chain, self.chain.cells
-        rows = np.zeros((2 * n, self.size))
-        rows[:, : 2 * n] = -chain.stiffness_matrix
-        rows[:, 2 * n : 4 * n] = -chain.damping_matrix
-        rows[0, 4 * n : 4 * n + 2] = self._load
-        return rows
+@_called
+def propagate(chain: Any, stuck: Any, duration: float, directions: Any) -> None:
+    """Lead small distances (m, 4n + 2), of still drives, through `duration` [s] <= one span, in place."""
+    term, following, friction = np.empty(directions.shape[1]), np.empty(directions.shape[1]), np.zeros(stuck.size)
+    for direction in directions:
+        term[:] = direction
+        size = 1.0
+        for k in range(1, SERIES_ORDER + 1):
+            _differentiate(chain, stuck, term, friction, duration / k, following)
+            term, following = following, term
+            for row in range(direction.size):
+                direction[row] += term[row]
+            size *= duration * chain.rate / k
+            if size < LEFT_OUT:
+                break
+
+
+@numba.njit(cache=True, error_model="numpy")
+def monodromy(chain: Any, duration: Any, coefficients: Any, modes: Any) -> Any:
+    """Jacobian (4n, 4n) of the end of a row of segments to its start; see `exact_orbit.monodromy_matrix`."""
+    n = modes.shape[1]
+    directions = np.zeros((4 * n, 4 * n + 2))
+    for i in range(4 * n):
+        directions[i, i] = 1.0
+    for i in range(n):
+        if modes[0, i] == 0:
+            for mass in (2 * n + i, 3 * n + i):
+                directions[2 * n + i, mass] = 1 - chain.inner_share[i]
+                directions[3 * n + i, mass] = chain.inner_share[i]
+    for row in range(duration.size):
+        for i in range(n):
+            if row > 0 and modes[row - 1, i] != 0 and modes[row, i] != modes[row - 1, i]:
+                s = duration[row - 1] * chain.rate
+                _stop(coefficients[row - 1], s, coefficients[row], 2 * n + i, 3 * n + i, directions)
+        propagate(chain, modes[row] == 0, duration[row], directions)
+    return directions[:, : 4 * n].T
+
+
+@_called
+def _stop(before: Any, s: float, after: Any, outer: int, inner: int, directions: Any) -> None:
+    """Apply the saltation matrix of a contact that stops or turns round after s spans, in place."""
+    outer_rate = inner_rate = 0.0
+    for k in range(SERIES_ORDER, 0, -1):
+        outer_rate = outer_rate * s + k * before[k, outer]
+        inner_rate = inner_rate * s + k * before[k, inner]
+    outer_jump = (after[1, outer] - outer_rate) / (inner_rate - outer_rate)
+    inner_jump = (after[1, inner] - inner_rate) / (inner_rate - outer_rate)
+    for direction in directions:
+        parted = direction[inner] - direction[outer]
+        direction[outer] += outer_jump * parted
+        direction[inner] += inner_jump * parted
 
 
 def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float]]:
@@ -206,7 +216,7 @@ class Segment(Stretch):
     """A stretch of the motion of a chain, at most one span long."""
 
     coefficients: FloatArray = dataclasses.field(repr=False)
-    """z in powers of s, shape (SERIES_ORDER + 1, d)."""
+    """z in powers of s, shape (SERIES_ORDER + 1, 4n + 2)."""
     friction: FloatArray = dataclasses.field(repr=False)
     """λ_T in powers of s [N], shape (SERIES_ORDER + 1, n)."""
     modes: NDArray[np.int8]
@@ -216,11 +226,6 @@ class Segment(Stretch):
     def cells(self) -> int:
         """Number of cells n."""
         return self.friction.shape[1]
-
-    @property
-    def end_vector(self) -> FloatArray:
-        """The vector z at the end, shape (d,)."""
-        return (self.powers(np.array([self.duration])) @ self.coefficients)[0]
 
     def states(self, elapsed: FloatArray) -> FloatArray:
         """(u, v, u̇, v̇) at times after the start [s], shape (times,); the result has (times, 4n)."""

@@ -5,77 +5,130 @@ one where they have one (Farouki, "The Bernstein polynomial basis: a centennial 
 without a root is thus proven to have none; every other one is halved, left half first, until one change is left.
 """
 
-from functools import cache
-from math import comb
+from typing import Any
 
+import numba
 import numpy as np
-from scipy.optimize import brentq
 
-from reference_lcp.validation import FloatArray
-
-SMALLEST_INTERVAL = 2.0**-48
-"""Width at which an interval that still cannot be proven free of roots counts as one: the polynomial nearly touches."""
+HALVINGS = 48
+"""Halvings after which an interval that still cannot be proven free of roots counts as one: the polynomial nearly
+touches zero."""
 
 ROOT_TOLERANCE = 1e-15
 """Accuracy of a root, a few units of round-off of the interval's length one."""
 
-
-@cache
-def _matrices(degree: int) -> tuple[FloatArray, FloatArray]:
-    """Matrices from coefficients of 1, s, … s^N to Bernstein coefficients, and from these to those on [0, 1/2]."""
-    orders = range(degree + 1)
-    bernstein = [[comb(j, k) / comb(degree, k) for k in orders] for j in orders]
-    left_half = [[comb(j, k) / 2.0**j for k in orders] for j in orders]
-    return np.array(bernstein), np.array(left_half)
+_called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-def first_roots(coefficients: FloatArray) -> FloatArray:
+@numba.njit(cache=True, error_model="numpy")
+def first_roots(coefficients: Any) -> Any:
     """First root on (0, 1] of every column of coefficients of 1, s, … s^N, shape (N + 1, m); inf without one.
 
     Each polynomial is positive just behind s = 0, where it may itself be zero only after the caller has divided the
     factor s out.
     """
-    bernstein = _matrices(coefficients.shape[0] - 1)[0] @ coefficients
-    roots = np.full(coefficients.shape[1], np.inf)
-    for column in np.flatnonzero(np.min(bernstein, axis=0) <= 0):
-        roots[column] = _first_root(coefficients[:, column], bernstein[:, column])
+    roots = np.empty(coefficients.shape[1])
+    for column in range(roots.size):
+        roots[column] = first_root(coefficients[:, column].copy())
     return roots
 
 
-def _first_root(coefficients: FloatArray, bernstein: FloatArray) -> float:
-    """First root of one polynomial; the stack holds intervals, the leftmost on top."""
-    half = _matrices(bernstein.size - 1)[1]
-    stack = [(0.0, 1.0, bernstein)]
-    while stack:
-        start, width, values = stack.pop()
-        if np.min(values) > 0:
+@_called
+def first_root(coefficients: Any) -> float:
+    """First root of one polynomial, of coefficients (N + 1,); the stack holds intervals, the leftmost on top."""
+    stack = np.empty((HALVINGS + 2, coefficients.size))
+    starts, widths = np.zeros(HALVINGS + 2), np.ones(HALVINGS + 2)
+    _to_bernstein(coefficients, stack[0])
+    top = 0
+    while top >= 0:
+        values, start, width = stack[top], starts[top], widths[top]
+        if _all_positive(values):
+            top -= 1
             continue
-        if values[0] <= 0 or width <= SMALLEST_INTERVAL:
+        if values[0] <= 0 or width <= 2.0**-HALVINGS:
             return start
-        negative = values[values != 0] < 0
-        if values[-1] < 0 and np.count_nonzero(negative[1:] != negative[:-1]) == 1:
+        if values[-1] < 0 and _sign_changes(values) == 1:
             root = _single_root(coefficients, start, start + width)
-            if root is not None:
+            if root >= 0:
                 return root
-        stack.append((start + width / 2, width / 2, (half @ values[::-1])[::-1]))
-        stack.append((start, width / 2, half @ values))
+        _halve(values, stack[top + 1])
+        starts[top], starts[top + 1] = start + width / 2, start
+        widths[top] = widths[top + 1] = width / 2
+        top += 1
     return np.inf
 
 
-def _single_root(coefficients: FloatArray, start: float, end: float) -> float | None:
-    """Root in an interval that holds exactly one, or nothing where round-off at its end makes that doubtful."""
-    highest_first = coefficients[::-1].tolist()
+@_called
+def _to_bernstein(coefficients: Any, values: Any) -> None:
+    """Σ_k C(j, k) / C(N, k) a_k for every j, with sums as in Pascal's triangle."""
+    degree = coefficients.size - 1
+    binomial = 1.0
+    for k in range(degree + 1):
+        values[k] = coefficients[k] / binomial
+        binomial = binomial * (degree - k) / (k + 1)
+    for level in range(degree):
+        for j in range(degree, level, -1):
+            values[j] += values[j - 1]
 
-    def value(s: float) -> float:
-        result = 0.0
-        for coefficient in highest_first:
-            result = result * s + coefficient
-        return result
 
+@_called
+def _halve(values: Any, left: Any) -> None:
+    """De Casteljau's means: the Bernstein coefficients of the left half, and those of the right one in place."""
+    for level in range(values.size):
+        left[level] = values[0]
+        for j in range(values.size - 1 - level):
+            values[j] = (values[j] + values[j + 1]) / 2
+
+
+@_called
+def _all_positive(values: Any) -> bool:
+    for value in values:
+        if value <= 0:
+            return False
+    return True
+
+
+@_called
+def _sign_changes(values: Any) -> int:
+    """Changes of sign from one value to the next, but for zeros; the first is positive."""
+    changes, negative = 0, False
+    for value in values:
+        if value != 0 and (value < 0) != negative:
+            changes += 1
+            negative = not negative
+    return changes
+
+
+@_called
+def _single_root(coefficients: Any, start: float, end: float) -> float:
+    """Root in an interval that holds exactly one, or −1 where round-off at its end makes that doubtful."""
     # Horner's rule and the Bernstein form round differently. A zero at the start is the first root; one at
     # the end may be the second of a pair, and only smaller intervals separate them.
-    if value(start) <= 0:
+    if _value_and_slope(coefficients, start)[0] <= 0:
         return start
-    if value(end) >= 0:
-        return None
-    return float(brentq(value, start, end, xtol=ROOT_TOLERANCE, rtol=4 * np.finfo(float).eps))
+    if _value_and_slope(coefficients, end)[0] >= 0:
+        return -1.0
+    low, high, root = start, end, (start + end) / 2
+    step = before = end - start
+    while abs(step) > ROOT_TOLERANCE:
+        value, slope = _value_and_slope(coefficients, root)
+        if value > 0:
+            low = root
+        else:
+            high = root
+        # Newton's step, where it stays inside and at least halves the step before the last one
+        before, step = step, -value / slope if slope < 0 else np.inf
+        if not (low <= root + step <= high and abs(step) <= abs(before) / 2):
+            step = (low + high) / 2 - root
+        root += step
+    return root
+
+
+@_called
+def _value_and_slope(coefficients: Any, s: float) -> Any:
+    """Horner's rule."""
+    value = slope = 0.0
+    for k in range(coefficients.size - 1, -1, -1):
+        slope = slope * s + value
+        value = value * s + coefficients[k]
+    return value, slope
