@@ -19,7 +19,7 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven_kernel import COUNTED_FROM, EVENTS, TIME, Record, follow
-from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment
+from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment, values
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray
 
@@ -42,20 +42,19 @@ class EventDrivenChain(LaneModel):
         self.system = PiecewiseLinearChain.of(lane.chain, lane.drive)
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state` at step index `start`; λ_T is that of the instant of each row."""
+        """Advance from `state` at step index `start`."""
         times = self.lane.times(start, steps)
         return self.sampled(list(self.segments(state, start * self.lane.time_step, float(times[-1]))), times)
 
     def sampled(self, segments: Sequence[Segment], times: FloatArray) -> Trajectory:
-        """Read segments at times [s], rising, of which the last one has one at least."""
-        n, steps = self.lane.chain.cells, times.size
-        rows, friction = np.empty((steps, 4 * n)), np.empty((steps, n))
-        last = [*np.searchsorted(times, [segment.end for segment in segments[:-1]]), steps]
-        for segment, begin, end in zip(segments, [0, *last[:-1]], last, strict=True):
-            elapsed = times[begin:end] - segment.start
-            rows[begin:end], friction[begin:end] = segment.states(elapsed), segment.friction_at(elapsed)
+        """Read segments at times [s]; λ_T is that of the instant of each row."""
+        n, starts = self.lane.chain.cells, np.array([segment.start for segment in segments])
+        which = np.searchsorted([segment.end for segment in segments[:-1]], times)
+        s = (times - starts[which]) / self.system.span
+        rows = values(np.array([segment.coefficients for segment in segments]), which, s)
+        friction = values(np.array([segment.friction for segment in segments]), which, s)
         normal = np.broadcast_to(self.lane.chain.normal_force, friction.shape)
-        return Trajectory(times, rows[:, : 2 * n], rows[:, 2 * n :], friction, normal)
+        return Trajectory(times, rows[:, : 2 * n], rows[:, 2 * n : 4 * n], friction, normal)
 
     def segments(self, state: State, start: float, end: float) -> Iterator[Segment]:
         """Segments of the motion from `state`, a batch of one lane, between two times [s]."""

@@ -96,18 +96,20 @@ def _begin(chain: Any, z: Any, modes: Any, coefficients: Any, friction: Any, ord
     upper and lower bound, or, in the first row, of a relative velocity.
     """
     n, bound = modes.size, chain.friction_bound
-    stuck, slip_order, leaves = np.zeros(n, np.bool_), np.zeros(n, np.int64), np.zeros(n, np.bool_)
+    stuck, leaves = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+    slip_order, sizes = np.zeros(n, np.int64), np.empty(n)
     _bring_to_rest(chain, z, modes, stuck)
     coefficients[0] = z
     while True:
         for i in range(n):
             friction[0, i] = -modes[i] * bound[i]
         continue_series(chain, stuck, coefficients, friction)
+        _force_sizes(chain, coefficients, sizes)
         lowest = SERIES_ORDER + 1
         for i in range(n):
             orders[0, i], orders[1, i], leaves[i] = slip_order[i], 0, False
             if stuck[i]:
-                tolerance = FORCE_TOLERANCE * (bound[i] + _force_magnitude(chain, coefficients, i))
+                tolerance = FORCE_TOLERANCE * (bound[i] + sizes[i])
                 leaves[i] = _decide(friction[:, i], bound[i], tolerance, orders[:, i])
                 if leaves[i]:
                     lowest = min(lowest, max(orders[0, i], orders[1, i]))
@@ -134,23 +136,22 @@ def _bring_to_rest(chain: Any, z: Any, modes: Any, stuck: Any) -> None:
 
 
 @_called
-def _force_magnitude(chain: Any, coefficients: Any, i: int) -> float:
-    """Sum of the sizes of all forces on the two masses of a cell [N]: what round-off scales with."""
+def _force_sizes(chain: Any, coefficients: Any, sizes: Any) -> None:
+    """Sum of the sizes of all forces on the two masses of each cell [N], (n,): what round-off scales with."""
+    n = sizes.size
+    sizes[:] = 0.0
     # Two terms of the series count, since forces may all pass zero at one instant.
-    n, total = chain.per_outer.size, 0.0
     for k in range(2):
-        z = coefficients[k]
-        u, v, du, dv = abs(z[i]), abs(z[n + i]), abs(z[2 * n + i]), abs(z[3 * n + i])
-        total += 2 * (chain.inner_stiffness[i] * (u + v) + chain.inner_damping[i] * (du + dv))
-        total += chain.chain_stiffness[i] * u + chain.chain_damping[i] * du
-        if i == 0:
-            total += abs(chain.load[0] * z[4 * n]) + abs(chain.load[1] * z[4 * n + 1])
-        else:
-            total += chain.chain_stiffness[i] * abs(z[i - 1]) + chain.chain_damping[i] * abs(z[2 * n + i - 1])
-        if i + 1 < n:
-            total += chain.chain_stiffness[i + 1] * (u + abs(z[i + 1]))
-            total += chain.chain_damping[i + 1] * (du + abs(z[2 * n + i + 1]))
-    return total
+        z = np.abs(coefficients[k])
+        sizes[0] += abs(chain.load[0]) * z[4 * n] + abs(chain.load[1]) * z[4 * n + 1]
+        for i in range(n):
+            inner = chain.inner_stiffness[i] * (z[i] + z[n + i])
+            inner += chain.inner_damping[i] * (z[2 * n + i] + z[3 * n + i])
+            left = chain.chain_stiffness[i] * z[i] + chain.chain_damping[i] * z[2 * n + i]
+            if i > 0:
+                left += chain.chain_stiffness[i] * z[i - 1] + chain.chain_damping[i] * z[2 * n + i - 1]
+                sizes[i - 1] += left
+            sizes[i] += left + 2 * inner
 
 
 @_called
@@ -198,13 +199,18 @@ def _first_event(chain: Any, reach: float, coefficients: Any, friction: Any, ord
 
 @_called
 def _first_passage(function: Any, order: int, reach: float) -> float:
-    """First root on (0, 1] of a polynomial of s / reach, after `order` leading coefficients are divided out; inf without.
+    """First root on (0, 1] of a polynomial of s / reach, after `order` leading coefficients are divided out.
 
-    One that vanishes has none.
+    Without one, inf; so it is where nothing is left.
     """
-    power, size = 1.0, 0.0
+    if order > 0:
+        for k in range(SERIES_ORDER + 1 - order):
+            function[k] = function[k + order]
+        function[SERIES_ORDER + 1 - order :] = 0.0
+        if not np.any(function):
+            return np.inf
+    power = 1.0
     for k in range(SERIES_ORDER + 1):
-        function[k] = function[k + order] * power if k + order <= SERIES_ORDER else 0.0
-        size = max(size, abs(function[k]))
+        function[k] *= power
         power *= reach
-    return first_root(function) if size > 0 else np.inf
+    return first_root(function)

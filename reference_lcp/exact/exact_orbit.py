@@ -11,7 +11,8 @@ where a slipping one stops or turns round, h is its relative velocity.
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +24,11 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation
-from reference_lcp.exact.mode_dynamics import Segment, monodromy
+from reference_lcp.exact.mode_dynamics import Segment, monodromy, values
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN, Transition
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.attraction import attracts_all, largest_moving, without_dashpots
-from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.steady.orbits import orbit_status, periodic_orbits
 from reference_lcp.validation import FloatArray
 
 QUADRATURE_POINTS = 16
@@ -40,7 +41,7 @@ SHAKEDOWN_SLIP = 1e-6
 """Slip to one side only, over the displacement scale, that counts as none: the contact is on its way to where it sticks
 throughout (shakedown), which it reaches in the limit only."""
 
-NEWTON_STEPS = 12
+NEWTON_STEPS = 16
 """Most steps of Newton's method; one or two reach round-off, but where a contact creeps towards a place in which its
 force just reaches the bound each step lowers the residual by four only."""
 
@@ -52,6 +53,17 @@ SCHEME_STEPS = 800
 
 MOST_SCHEME_STEPS = 10 * SCHEME_STEPS
 """Steps with which a period of the scheme takes as long as one from event to event; stiff chains need more."""
+
+
+ROUND_OFF = 1e-14
+"""Residual at which Newton's method has nothing left to do: some fifty units of round-off. A resonance that cannot be
+resolved so far ends it too, with a residual that falls no more."""
+
+
+@cache
+def _gauss() -> tuple[FloatArray, FloatArray]:
+    points, weights = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
+    return points, weights
 
 
 @dataclass(frozen=True)
@@ -96,26 +108,27 @@ class ExactPeriod:
     def stuck_fraction(self) -> FloatArray:
         """Part of the period that each contact sticks, shape (n,)."""
         # Both sums run over the same rows in the same order: a contact that always sticks has exactly one.
-        durations = np.array([[segment.duration] for segment in self.segments])
+        durations = self._durations[:, None]
         sticks = self.modes == 0
         return np.sum(durations * sticks, axis=0) / np.sum(durations * np.ones_like(sticks), axis=0)
 
     def harmonic(self, order: int = 1) -> NDArray[np.complex128]:
         """Complex amplitudes A exp(iφ) [m] of the displacements A sin(kωt + φ), shape (2n,), outer masses first."""
         times, weights, states = self.quadrature
-        phases = np.exp(-2j * np.pi * order / self.period * times)
-        return 2j / self.period * ((weights * phases) @ states[:, : 2 * self.lane.chain.cells])
+        phases = 2 * np.pi * order / self.period * times
+        parts = (weights * np.array([np.sin(phases), np.cos(phases)])) @ states[:, : 2 * self.lane.chain.cells]
+        return 2 / self.period * (parts[0] + 1j * parts[1])
 
     @cached_property
     def quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gauss points of all segments [s], their weights [s], and the states (u, v, u̇, v̇) there."""
-        points, weights = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
-        places = [s.duration * ((points + 1) / 2) for s in self.segments]
-        return (
-            np.concatenate([s.start + elapsed for s, elapsed in zip(self.segments, places, strict=True)]),
-            np.concatenate([s.duration * (weights / 2) for s in self.segments]),
-            np.concatenate([s.states(elapsed) for s, elapsed in zip(self.segments, places, strict=True)]),
-        )
+        points, weights = _gauss()
+        elapsed = np.outer(self._durations, (points + 1) / 2)
+        rows = np.repeat(np.arange(len(self.segments)), points.size)
+        starts = np.array([segment.start for segment in self.segments])
+        states = values(self._series, rows, elapsed.ravel() / self.segments[0].span)
+        times = (starts[:, None] + elapsed).ravel()
+        return times, np.outer(self._durations, weights / 2).ravel(), states[:, : 4 * self.lane.chain.cells]
 
     @property
     def complex_transmittance(self) -> complex:
@@ -131,8 +144,15 @@ class ExactPeriod:
     @cached_property
     def lasting(self) -> NDArray[np.intp]:
         """Indices of segments that are more than round-off."""
-        durations = np.array([segment.duration for segment in self.segments])
-        return np.flatnonzero(durations > SHORTEST_SEGMENT * self.period)
+        return np.flatnonzero(self._durations > SHORTEST_SEGMENT * self.period)
+
+    @cached_property
+    def _durations(self) -> FloatArray:
+        return np.array([segment.duration for segment in self.segments])
+
+    @cached_property
+    def _series(self) -> FloatArray:
+        return np.array([segment.coefficients for segment in self.segments])
 
     @cached_property
     def _changes(self) -> list[tuple[int, int]]:
@@ -145,11 +165,11 @@ class ExactPeriod:
     @cached_property
     def _slips(self) -> FloatArray:
         """Change of the relative displacement of every contact in every segment [m], shape (segments, n)."""
-        n = self.lane.chain.cells
-        ends = np.array([s.states(np.array([0.0, s.duration]))[:, : 2 * n] for s in self.segments])
-        changes = ends[:, 1] - ends[:, 0]
+        n, rows = self.lane.chain.cells, np.arange(len(self.segments))
+        ends = values(self._series, rows, self._durations / self.segments[0].span)
+        changes = ends - self._series[:, 0]
         slipping = np.array([segment.modes for segment in self.segments]) != 0
-        return np.where(slipping, changes[:, n:] - changes[:, :n], 0.0)
+        return np.where(slipping, changes[:, n : 2 * n] - changes[:, :n], 0.0)
 
     @cached_property
     def modes(self) -> NDArray[np.int8]:
@@ -174,39 +194,26 @@ def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatA
 
 
 def polished(
-    orbit: PeriodicOrbit, steps_per_period: int, tolerance: float, deadline: Deadline = UNLIMITED, thorough: bool = True
+    lane: Lane, start: State, tolerance: float, deadline: Deadline = UNLIMITED, thorough: bool = True
 ) -> PeriodicOrbit:
-    """Improve an orbit by Newton's method while its residual falls; `tolerance` decides the status."""
-    if orbit.status is OrbitStatus.DIVERGED:
-        return orbit
-    simulation = EventDrivenSimulation([orbit.lane], deadline)
-    periods = orbit.periods
-    best, state = orbit, orbit.trajectory.end
-    for _ in range(NEWTON_STEPS):
-        state = _newton_step(EventDrivenChain(orbit.lane, deadline), state, steps_per_period * orbit.lane.time_step)
-        candidate = periodic_orbits(
-            simulation, steps_per_period, start=state, tolerance=tolerance, max_periods=1, longest_multiple=1
-        )[0]
-        periods += 1 + candidate.periods
-        if not candidate.residual < best.residual:
+    """Find an orbit by Newton's method, while its residual falls; `tolerance` decides the status."""
+    chain, drive, width = EventDrivenChain(lane, deadline), cast(PeriodicDrive, lane.drive), 2 * lane.chain.cells
+    scale = drive.displacement_scale(lane.chain) * np.repeat([1.0, drive.angular_frequency], width)
+    x, best, residual, periods = np.concatenate([start.positions[0], start.velocities[0]]), [], np.inf, 0
+    while periods <= NEWTON_STEPS:
+        segments = list(chain.segments(State(x[None, :width], x[None, width:]), 0.0, drive.period))
+        change = (segments[-1].states(np.array([segments[-1].duration]))[0] - x) / scale
+        periods += 1
+        if not np.max(np.abs(change)) < residual:
             break
-        best, state = candidate, candidate.trajectory.end
-        if not thorough and best.residual <= tolerance:
+        best, residual = segments, float(np.max(np.abs(change)))
+        if residual <= (ROUND_OFF if thorough else tolerance):
             break
-    status = best.status if best.residual > tolerance else OrbitStatus.CONVERGED
-    return PeriodicOrbit(best.lane, best.trajectory, best.residual, periods, status)
-
-
-def _newton_step(chain: EventDrivenChain, state: State, period: float) -> State:
-    """X + (I − J)⁺ (g(x) − x) with g the period map; offsets of stuck cells stay as they are."""
-    width = 2 * chain.lane.chain.cells
-    segments = list(chain.segments(state, 0.0, period))
-    x = np.concatenate([state.positions[0], state.velocities[0]])
-    change = segments[-1].states(np.array([segments[-1].duration]))[0] - x
-    scale = np.repeat([1.0, 2 * np.pi / period], width)
-    matrix = np.eye(2 * width) - _scaled_monodromy(chain, segments, period)
-    x = x + scale * np.linalg.lstsq(matrix, change / scale, rcond=NULL_DIRECTION)[0]
-    return State(x[None, :width], x[None, width:])
+        # X + (I − J)⁺ (g(x) − x) with g the period map; offsets of stuck cells stay as they are.
+        matrix = np.eye(2 * width) - _scaled_monodromy(chain, segments, drive.period)
+        x = x + scale * np.linalg.lstsq(matrix, change, rcond=NULL_DIRECTION)[0]
+    trajectory = chain.sampled(best, lane.times(0, round(drive.period / lane.time_step)))
+    return PeriodicOrbit(lane, trajectory, residual, periods, orbit_status(residual, tolerance))
 
 
 def _scaled_monodromy(chain: EventDrivenChain, segments: list[Segment], period: float) -> FloatArray:
@@ -230,19 +237,21 @@ def exact_orbit(
     Newton's method ends where the residual falls no more; one that is not `thorough`, at the tolerance. A search that
     passes its deadline raises `NotProven`.
     """
-    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)], deadline)
+    lane = Lane.periodic(chain, drive, steps_per_period)
+    simulation = EventDrivenSimulation([lane], deadline)
+    polish = partial(polished, lane, tolerance=tolerance, deadline=deadline, thorough=thorough)
     search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
     steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
     if steps <= MOST_SCHEME_STEPS:
         euler = CompiledSimulation([Lane.periodic(chain, drive, steps)])
         scheme = periodic_orbits(euler, steps, longest_multiple=1, deadline=deadline)[0]
         if scheme.converged:
-            near = search(start=scheme.trajectory.end, tolerance=tolerance, max_periods=1)[0]
-            orbit = polished(near, steps_per_period, tolerance, deadline, thorough)
+            orbit = polish(scheme.trajectory.end)
             if orbit.converged:
                 return _judged(orbit, drive.period, deadline)
     near = search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0]
-    orbit = polished(near, steps_per_period, tolerance, deadline, thorough)
+    orbit = polish(near.trajectory.end)
+    orbit = dataclasses.replace(orbit, periods=near.periods + orbit.periods)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)

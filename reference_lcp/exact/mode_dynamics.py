@@ -29,6 +29,15 @@ SERIES_ORDER = 20
 LEFT_OUT = 1e-18
 """Largest size of a term of a propagator, over that of the first, that is left out: a hundredth of round-off."""
 
+WIDTH = 8
+"""Columns of a table that are differentiated at once: numbers of float64 in the widest vector register."""
+
+U, V, DU, DV, FRICTION, PULL, LOAD = range(0, 7 * WIDTH, WIDTH)
+"""Where a row of a table, one a cell, has u, v, u̇, v̇, λ_T, and the force of the chain element at the left of the cell;
+the first row has the load of the drive."""
+
+ROW = 7 * WIDTH
+
 
 class PiecewiseLinearChain(NamedTuple):
     """Numbers of a chain under a harmonic or still drive, as compiled loops read them; arrays have one a cell."""
@@ -88,65 +97,84 @@ _called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, n
 
 
 @_called
-def _differentiate(chain: Any, stuck: Any, z: Any, friction: Any, factor: float, rates: Any) -> None:
-    """Fill `rates` with `factor` times ż, and `friction` with λ_T of contacts that stick; it has that of the others."""
-    n, omega = friction.size, chain.angular_frequency
-    rates[4 * n], rates[4 * n + 1] = factor * omega * z[4 * n + 1], -factor * omega * z[4 * n]
-    load = chain.load[0] * z[4 * n] + chain.load[1] * z[4 * n + 1]
-    pull = chain.chain_stiffness[0] * z[0] + chain.chain_damping[0] * z[2 * n] - load
-    for i in range(n):
-        u, v, du, dv = z[i], z[n + i], z[2 * n + i], z[3 * n + i]
-        following = 0.0
-        if i + 1 < n:
-            stretch, speed = z[i + 1] - u, z[2 * n + i + 1] - du
-            following = chain.chain_stiffness[i + 1] * stretch + chain.chain_damping[i + 1] * speed
-        inner = chain.inner_stiffness[i] * (v - u) + chain.inner_damping[i] * (dv - du)
-        row = following - pull
-        if stuck[i]:
-            friction[i] = chain.inner_share[i] * row + inner
-            outer_rate = inner_rate = chain.per_both[i] * row
-        else:
-            outer_rate = chain.per_outer[i] * (row + inner - friction[i])
-            inner_rate = chain.per_inner[i] * (friction[i] - inner)
-        rates[i], rates[n + i] = factor * du, factor * dv
-        rates[2 * n + i], rates[3 * n + i] = factor * outer_rate, factor * inner_rate
-        pull = following
+def _differentiate(chain: Any, stuck: Any, table: Any, columns: int, factor: float) -> None:
+    """Replace (u, v, u̇, v̇) of every column by `factor` times its rate; λ_T is filled in where contacts stick."""
+    for j in range(columns):
+        pull = chain.chain_stiffness[0] * table[U + j] + chain.chain_damping[0] * table[DU + j]
+        table[PULL + j] = pull - table[LOAD + j]
+    for i in range(stuck.size):
+        here, after = i * ROW, (i + 1) * ROW
+        stiffness = chain.chain_stiffness[i + 1] if i + 1 < stuck.size else 0.0
+        damping = chain.chain_damping[i + 1] if i + 1 < stuck.size else 0.0
+        inner_stiffness, inner_damping, share = chain.inner_stiffness[i], chain.inner_damping[i], chain.inner_share[i]
+        sticks, per_both = stuck[i], chain.per_both[i]
+        per_outer, per_inner = chain.per_outer[i], chain.per_inner[i]
+        for j in range(columns):
+            u, v, du, dv = table[here + U + j], table[here + V + j], table[here + DU + j], table[here + DV + j]
+            following = stiffness * (table[after + U + j] - u) + damping * (table[after + DU + j] - du)
+            inner = inner_stiffness * (v - u) + inner_damping * (dv - du)
+            row = following - table[here + PULL + j]
+            friction = share * row + inner if sticks else table[here + FRICTION + j]
+            table[here + U + j] = factor * du
+            table[here + V + j] = factor * dv
+            table[here + DU + j] = factor * (per_both * row if sticks else per_outer * (row + inner - friction))
+            table[here + DV + j] = factor * (per_both * row if sticks else per_inner * (friction - inner))
+            table[here + FRICTION + j] = friction
+            table[after + PULL + j] = following
 
 
 @_called
 def continue_series(chain: Any, stuck: Any, coefficients: Any, friction: Any) -> None:
     """Fill z and λ_T in powers of s = τ / span from z, and the λ_T of slipping contacts, at s = 0."""
-    friction[1:] = 0.0
-    for k in range(SERIES_ORDER):
-        _differentiate(chain, stuck, coefficients[k], friction[k], 1 / (chain.rate * (k + 1)), coefficients[k + 1])
-    unused = np.empty_like(coefficients[0])
-    _differentiate(chain, stuck, coefficients[SERIES_ORDER], friction[SERIES_ORDER], 0.0, unused)
+    n, omega = stuck.size, chain.angular_frequency
+    table = np.zeros((n + 1) * ROW)
+    for i in range(n):
+        table[i * ROW + FRICTION] = friction[0, i]
+        for field in range(4):
+            table[i * ROW + field * WIDTH] = coefficients[0, field * n + i]
+    for k in range(SERIES_ORDER + 1):
+        factor, sine, cosine = 1 / (chain.rate * (k + 1)), coefficients[k, 4 * n], coefficients[k, 4 * n + 1]
+        table[LOAD] = chain.load[0] * sine + chain.load[1] * cosine
+        _differentiate(chain, stuck, table, 1, factor)
+        for i in range(n):
+            friction[k, i], table[i * ROW + FRICTION] = table[i * ROW + FRICTION], 0.0
+            if k < SERIES_ORDER:
+                for field in range(4):
+                    coefficients[k + 1, field * n + i] = table[i * ROW + field * WIDTH]
+        if k < SERIES_ORDER:
+            coefficients[k + 1, 4 * n], coefficients[k + 1, 4 * n + 1] = factor * omega * cosine, -factor * omega * sine
 
 
 @_called
 def propagate(chain: Any, stuck: Any, duration: float, directions: Any) -> None:
-    """Lead small distances (m, 4n + 2), of still drives, through `duration` [s] <= one span, in place."""
-    term, following, friction = np.empty(directions.shape[1]), np.empty(directions.shape[1]), np.zeros(stuck.size)
-    for direction in directions:
-        term[:] = direction
-        size = 1.0
+    """Lead small distances in (u, v, u̇, v̇), (m, 4n), through `duration` [s] <= one span, in place."""
+    n = stuck.size
+    for first in range(0, directions.shape[0], WIDTH):
+        block = directions[first : first + WIDTH]
+        table = np.zeros((n + 1) * ROW)
+        for j in range(block.shape[0]):
+            for field in range(4):
+                for i in range(n):
+                    table[i * ROW + field * WIDTH + j] = block[j, field * n + i]
+        total, size = table.copy(), 1.0
         for k in range(1, SERIES_ORDER + 1):
-            _differentiate(chain, stuck, term, friction, duration / k, following)
-            term, following = following, term
-            for row in range(direction.size):
-                direction[row] += term[row]
+            _differentiate(chain, stuck, table, WIDTH, duration / k)
+            for place in range(table.size):
+                total[place] += table[place]
             size *= duration * chain.rate / k
             if size < LEFT_OUT:
                 break
+        for j in range(block.shape[0]):
+            for field in range(4):
+                for i in range(n):
+                    block[j, field * n + i] = total[i * ROW + field * WIDTH + j]
 
 
 @numba.njit(cache=True, error_model="numpy")
 def monodromy(chain: Any, duration: Any, coefficients: Any, modes: Any) -> Any:
     """Jacobian (4n, 4n) of the end of a row of segments to its start; see `exact_orbit.monodromy_matrix`."""
     n = modes.shape[1]
-    directions = np.zeros((4 * n, 4 * n + 2))
-    for i in range(4 * n):
-        directions[i, i] = 1.0
+    directions = np.eye(4 * n)
     for i in range(n):
         if modes[0, i] == 0:
             for mass in (2 * n + i, 3 * n + i):
@@ -158,7 +186,7 @@ def monodromy(chain: Any, duration: Any, coefficients: Any, modes: Any) -> Any:
                 s = duration[row - 1] * chain.rate
                 _stop(coefficients[row - 1], s, coefficients[row], 2 * n + i, 3 * n + i, directions)
         propagate(chain, modes[row] == 0, duration[row], directions)
-    return directions[:, : 4 * n].T
+    return directions.T
 
 
 @_called
@@ -188,6 +216,17 @@ def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float
         return 0.0, (0.0, 0.0)
     allowed = "HarmonicBase, HarmonicForce, StillBase"
     raise ParameterError(f"{type(drive).__name__} has no event-driven solution; allowed: {allowed}")
+
+
+@numba.njit(cache=True, error_model="numpy")
+def values(series: Any, rows: Any, s: Any) -> Any:
+    """Read series in powers of s, (segments, SERIES_ORDER + 1, d), of the segments `rows` at places s; (rows, d)."""
+    result = np.zeros((s.size, series.shape[2]))
+    for row in range(s.size):
+        for k in range(SERIES_ORDER, -1, -1):
+            for place in range(result.shape[1]):
+                result[row, place] = result[row, place] * s[row] + series[rows[row], k, place]
+    return result
 
 
 @dataclass(frozen=True)

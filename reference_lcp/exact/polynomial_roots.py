@@ -36,6 +36,11 @@ def first_roots(coefficients: Any) -> Any:
 @_called
 def first_root(coefficients: Any) -> float:
     """First root of one polynomial, of coefficients (N + 1,); the stack holds intervals, the leftmost on top."""
+    least = coefficients[0]
+    for k in range(1, coefficients.size):
+        least += min(coefficients[k], 0.0)
+    if least > 0:
+        return np.inf  # no Bernstein coefficient is below that sum
     stack = np.empty((HALVINGS + 2, coefficients.size))
     starts, widths = np.zeros(HALVINGS + 2), np.ones(HALVINGS + 2)
     _to_bernstein(coefficients, stack[0])

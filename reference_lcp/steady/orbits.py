@@ -139,7 +139,7 @@ def searched(
     trajectories = simulation.run(starts, 0, steps)
     residuals = search.residuals(starts, State.stack([trajectory.end for trajectory in trajectories])).tolist()
     found = zip(simulation.lanes, trajectories, residuals, (search.periods + 1).tolist(), strict=True)
-    orbits = [PeriodicOrbit(*one, _status(one[2], tolerance)) for one in found]
+    orbits = [PeriodicOrbit(*one, orbit_status(one[2], tolerance)) for one in found]
     if longest_multiple > 1:
         _search_repetitions(orbits, simulation, search, steps, tolerance, longest_multiple)
     return orbits
@@ -156,11 +156,12 @@ def _first_periods(simulation: Simulation, start: State, steps: int, tolerance: 
         x = scales.vectors(own, lane)
         change = scales.vectors(trajectory.end, lane) - x
         residual = float(scales.residuals(x, change)[0])
-        orbits.append(PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, _status(residual, tolerance)))
+        orbits.append(PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, orbit_status(residual, tolerance)))
     return orbits
 
 
-def _status(residual: float, tolerance: float) -> OrbitStatus:
+def orbit_status(residual: float, tolerance: float) -> OrbitStatus:
+    """Give the status of an orbit whose search is over."""
     if residual <= tolerance:
         return OrbitStatus.CONVERGED
     return OrbitStatus.PERIOD_LIMIT if residual < LARGEST_RESIDUAL else OrbitStatus.DIVERGED
@@ -204,7 +205,7 @@ def _reached_from_rest(
         alone.run(states, 0, steps)[0],
         float(distances[0, 0]),
         periods + SETTLING_PERIODS + longest,
-        _status(float(distances[0, 0]), tolerance),
+        orbit_status(float(distances[0, 0]), tolerance),
         multiples[0],
         f"the motion from rest; it does not reach the steady state at {level:.6g} dB, which {known}",
     )
