@@ -254,7 +254,7 @@ class _Start:
             self._modes[contact] = -1 if self._friction[0, contact] > 0 else 1
         slip = self._modes * self._slip()
         for contact in np.flatnonzero(at_rest & (self._modes != 0)).tolist():
-            if slip[self._leading(slip[:, contact], self._speed_tolerance), contact] < 0:
+            if slip[self._leading(slip[:, contact], self._speed_tolerance), contact] < -self._speed_tolerance:
                 raise AmbiguousModes(f"contact {contact} at {self._time:.9g} s neither slides nor stays at rest")
 
     def _accelerate(self) -> None:

@@ -277,8 +277,8 @@ def test_drive_without_harmonic_form_is_refused() -> None:
 def test_a_search_that_newton_does_not_finish_goes_on_from_where_it_is(monkeypatch) -> None:
     polished = exact_orbit_module.polished
 
-    def unfinished(*arguments):
-        return dataclasses.replace(polished(*arguments), status=OrbitStatus.PERIOD_LIMIT)
+    def unfinished(*arguments, **options):
+        return dataclasses.replace(polished(*arguments, **options), status=OrbitStatus.PERIOD_LIMIT)
 
     monkeypatch.setattr(exact_orbit_module, "polished", unfinished)
     orbit, period = exact_orbit_module.exact_orbit(*canonical(0.3, 0.9))
