@@ -7,13 +7,23 @@ depends on the modes of other contacts only through orders below k; deciding the
 consistent (cf. Pfeiffer and Glocker, "Multibody dynamics with unilateral contacts", 1996).
 """
 
+import math
 from typing import Any, NamedTuple, Self
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.exact.mode_dynamics import SERIES_ORDER, continue_series
+from reference_lcp.exact.mode_dynamics import (
+    BOUND,
+    CHAIN_DAMPING,
+    CHAIN_STIFFNESS,
+    INNER_DAMPING,
+    INNER_SHARE,
+    INNER_STIFFNESS,
+    SERIES_ORDER,
+    continue_series,
+)
 from reference_lcp.exact.polynomial_roots import first_root
 from reference_lcp.validation import FloatArray
 
@@ -53,25 +63,25 @@ _called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, n
 def follow(chain: Any, clock: Any, end: float, nearly: float, most_events: int, z: Any, modes: Any, record: Any) -> int:
     """Go from event to event until the record is full, `end` [s] is reached or events accumulate; gives the rows.
 
-    `clock`, `z` (4n + 2) and `modes` (n,) are where the motion is, and follow it. A segment that ends at `nearly`
+    `clock`, `z` (4n + 2,) and `modes` (n,) are where the motion is, and follow it. A segment that ends at `nearly`
     or later ends at `end`.
     """
-    span, orders = 1 / chain.rate, np.empty((2, modes.size), dtype=np.int64)
+    n, span = modes.size, 1 / chain.rate
+    orders, work = np.empty((3, n), np.int64), np.empty(n)
     for row in range(record.start.size):
         time = clock[TIME]
         if time >= end or clock[EVENTS] > most_events:
             return row
-        z[-2] = np.sin(chain.angular_frequency * time)
-        z[-1] = np.cos(chain.angular_frequency * time)
+        z[4 * n], z[4 * n + 1] = math.sin(chain.angular_frequency * time), math.cos(chain.angular_frequency * time)
         coefficients, friction = record.coefficients[row], record.friction[row]
-        _begin(chain, z, modes, coefficients, friction, orders)
-        record.modes[row] = modes
+        _begin(chain, z, modes, coefficients, friction, orders, work)
+        for i in range(n):
+            record.modes[row, i] = modes[i]
         reach = min(1.0, (end - time) * chain.rate)
-        part = _first_event(chain, reach, coefficients, friction, orders, modes)
-        record.start[row], record.duration[row] = time, part * reach * span
-        _evaluate(coefficients, record.duration[row] * chain.rate, z)
-        time += record.duration[row]
-        clock[TIME] = end if time >= nearly else time
+        duration = reach * span * _first_event(chain.cells, reach, coefficients, friction, orders, modes, work)
+        record.start[row], record.duration[row] = time, duration
+        _evaluate(coefficients, duration * chain.rate, z)
+        clock[TIME] = end if time + duration >= nearly else time + duration
         clock[EVENTS] += 1
         if clock[TIME] - clock[COUNTED_FROM] > span:
             clock[EVENTS], clock[COUNTED_FROM] = 0, clock[TIME]
@@ -82,115 +92,120 @@ def follow(chain: Any, clock: Any, end: float, nearly: float, most_events: int, 
 def _evaluate(coefficients: Any, s: float, z: Any) -> None:
     """Horner's rule."""
     for row in range(z.size):
-        value = 0.0
+        z[row] = 0.0
         for k in range(SERIES_ORDER, -1, -1):
-            value = value * s + coefficients[k, row]
-        z[row] = value
+            z[row] = z[row] * s + coefficients[k, row]
 
 
 @_called
-def _begin(chain: Any, z: Any, modes: Any, coefficients: Any, friction: Any, orders: Any) -> None:
+def _begin(chain: Any, z: Any, modes: Any, coefficients: Any, friction: Any, orders: Any, sizes: Any) -> None:
     """Give every contact the mode that Coulomb's law allows, and the series; those at rest are decided anew.
 
-    `orders` (2, n) becomes the number of leading coefficients that vanish: of the distance of a sticking force from its
-    upper and lower bound, or, in the first row, of a relative velocity.
+    `orders` (3, n) becomes the number of leading coefficients that vanish: of the distance of a sticking force from its
+    upper and lower bound, or, in the first row, of a relative velocity. The third row is the order of the coefficient
+    with which a contact leaves its rest.
     """
-    n, bound = modes.size, chain.friction_bound
-    stuck, leaves = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
-    slip_order, sizes = np.zeros(n, np.int64), np.empty(n)
-    _bring_to_rest(chain, z, modes, stuck)
-    coefficients[0] = z
+    n, cells = modes.size, chain.cells
+    _bring_to_rest(chain, z, modes)
+    for row in range(z.size):
+        coefficients[0, row] = z[row]
+    for i in range(n):
+        orders[0, i] = 0
     while True:
         for i in range(n):
-            friction[0, i] = -modes[i] * bound[i]
-        continue_series(chain, stuck, coefficients, friction)
+            friction[0, i] = -modes[i] * cells[i, BOUND]
+        continue_series(chain, modes, coefficients, friction)
         _force_sizes(chain, coefficients, sizes)
         lowest = SERIES_ORDER + 1
         for i in range(n):
-            orders[0, i], orders[1, i], leaves[i] = slip_order[i], 0, False
-            if stuck[i]:
-                tolerance = FORCE_TOLERANCE * (bound[i] + sizes[i])
-                leaves[i] = _decide(friction[:, i], bound[i], tolerance, orders[:, i])
-                if leaves[i]:
-                    lowest = min(lowest, max(orders[0, i], orders[1, i]))
+            orders[2, i] = SERIES_ORDER + 1
+            if modes[i] == 0:
+                _decide(friction, i, cells[i, BOUND], FORCE_TOLERANCE * (cells[i, BOUND] + sizes[i]), orders)
+                lowest = min(lowest, orders[2, i])
         if lowest > SERIES_ORDER:
             return
         for i in range(n):
-            if leaves[i] and max(orders[0, i], orders[1, i]) == lowest:
+            if orders[2, i] == lowest:
                 modes[i] = -1 if friction[0, i] > 0 else 1
-                slip_order[i], stuck[i] = lowest + 1, False
+                orders[0, i] = lowest + 1
 
 
 @_called
-def _bring_to_rest(chain: Any, z: Any, modes: Any, stuck: Any) -> None:
+def _bring_to_rest(chain: Any, z: Any, modes: Any) -> None:
     """Find which contacts are at rest; both masses of their cells get the common velocity, and momentum is kept."""
-    n = modes.size
-    fastest = chain.drive_velocity
+    n, fastest = modes.size, chain.drive_velocity
     for row in range(2 * n):
         fastest = max(fastest, chain.rate * abs(z[row]), abs(z[2 * n + row]))
     for i in range(n):
         outer, inner = 2 * n + i, 3 * n + i
-        if chain.friction_bound[i] > 0 and (modes[i] == 0 or abs(z[inner] - z[outer]) <= REST_TOLERANCE * fastest):
-            z[outer] = z[inner] = z[outer] + chain.inner_share[i] * (z[inner] - z[outer])
-            stuck[i], modes[i] = True, 0
+        slow = abs(z[inner] - z[outer]) <= REST_TOLERANCE * fastest
+        if chain.cells[i, BOUND] > 0 and (modes[i] == 0 or slow):
+            z[outer] += chain.cells[i, INNER_SHARE] * (z[inner] - z[outer])
+            z[inner] = z[outer]
+            modes[i] = 0
 
 
 @_called
 def _force_sizes(chain: Any, coefficients: Any, sizes: Any) -> None:
     """Sum of the sizes of all forces on the two masses of each cell [N], (n,): what round-off scales with."""
-    n = sizes.size
-    sizes[:] = 0.0
+    n, cells = sizes.size, chain.cells
+    for i in range(n):
+        sizes[i] = 0.0
     # Two terms of the series count, since forces may all pass zero at one instant.
     for k in range(2):
-        z = np.abs(coefficients[k])
-        sizes[0] += abs(chain.load[0]) * z[4 * n] + abs(chain.load[1]) * z[4 * n + 1]
+        load = abs(chain.load[0] * coefficients[k, 4 * n]) + abs(chain.load[1] * coefficients[k, 4 * n + 1])
+        sizes[0] += load
         for i in range(n):
-            inner = chain.inner_stiffness[i] * (z[i] + z[n + i])
-            inner += chain.inner_damping[i] * (z[2 * n + i] + z[3 * n + i])
-            left = chain.chain_stiffness[i] * z[i] + chain.chain_damping[i] * z[2 * n + i]
+            u, v = abs(coefficients[k, i]), abs(coefficients[k, n + i])
+            du, dv = abs(coefficients[k, 2 * n + i]), abs(coefficients[k, 3 * n + i])
+            sizes[i] += 2 * (cells[i, INNER_STIFFNESS] * (u + v) + cells[i, INNER_DAMPING] * (du + dv))
             if i > 0:
-                left += chain.chain_stiffness[i] * z[i - 1] + chain.chain_damping[i] * z[2 * n + i - 1]
+                u += abs(coefficients[k, i - 1])
+                du += abs(coefficients[k, 2 * n + i - 1])
+            left = cells[i, CHAIN_STIFFNESS] * u + cells[i, CHAIN_DAMPING] * du
+            sizes[i] += left
+            if i > 0:
                 sizes[i - 1] += left
-            sizes[i] += left + 2 * inner
 
 
 @_called
-def _decide(friction: Any, bound: float, tolerance: float, orders: Any) -> bool:
-    """Say whether a contact at rest has to slip; sets how many coefficients of μ λ_N ∓ λ_T vanish, (2,)."""
-    if abs(friction[0]) < bound - tolerance:
-        return False
-    side = 1 if friction[0] > 0 else -1
-    order, outwards = 0, side * friction[0] - bound
-    while abs(outwards) <= tolerance and order < SERIES_ORDER + 1:
+def _decide(friction: Any, i: int, bound: float, tolerance: float, orders: Any) -> None:
+    """Set how many coefficients of μ λ_N ∓ λ_T of a contact at rest vanish, and with which one it leaves."""
+    orders[0, i] = orders[1, i] = 0
+    if abs(friction[0, i]) < bound - tolerance:
+        return
+    side = 1 if friction[0, i] > 0 else -1
+    order, outwards = 0, side * friction[0, i] - bound
+    while abs(outwards) <= tolerance and order <= SERIES_ORDER:
         order += 1
-        outwards = side * friction[order] if order <= SERIES_ORDER else 0.0
-    orders[0 if side > 0 else 1] = order
-    return outwards > 0
+        outwards = side * friction[order, i] if order <= SERIES_ORDER else 0.0
+    orders[0 if side > 0 else 1, i] = order
+    if outwards > 0:
+        orders[2, i] = order
 
 
 @_called
-def _first_event(chain: Any, reach: float, coefficients: Any, friction: Any, orders: Any, modes: Any) -> float:
+def _first_event(
+    cells: Any, reach: float, coefficients: Any, friction: Any, orders: Any, modes: Any, ends: Any
+) -> float:
     """First event over `reach`, a part of the span, one at most; slipping contacts that come to rest get mode 0.
 
     It is the first root of |ġ_T| of a slipping contact, and of μ λ_N − λ_T and μ λ_N + λ_T of a sticking one.
     """
-    n = modes.size
-    ends, function = np.full(n, np.inf), np.empty(SERIES_ORDER + 1)
+    n, first, function = modes.size, np.inf, np.empty(SERIES_ORDER + 1)
     for i in range(n):
-        if chain.friction_bound[i] == 0:
-            continue
-        if modes[i] != 0:
+        ends[i] = np.inf
+        for side in range(-1, 2, 2) if cells[i, BOUND] > 0 else range(0):
+            if modes[i] != 0 and side != modes[i]:
+                continue
             for k in range(SERIES_ORDER + 1):
-                function[k] = modes[i] * (coefficients[k, 3 * n + i] - coefficients[k, 2 * n + i])
-            ends[i] = _first_passage(function, orders[0, i], reach)
-            continue
-        for row in range(2):
-            side = 1 - 2 * row
-            for k in range(SERIES_ORDER + 1):
-                function[k] = -side * friction[k, i]
-            function[0] += chain.friction_bound[i]
-            ends[i] = min(ends[i], _first_passage(function, orders[row, i], reach))
-    first = np.min(ends)
+                slip = coefficients[k, 3 * n + i] - coefficients[k, 2 * n + i]
+                function[k] = side * (slip if modes[i] != 0 else friction[k, i])
+            if modes[i] == 0:
+                function[0] += cells[i, BOUND]
+            order = orders[1 if modes[i] == 0 and side > 0 else 0, i]
+            ends[i] = min(ends[i], _first_passage(function, order, reach))
+        first = min(first, ends[i])
     for i in range(n):
         if ends[i] == first and first < np.inf:
             modes[i] = 0
@@ -203,14 +218,11 @@ def _first_passage(function: Any, order: int, reach: float) -> float:
 
     Without one, inf; so it is where nothing is left.
     """
-    if order > 0:
-        for k in range(SERIES_ORDER + 1 - order):
-            function[k] = function[k + order]
-        function[SERIES_ORDER + 1 - order :] = 0.0
-        if not np.any(function):
-            return np.inf
-    power = 1.0
-    for k in range(SERIES_ORDER + 1):
-        function[k] *= power
+    power, size = 1.0, 0.0
+    for k in range(SERIES_ORDER + 1 - order):
+        function[k] = function[k + order] * power
+        size += abs(function[k])
         power *= reach
-    return first_root(function)
+    for k in range(SERIES_ORDER + 1 - order, SERIES_ORDER + 1):
+        function[k] = 0.0
+    return first_root(function) if size > 0 else np.inf

@@ -189,8 +189,8 @@ def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatA
     """
     coefficients = np.array([segment.coefficients for segment in segments])
     durations = np.array([segment.duration for segment in segments])
-    matrix: FloatArray = monodromy(chain.system, durations, coefficients, np.array([s.modes for s in segments]))
-    return matrix
+    transposed: FloatArray = monodromy(chain.system, durations, coefficients, np.array([s.modes for s in segments]))
+    return transposed.T
 
 
 def polished(

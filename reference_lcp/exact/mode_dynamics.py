@@ -39,23 +39,17 @@ the first row has the load of the drive."""
 ROW = 7 * WIDTH
 
 
-class PiecewiseLinearChain(NamedTuple):
-    """Numbers of a chain under a harmonic or still drive, as compiled loops read them; arrays have one a cell."""
+PER_OUTER, PER_INNER, PER_BOTH, INNER_SHARE, CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING, BOUND = range(9)
+"""Columns of `PiecewiseLinearChain.cells`: 1 / m_o, 1 / m_i, 1 / (m_o + m_i), m_i / (m_o + m_i), k_c, c_c, k_i, c_i, and
+the bound of friction."""
 
-    per_outer: FloatArray
-    """1 / m_o [1/kg]."""
-    per_inner: FloatArray
-    """1 / m_i [1/kg]."""
-    per_both: FloatArray
-    """1 / (m_o + m_i) [1/kg]."""
-    inner_share: FloatArray
-    """m_i / (m_o + m_i)."""
-    chain_stiffness: FloatArray
-    chain_damping: FloatArray
-    inner_stiffness: FloatArray
-    inner_damping: FloatArray
-    friction_bound: FloatArray
-    load: FloatArray
+
+class PiecewiseLinearChain(NamedTuple):
+    """Numbers of a chain under a harmonic or still drive, as compiled loops read them."""
+
+    cells: FloatArray
+    """One row a cell."""
+    load: tuple[float, float]
     """Parts of the force on cell 1 along sin ωt and cos ωt [N]."""
     angular_frequency: float
     """ω of the drive [rad/s]."""
@@ -70,22 +64,12 @@ class PiecewiseLinearChain(NamedTuple):
         omega, load = harmonic_load(chain, drive)
         weights = 1 / np.sqrt(np.diag(chain.mass_matrix))
         damping = np.linalg.norm(weights[:, None] * chain.damping_matrix * weights, 2)
+        rate = max(chain.highest_natural_frequency + float(damping), omega)
         both = chain.outer_mass + chain.inner_mass
-        return cls(
-            1 / chain.outer_mass,
-            1 / chain.inner_mass,
-            1 / both,
-            chain.inner_mass / both,
-            chain.chain_stiffness,
-            chain.chain_damping,
-            chain.inner_stiffness,
-            chain.inner_damping,
-            chain.friction_bound,
-            np.array(load),
-            omega,
-            max(chain.highest_natural_frequency + float(damping), omega),
-            omega * drive.displacement_scale(chain),
-        )
+        masses = 1 / chain.outer_mass, 1 / chain.inner_mass, 1 / both, chain.inner_mass / both
+        springs = chain.chain_stiffness, chain.chain_damping, chain.inner_stiffness, chain.inner_damping
+        cells = np.stack([*masses, *springs, chain.friction_bound], axis=1)
+        return cls(cells, load, omega, rate, omega * drive.displacement_scale(chain))
 
     @property
     def span(self) -> float:
@@ -97,18 +81,18 @@ _called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, n
 
 
 @_called
-def _differentiate(chain: Any, stuck: Any, table: Any, columns: int, factor: float) -> None:
+def _differentiate(cells: Any, modes: Any, table: Any, columns: int, factor: float) -> None:
     """Replace (u, v, u̇, v̇) of every column by `factor` times its rate; λ_T is filled in where contacts stick."""
     for j in range(columns):
-        pull = chain.chain_stiffness[0] * table[U + j] + chain.chain_damping[0] * table[DU + j]
+        pull = cells[0, CHAIN_STIFFNESS] * table[U + j] + cells[0, CHAIN_DAMPING] * table[DU + j]
         table[PULL + j] = pull - table[LOAD + j]
-    for i in range(stuck.size):
+    for i in range(modes.size):
         here, after = i * ROW, (i + 1) * ROW
-        stiffness = chain.chain_stiffness[i + 1] if i + 1 < stuck.size else 0.0
-        damping = chain.chain_damping[i + 1] if i + 1 < stuck.size else 0.0
-        inner_stiffness, inner_damping, share = chain.inner_stiffness[i], chain.inner_damping[i], chain.inner_share[i]
-        sticks, per_both = stuck[i], chain.per_both[i]
-        per_outer, per_inner = chain.per_outer[i], chain.per_inner[i]
+        stiffness = cells[i + 1, CHAIN_STIFFNESS] if i + 1 < modes.size else 0.0
+        damping = cells[i + 1, CHAIN_DAMPING] if i + 1 < modes.size else 0.0
+        inner_stiffness, inner_damping, share = cells[i, INNER_STIFFNESS], cells[i, INNER_DAMPING], cells[i, INNER_SHARE]
+        sticks, per_both = modes[i] == 0, cells[i, PER_BOTH]
+        per_outer, per_inner = cells[i, PER_OUTER], cells[i, PER_INNER]
         for j in range(columns):
             u, v, du, dv = table[here + U + j], table[here + V + j], table[here + DU + j], table[here + DV + j]
             following = stiffness * (table[after + U + j] - u) + damping * (table[after + DU + j] - du)
@@ -124,9 +108,9 @@ def _differentiate(chain: Any, stuck: Any, table: Any, columns: int, factor: flo
 
 
 @_called
-def continue_series(chain: Any, stuck: Any, coefficients: Any, friction: Any) -> None:
+def continue_series(chain: Any, modes: Any, coefficients: Any, friction: Any) -> None:
     """Fill z and λ_T in powers of s = τ / span from z, and the λ_T of slipping contacts, at s = 0."""
-    n, omega = stuck.size, chain.angular_frequency
+    n, omega = modes.size, chain.angular_frequency
     table = np.zeros((n + 1) * ROW)
     for i in range(n):
         table[i * ROW + FRICTION] = friction[0, i]
@@ -135,7 +119,7 @@ def continue_series(chain: Any, stuck: Any, coefficients: Any, friction: Any) ->
     for k in range(SERIES_ORDER + 1):
         factor, sine, cosine = 1 / (chain.rate * (k + 1)), coefficients[k, 4 * n], coefficients[k, 4 * n + 1]
         table[LOAD] = chain.load[0] * sine + chain.load[1] * cosine
-        _differentiate(chain, stuck, table, 1, factor)
+        _differentiate(chain.cells, modes, table, 1, factor)
         for i in range(n):
             friction[k, i], table[i * ROW + FRICTION] = table[i * ROW + FRICTION], 0.0
             if k < SERIES_ORDER:
@@ -146,47 +130,49 @@ def continue_series(chain: Any, stuck: Any, coefficients: Any, friction: Any) ->
 
 
 @_called
-def propagate(chain: Any, stuck: Any, duration: float, directions: Any) -> None:
+def _propagate(chain: Any, modes: Any, duration: float, directions: Any) -> None:
     """Lead small distances in (u, v, u̇, v̇), (m, 4n), through `duration` [s] <= one span, in place."""
-    n = stuck.size
+    n = modes.size
     for first in range(0, directions.shape[0], WIDTH):
-        block = directions[first : first + WIDTH]
-        table = np.zeros((n + 1) * ROW)
-        for j in range(block.shape[0]):
+        columns = min(WIDTH, directions.shape[0] - first)
+        table, total, size = np.zeros((n + 1) * ROW), np.zeros((n + 1) * ROW), 1.0
+        for j in range(columns):
             for field in range(4):
                 for i in range(n):
-                    table[i * ROW + field * WIDTH + j] = block[j, field * n + i]
-        total, size = table.copy(), 1.0
+                    table[i * ROW + field * WIDTH + j] = directions[first + j, field * n + i]
         for k in range(1, SERIES_ORDER + 1):
-            _differentiate(chain, stuck, table, WIDTH, duration / k)
             for place in range(table.size):
                 total[place] += table[place]
+            _differentiate(chain.cells, modes, table, WIDTH, duration / k)
             size *= duration * chain.rate / k
             if size < LEFT_OUT:
                 break
-        for j in range(block.shape[0]):
+        for j in range(columns):
             for field in range(4):
                 for i in range(n):
-                    block[j, field * n + i] = total[i * ROW + field * WIDTH + j]
+                    place = i * ROW + field * WIDTH + j
+                    directions[first + j, field * n + i] = total[place] + table[place]
 
 
 @numba.njit(cache=True, error_model="numpy")
 def monodromy(chain: Any, duration: Any, coefficients: Any, modes: Any) -> Any:
-    """Jacobian (4n, 4n) of the end of a row of segments to its start; see `exact_orbit.monodromy_matrix`."""
+    """Transposed Jacobian (4n, 4n) of the end of segments to their start; see `exact_orbit.monodromy_matrix`."""
     n = modes.shape[1]
-    directions = np.eye(4 * n)
+    directions = np.zeros((4 * n, 4 * n))
+    for i in range(4 * n):
+        directions[i, i] = 1.0
     for i in range(n):
         if modes[0, i] == 0:
             for mass in (2 * n + i, 3 * n + i):
-                directions[2 * n + i, mass] = 1 - chain.inner_share[i]
-                directions[3 * n + i, mass] = chain.inner_share[i]
+                directions[2 * n + i, mass] = 1 - chain.cells[i, INNER_SHARE]
+                directions[3 * n + i, mass] = chain.cells[i, INNER_SHARE]
     for row in range(duration.size):
         for i in range(n):
             if row > 0 and modes[row - 1, i] != 0 and modes[row, i] != modes[row - 1, i]:
                 s = duration[row - 1] * chain.rate
                 _stop(coefficients[row - 1], s, coefficients[row], 2 * n + i, 3 * n + i, directions)
-        propagate(chain, modes[row] == 0, duration[row], directions)
-    return directions.T
+        _propagate(chain, modes[row], duration[row], directions)
+    return directions
 
 
 @_called
@@ -198,10 +184,10 @@ def _stop(before: Any, s: float, after: Any, outer: int, inner: int, directions:
         inner_rate = inner_rate * s + k * before[k, inner]
     outer_jump = (after[1, outer] - outer_rate) / (inner_rate - outer_rate)
     inner_jump = (after[1, inner] - inner_rate) / (inner_rate - outer_rate)
-    for direction in directions:
-        parted = direction[inner] - direction[outer]
-        direction[outer] += outer_jump * parted
-        direction[inner] += inner_jump * parted
+    for k in range(directions.shape[0]):
+        parted = directions[k, inner] - directions[k, outer]
+        directions[k, outer] += outer_jump * parted
+        directions[k, inner] += inner_jump * parted
 
 
 def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float]]:

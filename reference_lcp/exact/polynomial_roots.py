@@ -42,7 +42,8 @@ def first_root(coefficients: Any) -> float:
     if least > 0:
         return np.inf  # no Bernstein coefficient is below that sum
     stack = np.empty((HALVINGS + 2, coefficients.size))
-    starts, widths = np.zeros(HALVINGS + 2), np.ones(HALVINGS + 2)
+    starts, widths = np.empty(HALVINGS + 2), np.empty(HALVINGS + 2)
+    starts[0], widths[0] = 0.0, 1.0
     _to_bernstein(coefficients, stack[0])
     top = 0
     while top >= 0:

@@ -31,7 +31,7 @@ def rates(chain: Chain, stuck: tuple[bool, ...]) -> FloatArray:
 
 def propagator(system: PiecewiseLinearChain, stuck: tuple[bool, ...], duration: float) -> FloatArray:
     modes = np.where(stuck, 0, 1).astype(np.int8)[None]
-    return monodromy(system, np.array([duration]), np.zeros((1, SERIES_ORDER + 1, 14)), modes)
+    return monodromy(system, np.array([duration]), np.zeros((1, SERIES_ORDER + 1, 14)), modes).T
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.01, 1.0])
