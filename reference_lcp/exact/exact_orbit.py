@@ -51,6 +51,9 @@ NULL_DIRECTION = 1e-12
 SCHEME_STEPS = 800
 """Steps a period of the Euler scheme's steady state: within some 1e-3 of the exact one, where Newton's method works."""
 
+SCHEME_RESIDUAL = 1e-3
+"""Residual of that steady state: its own distance from the exact one, where Newton's method takes over."""
+
 MOST_SCHEME_STEPS = 10 * SCHEME_STEPS
 """Steps with which a period of the scheme takes as long as one from event to event; stiff chains need more."""
 
@@ -244,7 +247,7 @@ def exact_orbit(
     steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
     if steps <= MOST_SCHEME_STEPS:
         euler = CompiledSimulation([Lane.periodic(chain, drive, steps)])
-        scheme = periodic_orbits(euler, steps, longest_multiple=1, deadline=deadline)[0]
+        scheme = periodic_orbits(euler, steps, tolerance=SCHEME_RESIDUAL, longest_multiple=1, deadline=deadline)[0]
         if scheme.converged:
             orbit = polish(scheme.trajectory.end)
             if orbit.converged:
