@@ -46,6 +46,12 @@ class EventDrivenChain(LaneModel):
         times = self.lane.times(start, steps)
         return self.sampled(list(self.segments(state, start * self.lane.time_step, float(times[-1]))), times)
 
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, and read the end only."""
+        times = self.lane.times(start + steps - 1, 1)
+        segments = list(self.segments(state, start * self.lane.time_step, float(times[0])))
+        return self.sampled(segments[-1:], times).end
+
     def sampled(self, segments: Sequence[Segment], times: FloatArray) -> Trajectory:
         """Read segments at times [s]; λ_T is that of the instant of each row."""
         n, starts = self.lane.chain.cells, np.array([segment.start for segment in segments])

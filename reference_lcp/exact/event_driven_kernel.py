@@ -194,17 +194,16 @@ def _first_event(
     """
     n, first, function = modes.size, np.inf, np.empty(SERIES_ORDER + 1)
     for i in range(n):
-        ends[i] = np.inf
-        for side in range(-1, 2, 2) if cells[i, BOUND] > 0 else range(0):
-            if modes[i] != 0 and side != modes[i]:
-                continue
-            for k in range(SERIES_ORDER + 1):
-                slip = coefficients[k, 3 * n + i] - coefficients[k, 2 * n + i]
-                function[k] = side * (slip if modes[i] != 0 else friction[k, i])
-            if modes[i] == 0:
-                function[0] += cells[i, BOUND]
-            order = orders[1 if modes[i] == 0 and side > 0 else 0, i]
-            ends[i] = min(ends[i], _first_passage(function, order, reach))
+        ends[i], sticks, bound = np.inf, modes[i] == 0, cells[i, BOUND]
+        for side in (1, -1):
+            if bound > 0 and (sticks or side == modes[i]):
+                for k in range(SERIES_ORDER + 1):
+                    slip = coefficients[k, 3 * n + i] - coefficients[k, 2 * n + i]
+                    function[k] = -side * friction[k, i] if sticks else side * slip
+                if sticks:
+                    function[0] += bound
+                order = orders[1 if sticks and side < 0 else 0, i]
+                ends[i] = min(ends[i], _first_passage(function, order, reach))
         first = min(first, ends[i])
     for i in range(n):
         if ends[i] == first and first < np.inf:
@@ -225,4 +224,4 @@ def _first_passage(function: Any, order: int, reach: float) -> float:
         power *= reach
     for k in range(SERIES_ORDER + 1 - order, SERIES_ORDER + 1):
         function[k] = 0.0
-    return first_root(function) if size > 0 else np.inf
+    return first_root(function) if 0 < size < np.inf else np.inf

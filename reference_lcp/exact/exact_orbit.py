@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, steps_per_period_for
+from reference_lcp.chain.simulation import Lane, PeriodicOrbit, steps_per_period_for
 from reference_lcp.chain.trajectory import State
 from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD

@@ -39,9 +39,10 @@ the first row has the load of the drive."""
 ROW = 7 * WIDTH
 
 
-PER_OUTER, PER_INNER, PER_BOTH, INNER_SHARE, CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING, BOUND = range(9)
-"""Columns of `PiecewiseLinearChain.cells`: 1 / m_o, 1 / m_i, 1 / (m_o + m_i), m_i / (m_o + m_i), k_c, c_c, k_i, c_i, and
-the bound of friction."""
+PER_OUTER, PER_INNER, PER_BOTH, INNER_SHARE = range(4)
+CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING, BOUND = range(4, 9)
+"""Columns of `PiecewiseLinearChain.cells`: 1 / m_o, 1 / m_i, 1 / (m_o + m_i), m_i / (m_o + m_i), k_c, c_c, k_i, c_i and
+μ λ_N."""
 
 
 class PiecewiseLinearChain(NamedTuple):
@@ -90,7 +91,11 @@ def _differentiate(cells: Any, modes: Any, table: Any, columns: int, factor: flo
         here, after = i * ROW, (i + 1) * ROW
         stiffness = cells[i + 1, CHAIN_STIFFNESS] if i + 1 < modes.size else 0.0
         damping = cells[i + 1, CHAIN_DAMPING] if i + 1 < modes.size else 0.0
-        inner_stiffness, inner_damping, share = cells[i, INNER_STIFFNESS], cells[i, INNER_DAMPING], cells[i, INNER_SHARE]
+        inner_stiffness, inner_damping, share = (
+            cells[i, INNER_STIFFNESS],
+            cells[i, INNER_DAMPING],
+            cells[i, INNER_SHARE],
+        )
         sticks, per_both = modes[i] == 0, cells[i, PER_BOTH]
         per_outer, per_inner = cells[i, PER_OUTER], cells[i, PER_INNER]
         for j in range(columns):

@@ -48,7 +48,7 @@ def first_root(coefficients: Any) -> float:
     top = 0
     while top >= 0:
         values, start, width = stack[top], starts[top], widths[top]
-        if _all_positive(values):
+        if _least(values) > 0:
             top -= 1
             continue
         if values[0] <= 0 or width <= 2.0**-HALVINGS:
@@ -87,11 +87,11 @@ def _halve(values: Any, left: Any) -> None:
 
 
 @_called
-def _all_positive(values: Any) -> bool:
+def _least(values: Any) -> float:
+    least = np.inf
     for value in values:
-        if value <= 0:
-            return False
-    return True
+        least = min(least, value)
+    return least
 
 
 @_called

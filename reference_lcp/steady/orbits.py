@@ -156,7 +156,9 @@ def _first_periods(simulation: Simulation, start: State, steps: int, tolerance: 
         x = scales.vectors(own, lane)
         change = scales.vectors(trajectory.end, lane) - x
         residual = float(scales.residuals(x, change)[0])
-        orbits.append(PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, orbit_status(residual, tolerance)))
+        orbits.append(
+            PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, orbit_status(residual, tolerance))
+        )
     return orbits
 
 

@@ -25,9 +25,15 @@ from reference_lcp import (
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import OrbitStatus
+from reference_lcp.deadline import Deadline, NotProven
 from reference_lcp.exact import event_driven
 from reference_lcp.exact import exact_orbit as exact_orbit_module
-from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
+from reference_lcp.exact.event_driven import (
+    SEGMENTS_AT_ONCE,
+    EventDrivenChain,
+    EventDrivenSimulation,
+    EventsAccumulate,
+)
 from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step
 from reference_lcp.schemes.euler import chain_step
@@ -108,6 +114,31 @@ def test_no_event_is_missed_in_random_chains(seed) -> None:
         errors.append(np.max(np.abs(fine.positions[rows] - exact.positions)) / drive.amplitude)
     assert errors[1] < 5e-4
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.15)
+
+
+def test_the_end_of_a_motion_is_its_last_row() -> None:
+    chain, drive, state = random_case(0)
+    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, 400)])
+    row, end = simulation.run(state, 17, 1200)[0].end, simulation.advance(state, 17, 1200)
+    assert np.array_equal(row.positions, end.positions)
+    assert np.array_equal(row.velocities, end.velocities)
+
+
+def test_a_motion_asks_for_its_deadline_every_few_segments() -> None:
+    class Counting(Deadline):
+        asked = 0
+
+        def check(self) -> None:
+            self.asked += 1
+            super().check()
+
+    chain, drive = canonical(0.3, 0.62)
+    lane, rest = Lane.periodic(chain, drive, 400), State.at_rest(1, 7)
+    deadline = Counting(60.0)
+    segments = list(EventDrivenChain(lane, deadline).segments(rest, 0.0, 10 * drive.period))
+    assert deadline.asked >= len(segments) / SEGMENTS_AT_ONCE > 2
+    with pytest.raises(NotProven, match="time limit"):
+        next(EventDrivenChain(lane, Counting(0.0)).segments(rest, 0.0, drive.period))
 
 
 @pytest.mark.parametrize("seed", range(4))

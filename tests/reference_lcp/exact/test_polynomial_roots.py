@@ -1,12 +1,14 @@
 """First roots of polynomials on [0, 1]: none missed, close pairs and touches included."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from reference_lcp.exact.polynomial_roots import first_roots
+from reference_lcp.exact.polynomial_roots import ROOT_TOLERANCE, first_roots
 
 
 def first_root(polynomial: Polynomial, size: int = 21) -> float:
@@ -53,3 +55,28 @@ def test_polynomials_of_one_sign_have_no_root() -> None:
 
 def test_root_at_the_end_of_the_interval_counts() -> None:
     assert first_root(Polynomial([1.0, -1.0])) == pytest.approx(1.0)
+
+
+def changes_sign_at(coefficients, root: float) -> bool:
+    """Whether the polynomial, in exact arithmetic, is positive just before a place and negative just behind it."""
+
+    def value(s: Fraction) -> Fraction:
+        return sum((Fraction(float(a)) * s**k for k, a in enumerate(coefficients)), Fraction(0))
+
+    return (
+        value(Fraction(root) - 2 * Fraction(ROOT_TOLERANCE)) > 0 > value(Fraction(root) + 2 * Fraction(ROOT_TOLERANCE))
+    )
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_series_of_a_motion_change_their_sign_at_the_root_and_not_before(seed) -> None:
+    """Coefficients fall as those of a motion over one span; places 1e-13 away are told from the root."""
+    rng = np.random.default_rng(seed)
+    coefficients = rng.normal(0, 1, 21) / np.cumprod([1, *range(1, 21)])
+    coefficients[0] = abs(coefficients[0]) / 3
+    root, places = float(first_roots(coefficients[:, None])[0]), np.linspace(0, 1, 10_001)[1:]
+    assert np.all(Polynomial(coefficients)(places[places < root]) > 0)
+    if root < np.inf:
+        assert changes_sign_at(coefficients, root)
+        assert not changes_sign_at(coefficients, root + 1e-13)
+        assert not changes_sign_at(coefficients, root - 1e-13)
