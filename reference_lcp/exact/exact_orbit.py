@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, PeriodicOrbit, steps_per_period_for
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, steps_per_period_for
 from reference_lcp.chain.trajectory import State
 from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
@@ -252,9 +252,11 @@ def exact_orbit(
             orbit = polish(scheme.trajectory.end)
             if orbit.converged:
                 return _judged(orbit, drive.period, deadline)
-    near = search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0]
-    orbit = polish(near.trajectory.end)
-    orbit = dataclasses.replace(orbit, periods=near.periods + orbit.periods)
+    orbit = search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0]
+    if orbit.status is not OrbitStatus.DIVERGED:
+        other = polish(orbit.trajectory.end)
+        best = other if other.residual < orbit.residual else orbit
+        orbit = dataclasses.replace(best, periods=orbit.periods + other.periods)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)

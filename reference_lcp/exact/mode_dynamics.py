@@ -38,7 +38,6 @@ the first row has the load of the drive."""
 
 ROW = 7 * WIDTH
 
-
 PER_OUTER, PER_INNER, PER_BOTH, INNER_SHARE = range(4)
 CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING, BOUND = range(4, 9)
 """Columns of `PiecewiseLinearChain.cells`: 1 / m_o, 1 / m_i, 1 / (m_o + m_i), m_i / (m_o + m_i), k_c, c_c, k_i, c_i and
