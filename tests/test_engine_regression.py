@@ -145,6 +145,7 @@ def at(transmittance_db: float) -> Result:
 CRASHED = Result.blocked("crashed in mj_step()", by_engine=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "now", "code", "says"),
     [

@@ -38,6 +38,7 @@ def python(folder: Path, *arguments: str, **variables: str) -> subprocess.Comple
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, env=environment)
 
 
+@pytest.mark.slow
 def test_three_functions_run_beside_files_with_the_names_of_the_packages(folder: Path) -> None:
     """Workers too: they are processes of their own."""
     (folder / "my.py").write_text(SCRIPT)
@@ -86,6 +87,7 @@ def test_an_empty_folder_of_that_name_hides_nothing(tmp_path: Path) -> None:
     assert python(tmp_path, "-m", "reports", "run").returncode == 0
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_the_facade(tmp_path: Path) -> None:
     """Built by the backend itself, unpacked, and imported from there, in a folder with files of those names."""
     build = "import sys; from hatchling.build import build_wheel; build_wheel(sys.argv[1])"

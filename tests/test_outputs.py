@@ -107,6 +107,7 @@ def test_nothing_is_written_among_the_code_of_the_suite(tmp_path) -> None:
     assert checked_output_file("--out", tmp_path / "table.csv") == tmp_path / "table.csv"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", [".nc", ".csv"])
 def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(tmp_path, ending) -> None:
     """A limit on the size of files stands for the disk."""

@@ -9,6 +9,8 @@ import pytest
 from reference_lcp.process import run_command
 from reports.cli.console_script import app
 
+pytestmark = pytest.mark.slow
+
 WIDTH = 80
 
 SWEEP = """\

@@ -46,6 +46,7 @@ def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
     assert sys.stderr.buffer.getvalue().startswith(rb"error: \udcff.toml cannot be read")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [["reports", "--help"], ["reference_lcp", "--cells", "1", "--steps-per-period", "16", "--plot", "period.png"]],

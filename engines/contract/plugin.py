@@ -29,7 +29,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
-    config.addinivalue_line("markers", "slow: longer than five seconds, or of presets that nobody has named")
+    config.addinivalue_line("markers", "slow: takes seconds, or is of presets that nobody has named")
     names: list[str] = config.getoption(OPTION)
     for name in names:
         from engines.interface.registry import engine

@@ -79,6 +79,7 @@ MANY_RUNS = 500
 """Of which one in a hundred that fails is missed once in 150 times."""
 
 
+@pytest.mark.slow
 def test_many_runs_from_one_state_end_alike(tested: Variant) -> None:
     """None of them fails, and long use changes nothing, where the engine is declared deterministic."""
     simulation, state = tested.build([lane_of(0.3, 0.6)]), random_state(1)

@@ -9,6 +9,8 @@ import pytest
 
 from tests.golden.record import EXPECTED, golden
 
+pytestmark = pytest.mark.slow
+
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+\.?\d*(?:e[-+]?\d+)?(?!\w)")
 
 ROUND_OFF = 1e-9

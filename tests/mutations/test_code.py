@@ -52,6 +52,7 @@ def test_every_change_is_one_operator_at_its_place(project: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_a_change_is_killed_by_a_test_that_sees_it_and_survives_others(project: Path) -> None:
     of = {change.operator: change for change in changes_of(Path("reports/small.py"))}
     assert outcome(of[ast.Not], project) == KILLED
@@ -80,6 +81,7 @@ def test_a_change_that_never_ends_is_not_decided_and_leaves_no_process(project: 
     assert outcome(less, project, ["tests/reports/test_small.py"], seconds=5) == SURVIVED
 
 
+@pytest.mark.slow
 def test_a_change_meets_the_passing_tests_that_execute_its_line(project: Path, tmp_path_factory) -> None:
     wrong = "def test_wrong():\n    assert least(1, 1) == 0\ndef test_idle():\n    pass\n"
     (project / "tests/reports/test_wrong.py").write_text(f"from reports.small import least\n{wrong}")

@@ -85,6 +85,7 @@ def test_mutant_without_its_error_moves_as_its_original(mutant: Mutant) -> None:
     assert max(map(distance, two_runs(mutant, 0.0))) <= ROUND_OFF
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mutant", MUTANTS.values(), ids=lambda mutant: mutant.name)
 def test_mutant_with_its_error_does_not(mutant: Mutant) -> None:
     assert max(map(distance, two_runs(mutant, min(1.0, mutant.sizes[0])))) > 10 * ROUND_OFF

@@ -43,6 +43,7 @@ def test_transmittance_at_an_edge_is_that_of_the_base(edges: pd.DataFrame) -> No
     assert np.all(np.abs(np.diag(levels[:, ::-1])) > 0.1), "the other curve crosses elsewhere"
 
 
+@pytest.mark.slow
 def test_report_of_the_store_has_the_edges_of_the_table(edges: pd.DataFrame, store: Path, tmp_path: Path) -> None:
     report(store, tmp_path / "report")
     written = pd.read_csv(tmp_path / "report" / "band_edges.csv")

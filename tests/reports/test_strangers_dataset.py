@@ -156,6 +156,7 @@ def test_a_small_file_of_huge_arrays_is_refused(file, data, capsys, monkeypatch)
     assert "holds 2.2e+06 bytes" in refusal(file, capsys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trials", [60, pytest.param(500, marks=pytest.mark.slow)])
 def test_a_damaged_dataset_is_refused_or_read(file, tmp_path, trials) -> None:
     """NetCDF has no digests: a flipped bit of a number is not noticed, but nothing ends in a traceback."""

@@ -57,6 +57,7 @@ def test_a_problem_of_another_format_is_refused(text, message):
         problem_of(text, "some.json")
 
 
+@pytest.mark.slow
 def test_blocks_and_cells_are_recorded_again_to_the_last_digit():
     short = list(takewhile(lambda draft: not draft.name.startswith("chain"), drafts()))
     assert len(short) == len(FILES) - len(CHAINS)
@@ -139,6 +140,7 @@ def test_a_block_breaks_away_when_the_load_reaches_the_bound():
     assert [problem.velocities[row][0] for row in rows] == pytest.approx(velocities, abs=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cell-let-go", "launched-box", "pushed-up-a-slope", "static-above-kinetic"])
 def test_the_scheme_tends_to_the_motion_with_its_step(name):
     problem = problem_named(name)

@@ -45,6 +45,7 @@ def judged(language: str, folder: Path, files: Iterable[Path], change: tuple[str
     return subprocess.run([*command, *map(str, files)], cwd=folder, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_the_example_engine_passes_every_problem(language, tmp_path):
     run = judged(language, tmp_path, FILES)

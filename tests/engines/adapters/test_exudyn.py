@@ -224,6 +224,7 @@ def test_a_default_zone_in_metres_per_second_is_too_wide_for_small_motions() -> 
     assert largest_creep(ExudynRegularised(), lane, "default") > 0.03
 
 
+@pytest.mark.slow
 def test_error_of_transmittance_is_in_proportion_to_the_zone() -> None:
     """The law of regularised friction: where cells hardly move, creep within the zone is all of the error."""
     lane = lane_of(0.1, 1.4)

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from engines.contract import plugin
 from engines.interface.variant import Variant
 
@@ -54,6 +56,7 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
     script = (
         "from pathlib import Path\n"

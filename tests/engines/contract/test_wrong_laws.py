@@ -39,6 +39,7 @@ def test_sound_law_keeps_the_contract_and_predicts() -> None:
     assert failures(findings(CATALOGUE["unit-cell"], sound, laws=True)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in engine_names() if not name.startswith(("faulty", "mutant"))])
 def test_stated_laws_of_the_suite_are_laws_of_the_chain(name) -> None:
     assert {variant: fault for variant in variants_of(name, optional=True) if (fault := law_fault(variant))} == {}

@@ -49,6 +49,7 @@ def test_broken_engines_take_no_part_where_none_is_named(install) -> None:
     assert (given, default) == (engine_names(), default_engine_names())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["broken-import", "broken-exit", "broken-class", "broken-version"])
 def test_broken_engine_that_is_named_is_one_line_and_exit_code_2(install, name) -> None:
     command = [sys.executable, "-m", "reports", "run", "unit-cell", "--engine", name]
@@ -57,6 +58,7 @@ def test_broken_engine_that_is_named_is_one_line_and_exit_code_2(install, name) 
     assert done.stderr == f"error: engine = {name!r} cannot be used: {REASONS[name]}{os.linesep}"
 
 
+@pytest.mark.slow
 def test_run_of_another_engine_goes_on_beside_them(install, tmp_path) -> None:
     out = tmp_path / "out.csv"
     install("broken").run("-m", "reports", "run", "unit-cell", "--engine", "reference:joint:tuned", "--out", str(out))

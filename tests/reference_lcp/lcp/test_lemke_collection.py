@@ -295,6 +295,7 @@ def test_warm_start_from_the_solution_or_from_anywhere_gives_a_solution_of_the_s
         assert lemke(M, q, warm_start=cold.basic).pivots == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 12, 16, 21, 25, 50])
 @pytest.mark.parametrize("family", ["P", "PSD with a solution"])
 def test_problem_has_the_one_w_that_quantecon_finds(family, n) -> None:

@@ -126,6 +126,7 @@ def test_opposite_inclinations_have_the_same_transmittance(modulation, degrees) 
     assert one_way.trajectory.outer_positions == pytest.approx(mirrored, abs=1e-5 * AMPLITUDE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("point", "opens"),
     [
@@ -186,12 +187,14 @@ def test_published_steady_states_are_what_the_search_finds(row: tuple[str, ...])
     assert growth == pytest.approx(float(multiplier), abs=0.5 * 10.0 ** -len(multiplier.partition(".")[2]))
 
 
+@pytest.mark.slow
 def test_search_from_rest_names_what_no_motion_from_rest_reaches() -> None:
     found = orbit(0.1, 0.9, 25)
     assert not found.converged
     assert "which repels, largest multiplier 1.8" in found.reason
 
 
+@pytest.mark.slow
 def test_motion_from_rest_reaches_another_attractor_than_the_steady_state() -> None:
     """A certified steady state attracts what is near; from rest, the chain moves with twice the drive's period."""
     chain = Chain.from_ratios(

@@ -129,6 +129,7 @@ def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words)
         assert word in err
 
 
+@pytest.mark.slow
 def test_bench_prints_its_numbers(capsys) -> None:
     numbers = answered(capsys, "bench")
     assert numbers["figure3_points"] == 1314
@@ -139,6 +140,7 @@ def test_bench_prints_its_numbers(capsys) -> None:
     assert numbers["lemke_step_seconds"] > 0
 
 
+@pytest.mark.slow
 def test_long_chains_cost_as_much_a_cell_as_short_ones(capsys) -> None:
     """Bytes grow with the cells; what they cost is measured, and not tested here."""
     rows = answered(capsys, "bench", "--cells")

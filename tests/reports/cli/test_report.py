@@ -184,6 +184,7 @@ def stopped(tmp_path: Path) -> list[str]:
     return [word for option, name in files.items() for word in (option, str(tmp_path / name))]
 
 
+@pytest.mark.slow
 def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
     stopped: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -200,6 +201,7 @@ def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
     assert (tmp_path / "sweep.sqlite").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_fuller_page_is_not_overwritten_by_what_a_store_holds(
     stopped: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -216,6 +218,7 @@ def test_a_fuller_page_is_not_overwritten_by_what_a_store_holds(
     assert run_command(app, [*stopped, "--no-run"]) == 0, "as much as before is no less"
 
 
+@pytest.mark.slow
 def test_a_store_alone_is_shown_with_all_engines_that_were_saved(
     stopped: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -262,6 +262,7 @@ def test_cost_of_a_step_is_shared_by_the_lanes_of_a_batch(tmp_path: Path) -> Non
     assert 0 < float(shared["advance [µs]"]) < float(alone["advance [µs]"])
 
 
+@pytest.mark.slow
 def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -18,6 +18,7 @@ def processors(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) 
     return request.param
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("processors")
 def test_files_of_figures_are_the_same_however_many_processes_draw_them(report: Report) -> None:
     figures = [figure for section in sections(report) for figure in section.figures()][:3]

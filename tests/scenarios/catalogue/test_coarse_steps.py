@@ -72,6 +72,7 @@ def far_off(finding: Finding) -> bool:
     return finding.metric.unit != "dB" and abs(finding.comparison.difference) > allowed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MOTIONS)
 def test_number_that_agrees_only_by_its_coarse_step_is_inconclusive(name) -> None:
     findings = judged(name, 2.0)

@@ -27,6 +27,7 @@ def test_engines_that_solve_normal_and_tangential_direction_together_agree(varia
     assert not deviating(findings(SCENARIO, variant, REFERENCE))
 
 
+@pytest.mark.slow
 @pytest.mark.needs("ode")
 def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
     judged = findings(SCENARIO, ODE)
@@ -34,6 +35,7 @@ def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
     assert -0.3 < transmittance.comparison.difference < -0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.0, 0.9], ids=["none", "a tenth too small"])
 def test_another_inclination_has_another_transmittance(factor, monkeypatch) -> None:
     """But for that of the other sign: the mirrored motion has the same."""

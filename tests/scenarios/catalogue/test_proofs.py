@@ -61,6 +61,7 @@ def check(tasks) -> None:
     assert all(not proof.float_error > FLOATS for proof in found)
 
 
+@pytest.mark.slow
 def test_a_sample_of_the_table_is_proven_again() -> None:
     pytest.importorskip("flint", reason="it needs python-flint")
     tasks = [task for task in proven_levels() if task.cells <= MOST_CELLS]

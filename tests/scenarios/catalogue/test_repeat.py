@@ -54,6 +54,7 @@ def test_reference_repeats_its_motion_bit_for_bit() -> None:
     assert ways_that_differ(REFERENCE) == {"chain": set()}
 
 
+@pytest.mark.slow
 @pytest.mark.needs("mujoco")
 def test_box_that_slides_repeats_its_motion_bit_for_bit() -> None:
     assert ways_that_differ(Variant("mujoco", "contact", "default")) == {"chain": set(), "box that slides": set()}

@@ -43,6 +43,7 @@ def test_creep_of_a_micrometre_a_second_is_found_in_everything_that_should_hold(
     assert disagreeing(found) == found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", [{"friction": 0.99}, {"normal": 1.01}], ids=["less friction", "pressed harder"])
 @pytest.mark.parametrize("name", SLIDING)
 def test_friction_that_is_wrong_by_a_hundredth_is_found_in_everything_that_slides(name, wrong) -> None:

@@ -95,6 +95,7 @@ def altered(monkeypatch: pytest.MonkeyPatch, change: Callable[[Lane], Lane]) -> 
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "metrics"),
     [

@@ -69,6 +69,7 @@ def test_cluster_and_local_processes_give_the_same_table(scheduler) -> None:
     assert here == there
 
 
+@pytest.mark.slow
 def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(scheduler, faulty) -> None:
     results = evaluated(["faulty-sound", "faulty-version"], (0.9,), DaskExecutor(scheduler, 5.0))
     assert list(statuses(results).values()) == ["converged", "blocked"]

@@ -145,6 +145,7 @@ def salvaged(whole: Path, file: Path, tasks: list, capsys) -> str:
     return "all saved" if None not in results else "some saved"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trials", [40, pytest.param(500, marks=pytest.mark.slow)])
 def test_a_damaged_store_is_refused_or_read_as_it_was(whole, sweep_file, sweep, tmp_path, capsys, trials) -> None:
     content, tasks = whole.read_bytes(), list(sweep.tasks())

@@ -75,6 +75,7 @@ every_engine = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.slow
 @every_engine
 def test_claim_1_band_is_wider_for_friction_ratios_up_to_0_6_than_for_none(edges_of, name) -> None:
     def lower(friction):
@@ -190,6 +191,7 @@ def test_variant_that_there_is_not_is_refused(text, message) -> None:
         Variant.parse(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

@@ -70,6 +70,7 @@ def test_statuses_in_files_are_those_printed_and_blocked_points_are_recalled(swe
         assert f"faulty-killed: 1 point: {KILLED}" in printed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "reason"), [("raises", "RuntimeError: no solution"), ("nan", "the engine's position")]
 )

@@ -50,6 +50,7 @@ def test_an_engine_that_is_the_reference_has_its_edges_to_what_neither_resolves(
         assert own.comparison.tolerance <= 2.1 * EDGE_RESOLUTION
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("factors", "disagreeing"),
     [

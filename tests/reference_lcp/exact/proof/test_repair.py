@@ -25,6 +25,7 @@ def repaired(exact, guess):
     return solution.candidate, repairs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("friction", "before", "after"), GRAZINGS)
 def test_events_of_one_side_of_a_grazing_become_those_of_the_other(friction, before, after) -> None:
     found = [point(friction, frequency) for frequency in (before, after)]

@@ -25,6 +25,7 @@ def test_right_order_of_events_is_proven_without_repair(friction, frequency) -> 
 LONG = "a stuck cell declared slipping"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind", [pytest.param(kind, marks=[pytest.mark.slow] if kind == LONG else []) for kind in WRONG]
 )
