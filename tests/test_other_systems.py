@@ -11,6 +11,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 
 GONE = {"win32": ("fcntl", "resource", "pwd", "grp", "termios", "syslog"), "darwin": ()}
@@ -27,8 +29,6 @@ import os, sys
 # Libraries that have chosen their files for this system when they were installed are imported as they are.
 import matplotlib.pyplot, numba, numpy, pandas, scipy.optimize, h5netcdf, xarray, typer, rich.console, filelock
 import dask.array, multiprocessing.connection, subprocess, tempfile, uuid, platformdirs, exudyn, mujoco
-
-pytestmark = pytest.mark.slow
 for module in {gone}:
     sys.modules[module] = None
 for function in {functions}:

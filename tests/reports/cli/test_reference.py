@@ -159,7 +159,7 @@ def test_cost_of_long_chains_is_a_table_for_people(capsys, monkeypatch) -> None:
 
 
 def test_cost_of_a_point_is_a_table_of_methods(capsys, monkeypatch) -> None:
-    few = partial(bench_points, (0.3,), (0.9,))
+    few = partial(bench_points, [(0.3, 0.9)])
     monkeypatch.setattr("reference_lcp.studies.bench.bench_points", few)
     code, out, _ = run(capsys, "bench", "--points")
     assert code == 0
