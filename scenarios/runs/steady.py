@@ -11,6 +11,7 @@ import numpy as np
 
 from engines.interface.engine import Engine, SteadyStateSolver
 from engines.interface.law import ROUND_OFF_PERIOD, Law
+from engines.interface.presets import FrictionLaw
 from engines.interface.registry import LAW_SUFFIX, law_of
 from engines.interface.variant import Variant
 from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
@@ -151,18 +152,22 @@ def _unsettled(
 ) -> dict[int, PeriodicOrbit]:
     """Give a period of the lanes that neither settle nor repeat by their law, where it is the law's to its bound.
 
-    Lanes whose transmittance the law's best period resolves are left to the engine: its own may be better.
+    Left to the engine are lanes whose transmittance the law's best period resolves, since its own may be better, and
+    bristles: where they rest, an engine may repeat that differs from its law by round-off.
     """
-    law, orbits, tolerance = _supposed_law(variant), {}, variant.capabilities.residual
+    law, tolerance = _supposed_law(variant), variant.capabilities.residual
+    orbits: dict[int, PeriodicOrbit] = {}
+    if not isinstance(law, Law) or variant.capabilities.friction_law is FrictionLaw.BRISTLE:
+        return orbits
     for lane, known in enumerate(laws):
-        if not isinstance(law, Law) or known is None or known.converged or _is_resolved(known):
+        if known is None or known.converged or _is_resolved(known):
             continue
         model, end = law.build([known.lane]), known.trajectory.end
         (own,) = periodic_orbits(part_of(simulation, [lane]), steps, start=end, tolerance=tolerance, max_periods=1)
         (predicted,) = model.run(end, 0, steps)
         distance = np.max(np.abs(own.trajectory.positions - predicted.positions))
         if distance <= law.bound_at(steps) * known.lane.drive.displacement_scale(known.lane.chain):
-            multiples, _, _ = repetitions(model, end, steps, LAW_RESIDUAL * tolerance)
+            multiples, _, _ = repetitions(model, end, steps, tolerance)
             if multiples == [0]:
                 orbits[lane] = replace(own, multiple=0)
     return orbits
