@@ -18,6 +18,7 @@ from unittest.mock import patch
 
 import numpy as np
 
+from engines.interface import registry
 from engines.interface.registry import engine, engine_names
 from engines.interface.variant import variants_named
 from reference_lcp.errors import ParameterError
@@ -65,9 +66,15 @@ def every_engine_installed() -> Iterator[None]:
             for method, value in (("version", version), ("unavailable_reason", None)):
                 patches.enter_context(patch.object(type(engine(name)), method, lambda _self, value=value: value))
         patches.enter_context(patch.object(Task, "key", lambda own: unsourced_key(own.text())))
-        task._identity.cache_clear()  # versions of engines that are here
+        _forget_versions()
         yield
-        task._identity.cache_clear()
+        _forget_versions()
+
+
+def _forget_versions() -> None:
+    """Let the versions of engines, and of laws, be asked for again."""
+    task._identity.cache_clear()
+    registry._law_engine.cache_clear()
 
 
 class Asked(StoredResults):
