@@ -21,7 +21,7 @@ from engines.interface.tolerances import MOMENTUM_TOLERANCE, SCHEME_TOLERANCE_DB
 from engines.interface.variant import Variant
 from engines.shared.law_distance import allowed_distance, stepped_by
 from engines.shared.law_limit import law_fault
-from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.neighbours import orbits_from_euler
@@ -87,11 +87,7 @@ def _runs(modelled: Variant, lane: Lane) -> list[Trajectory]:
     """Give a period of the variant and of its law from one state."""
     law = law_of(modelled.preset)
     assert law is not None
-    simulations: list[Simulation] = [modelled.build([lane]), law.build([lane])]
-    runs = [simulation.run(random_state(1), 0, 4 * STEPS)[0] for simulation in simulations]
-    for simulation in simulations:
-        simulation.close()
-    return runs
+    return [_period(what, [lane], random_state(1), 4 * STEPS)[0] for what in (modelled, law)]
 
 
 def test_random_chain_moves_by_the_stated_law(tested: Variant) -> None:
@@ -118,11 +114,12 @@ def test_law_with_a_constant_off_by_a_hundredth_is_found_out(tested: Variant) ->
     if law is None:
         pytest.skip("it has no constants of its own")
     lanes = [lane for lane in random_lanes() if law.unclaimed_reason(lane) is None]
-    own = _period(tested, lanes)
+    state = scaled_state(lanes)
+    own = _period(tested, lanes, state)
     for symbol, constant in law.constants.items():
         factor = 0.0 if constant.too_small_to_see else 1 + constant.visible_error
         wrong = replace(law, constants={**law.constants, symbol: replace(constant, value=factor * constant.value)})
-        distance = np.max(_apart(lanes, own, _period(wrong, lanes)))
+        distance = np.max(_apart(lanes, own, _period(wrong, lanes, state)))
         moved = distance > law.period_bound
         assert moved != constant.too_small_to_see, f"{symbol} × {factor:g} makes {distance:.1g}"
 
@@ -134,13 +131,14 @@ def _distances(tested: Variant, expected: Engine | Law, given: Sequence[Lane] = 
     """
     law = law_of(tested.preset)
     lanes = [lane for lane in given or random_lanes() if law is None or law.unclaimed_reason(lane) is None]
-    return _apart(lanes, _period(tested, lanes), _period(expected, lanes))
+    state = scaled_state(lanes)
+    return _apart(lanes, _period(tested, lanes, state), _period(expected, lanes, state))
 
 
-def _period(what: Variant | Engine | Law, lanes: Sequence[Lane]) -> list[Trajectory]:
-    """Give a period of every lane from a random state."""
+def _period(what: Variant | Engine | Law, lanes: Sequence[Lane], state: State, steps: int = STEPS) -> list[Trajectory]:
+    """Give a period of every lane from a state."""
     simulation = what.build(lanes)
-    runs = simulation.run(scaled_state(lanes), 0, STEPS)
+    runs = simulation.run(state, 0, steps)
     simulation.close()
     return runs
 

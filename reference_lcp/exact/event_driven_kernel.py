@@ -23,6 +23,7 @@ from reference_lcp.exact.mode_dynamics import (
     INNER_STIFFNESS,
     SERIES_ORDER,
     continue_series,
+    evaluate,
 )
 from reference_lcp.exact.polynomial_roots import first_root
 from reference_lcp.validation import FloatArray
@@ -80,21 +81,12 @@ def follow(chain: Any, clock: Any, end: float, nearly: float, most_events: int, 
         reach = min(1.0, (end - time) * chain.rate)
         duration = reach * span * _first_event(chain.cells, reach, coefficients, friction, orders, modes, work)
         record.start[row], record.duration[row] = time, duration
-        _evaluate(coefficients, duration * chain.rate, z)
+        evaluate(coefficients, duration * chain.rate, z)
         clock[TIME] = end if time + duration >= nearly else time + duration
         clock[EVENTS] += 1
         if clock[TIME] - clock[COUNTED_FROM] > span:
             clock[EVENTS], clock[COUNTED_FROM] = 0, clock[TIME]
     return record.start.size
-
-
-@_called
-def _evaluate(coefficients: Any, s: float, z: Any) -> None:
-    """Horner's rule."""
-    for row in range(z.size):
-        z[row] = 0.0
-        for k in range(SERIES_ORDER, -1, -1):
-            z[row] = z[row] * s + coefficients[k, row]
 
 
 @_called

@@ -208,14 +208,22 @@ def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float
     raise ParameterError(f"{type(drive).__name__} has no event-driven solution; allowed: {allowed}")
 
 
+@_called
+def evaluate(coefficients: Any, s: float, z: Any) -> None:
+    """Read a series in powers of s, (SERIES_ORDER + 1, d), into z by Horner's rule."""
+    for place in range(z.size):
+        z[place] = 0.0
+    for k in range(SERIES_ORDER, -1, -1):
+        for place in range(z.size):
+            z[place] = z[place] * s + coefficients[k, place]
+
+
 @numba.njit(cache=True, error_model="numpy")
 def values(series: Any, rows: Any, s: Any) -> Any:
     """Read series in powers of s, (segments, SERIES_ORDER + 1, d), of the segments `rows` at places s; (rows, d)."""
-    result = np.zeros((s.size, series.shape[2]))
+    result = np.empty((s.size, series.shape[2]))
     for row in range(s.size):
-        for k in range(SERIES_ORDER, -1, -1):
-            for place in range(result.shape[1]):
-                result[row, place] = result[row, place] * s[row] + series[rows[row], k, place]
+        evaluate(series[rows[row]], s[row], result[row])
     return result
 
 

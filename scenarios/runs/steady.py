@@ -57,11 +57,16 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
 
 
 def _supposed_law(variant: Variant) -> Engine | Law | None:
-    """Give what a variant steps by, or what it would step by if its changed options did not matter."""
+    """Give what a variant steps by, or what it would step by if its changed options did not matter.
+
+    The second says of a motion that it does not settle, see `_unsettled`, which asks it of no bristle.
+    """
     if not is_warm_started(variant):
         return None
-    unchanged = variant.preset.unchanged
-    return stepped_by(variant) or (None if unchanged is None else law_of(unchanged))
+    own, unchanged = stepped_by(variant), variant.preset.unchanged
+    if own is not None or unchanged is None or variant.capabilities.friction_law is FrictionLaw.BRISTLE:
+        return own
+    return law_of(unchanged)
 
 
 EULER = Variant("reference")
