@@ -132,12 +132,15 @@ def orbits_from_euler(
     *,
     tolerance: float,
     start: State | None = None,
+    max_periods: int = DEFAULT_PERIODS,
     longest_multiple: int = LONGEST_MULTIPLE,
     anew: bool = True,
 ) -> list[PeriodicOrbit]:
     """Find the periodic orbits of something that steps nearly like the Euler scheme, from the scheme's or `start`."""
     if simulation.lanes[0].chain.cells > LONGEST_CHAIN:
-        return periodic_orbits(simulation, steps, tolerance=tolerance, longest_multiple=longest_multiple)
+        return periodic_orbits(
+            simulation, steps, tolerance=tolerance, max_periods=max_periods, longest_multiple=longest_multiple
+        )
     euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
     ends = State.stack([State(orbit.trajectory.end.positions, orbit.trajectory.end.velocities) for orbit in euler])
     return orbits_warm_started(
@@ -147,6 +150,7 @@ def orbits_from_euler(
         PeriodInverse.of(euler).newton,
         steps,
         tolerance=tolerance,
+        max_periods=max_periods,
         longest_multiple=longest_multiple,
         anew=anew,
     )

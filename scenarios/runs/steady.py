@@ -5,6 +5,7 @@ import time
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from engines.interface.variant import Variant
 from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
+from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.one_call import SteadyState
@@ -30,6 +32,13 @@ from scenarios.runs.task import Recorded, Start, SteadyStateTask
 
 LAW_RESIDUAL = 0.1
 """Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""
+
+ENGINE_PERIODS = 100
+"""Periods of a search from harmonic balance of an engine that no law describes: all steady states of the default report
+take fewer, and what never settles takes four times as many until all hope is gone."""
+
+UNCHANGED_ORBITS = 64
+"""Orbits of laws that are kept for variants that change an option of the same preset."""
 
 
 def is_warm_started(variant: Variant) -> bool:
@@ -48,12 +57,23 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
     if law is None or not claimed:
         return found
+    if stepped_by(variant) is None:
+        unchanged = replace(variant, preset_name=variant.preset_name.split(":")[0])
+        for number in claimed:
+            found[number] = _unchanged_orbit(unchanged, lanes[number], steps)
+        return found
     model, tolerance = law.build([lanes[number] for number in claimed]), LAW_RESIDUAL * variant.capabilities.residual
     search = orbits_from_euler if isinstance(law, Law) else periodic_orbits
     orbits = search(model, steps, tolerance=tolerance, longest_multiple=1)
     for number, orbit in zip(claimed, orbits, strict=True):
         found[number] = orbit
     return found
+
+
+@lru_cache(maxsize=UNCHANGED_ORBITS)
+def _unchanged_orbit(unchanged: Variant, lane: Lane, steps: int) -> PeriodicOrbit | None:
+    """Search the steady state of a law once for all variants that change an option of its preset."""
+    return law_orbits(unchanged, [lane], steps)[0]
 
 
 def _supposed_law(variant: Variant) -> Engine | Law | None:
@@ -127,7 +147,10 @@ def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int, start: S
 def _orbits(
     simulation: CheckedSimulation, variant: Variant, lanes: Sequence[Lane], steps: int, start: Start
 ) -> list[PeriodicOrbit]:
-    """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise."""
+    """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise.
+
+    What does not settle by its law, or by that of the unchanged preset, is not searched from harmonic balance anew.
+    """
     tolerance = variant.capabilities.residual
     if variant.engine == EULER.engine:
         return periodic_orbits(simulation, steps, tolerance=tolerance)
@@ -135,19 +158,18 @@ def _orbits(
         return orbits_from_balance(simulation, steps, tolerance=tolerance)
     laws = law_orbits(variant, lanes, steps)
     orbits = _unsettled(simulation, variant, laws, steps)
+    most = ENGINE_PERIODS if is_warm_started(variant) else DEFAULT_PERIODS
     groups, has_law = defaultdict(list), stepped_by(variant) is not None
     for lane, law in enumerate(laws):
         if lane not in orbits:
-            groups[law.converged if has_law and law is not None else None].append(lane)
-    for has_orbit, group in groups.items():
-        begin = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
-        part = part_of(simulation, group)
-        if has_orbit is None:
-            found = orbits_from_euler(part, steps, tolerance=tolerance)
-        elif has_orbit:
-            found = periodic_orbits(part, steps, start=State.stack(begin), tolerance=tolerance)
+            groups[has_law and law is not None, law is None or law.converged].append(lane)
+    for (from_law, settles), group in groups.items():
+        ends = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
+        part, begin = part_of(simulation, group), State.stack(ends) if from_law else None
+        if from_law and settles:
+            found = periodic_orbits(part, steps, start=begin, tolerance=tolerance)
         else:
-            found = orbits_from_euler(part, steps, tolerance=tolerance, start=State.stack(begin), anew=False)
+            found = orbits_from_euler(part, steps, tolerance=tolerance, start=begin, max_periods=most, anew=settles)
         orbits |= dict(zip(group, found, strict=True))
     return [orbits[lane] for lane in range(len(lanes))]
 

@@ -4,12 +4,13 @@ import pytest
 
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
+from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.steady.neighbours import NEWTON_PERIODS
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits
 from scenarios.runs.executor import run_batch
 from scenarios.runs.parameters import Modulation
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.steady import law_orbits, run_steady_states
+from scenarios.runs.steady import ENGINE_PERIODS, law_orbits, run_steady_states
 from scenarios.runs.task import Recorded, Start, SteadyStateTask
 from tests.scenarios.in_process import press_harder
 from tests.scenarios.runs.builders import steady
@@ -108,7 +109,37 @@ def test_an_option_that_does_not_matter_leaves_a_motion_unsettled_as_the_unchang
     default, dense, elliptic = unsettled(), unsettled(":jacobian=dense"), unsettled(":cone=elliptic")
     assert dense.periods == 1
     assert dense.transmittance_db == pytest.approx(default.transmittance_db, abs=1e-6)
-    assert elliptic.periods > 1
+    assert 1 < elliptic.periods <= NEWTON_PERIODS + 1
+    at_length = unsettled(":cone=elliptic", start=Start.HARMONIC_BALANCE)
+    assert at_length.periods > 2 * NEWTON_PERIODS
+    assert (elliptic.status, elliptic.multiple) == (at_length.status, at_length.multiple) == ("period limit", 0)
+
+
+@pytest.mark.needs("mujoco")
+def test_the_law_of_an_unchanged_preset_is_searched_once_for_all_that_change_an_option() -> None:
+    names = [f"mujoco:contact:default{option}" for option in ("", ":jacobian=dense", ":cone=elliptic")]
+    lanes = [task.lane()[0] for task in tasks_of(Variant.parse(names[0]))[:2]]
+    own, dense, elliptic = (law_orbits(Variant.parse(name), lanes, 400) for name in names)
+    for one, two, three in zip(own, dense, elliptic, strict=True):
+        assert two is three is not None
+        assert one is not None
+        assert (two.residual, two.lane) == (one.residual, one.lane)
+    assert dense[0] is not dense[1]
+
+
+@pytest.mark.needs("exudyn-regularised")
+@pytest.mark.slow
+def test_what_an_engine_without_a_law_does_not_find_in_a_hundred_periods_it_does_not_find_in_four_hundred(
+    monkeypatch,
+) -> None:
+    """Exudyn's disc as installed never settles here; a search is over in fewer periods wherever there is an end."""
+    variant = Variant.parse("exudyn-regularised:contact:default")
+    task = SteadyStateTask(variant=variant, friction_ratio=0.1, frequency_ratio=1.5, steps_per_period=800)
+    (stopped,) = run_steady_states([task])
+    monkeypatch.setattr("scenarios.runs.steady.ENGINE_PERIODS", DEFAULT_PERIODS)
+    (at_length,) = run_steady_states([task])
+    assert stopped.periods == ENGINE_PERIODS + 1 < at_length.periods
+    assert (stopped.status, stopped.multiple) == (at_length.status, at_length.multiple) == ("period limit", 0)
 
 
 def starts_of(name: str, **more) -> list[bool]:
