@@ -40,7 +40,7 @@ friction_ratio = [0.3]
 frequency_ratio = [0.9, 1.1]
 """
 
-POINTS = Scope((), (0.3,), (0.9, 1.1), (), starts=0)
+POINTS = Scope((), (0.3,), (0.9, 1.1), (), checked=0)
 """The points of the sweep alone, with what their verdicts need."""
 
 

@@ -35,10 +35,10 @@ from scenarios.studies.work_precision import (
     step_tasks,
     thrifty_step_study,
 )
+from scenarios.sweeps.checks import LEAST_POINTS, check_starts
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
 from scenarios.sweeps.point import Point, tasks_of
-from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
 from scenarios.verdicts.steady_case import CONVERGED, EXACT
@@ -64,8 +64,8 @@ class Scope:
     """Steps a period at which every variant is simulated at six points, `FINEST_STEPS` only where its error still
     falls; what the store holds of others is shown too.
     """
-    starts: int = LEAST_POINTS
-    """Fewest points of each variant whose steady state is searched from harmonic balance too."""
+    checked: int = LEAST_POINTS
+    """Fewest points of each variant that are computed the long way too, see `scenarios.sweeps.checks`."""
     beside: tuple[Variant, ...] = ()
     """Variants that are compared with the truth at the headline's points only, and have no verdict."""
     recommended: tuple[Variant, ...] = ()
@@ -82,8 +82,8 @@ class Scope:
     """Whether truths are proven that the table of proven levels does not have."""
 
 
-QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, steps=(), starts=2)
-"""Two points a variant are searched both ways: a preview."""
+QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, steps=(), checked=2)
+"""Two points a variant are computed both ways: a preview."""
 
 
 def collect(
@@ -93,10 +93,11 @@ def collect(
     scope = scope or Scope()
     evaluator.stage("all points that are known from the start")
     evaluator.evaluate(expected_tasks(sweep, scope))
-    evaluator.stage("band edges and laws")
-    compared = compare_sweep(sweep, evaluator)
+    evaluator.stage("other numbers of steps, band edges and laws")
+    compared = compare_sweep(sweep, evaluator, scope.checked)
     evaluator.stage("searches from harmonic balance")
-    result, starts = check_starts(compared, evaluator, scope.starts)
+    points, starts = check_starts(sweep, compared.points, evaluator, scope.checked)
+    result = replace(compared, points=points)
     evaluator.stage("recorded periods")
     mapped = _map(sweep, scope)
     tasks = _recorded_tasks(sweep, scope.recorded_points)
@@ -159,7 +160,7 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     results = DatasetResults(data)
     recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
-    result = judged_points(results.sweep.ascending(), points, results, results.predictions)
+    result = judged_points(results.sweep.ascending(), points, results, results.predictions, results.modelled)
     known = with_recorded_truths(result, data, results.sweep)
     return Report(known, command, steps=None, recorded=recorded)
 

@@ -14,6 +14,7 @@ from reports.data.descriptions import band_definition, compared_with, drive_desc
 from reports.data.points import by_variant
 from scenarios.runs.result import ResultStatus
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
+from scenarios.sweeps.checks import Check
 from scenarios.sweeps.dataset import description_of
 from scenarios.verdicts.finding import FLOOR_DB
 
@@ -60,15 +61,8 @@ def provenance(report: "Report") -> dict[str, Any]:
             f"dt = period / steps per period, with at least {sweep.fewest_steps} steps and as many as "
             f"dt ω_max ≤ {LARGEST_PHASE_STEP:g} needs, ω_max being the highest natural frequency of the linear chain"
         ),
-        "starts": [
-            {
-                "variant": str(check.variant),
-                "title": check.variant.title,
-                "searched_both_ways": check.searched,
-                "elsewhere": check.elsewhere,
-            }
-            for check in report.starts
-        ],
+        "starts": [_check(check, "searched_both_ways", "elsewhere") for check in report.starts],
+        "models": [_check(check, "compared", "differing") for check in report.result.models],
         "tolerances": {
             "residual": DEFAULT_RESIDUAL,
             "floor_db": FLOOR_DB,
@@ -77,6 +71,12 @@ def provenance(report: "Report") -> dict[str, Any]:
             else {"transmittance_db": given.transmittance_db, "baseline": str(given.baseline)},
         },
     }
+
+
+def _check(check: Check, compared: str, differing: str) -> dict[str, Any]:
+    """Give a check with the names of its numbers."""
+    numbers = {compared: check.compared, differing: check.differing}
+    return {"variant": str(check.variant), "title": check.variant.title, **numbers}
 
 
 def _variant(report: "Report", variant: Variant, points: pd.DataFrame) -> dict[str, Any]:

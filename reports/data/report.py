@@ -23,9 +23,9 @@ from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.response import Curves
 from scenarios.studies.scale import ScalePoint
 from scenarios.studies.work_precision import StepPoint
+from scenarios.sweeps.checks import Check
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.point import Point
-from scenarios.sweeps.start_check import StartCheck
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
 from scenarios.verdicts.steady_case import REFERENCE
@@ -45,7 +45,7 @@ class Report:
     """Error and cost at several step sizes; ``None`` if they are no part of the report."""
     friction_map: FrictionMap | None = None
     """Transmittance over friction and frequency; ``None`` if it is no part of the report."""
-    starts: tuple[StartCheck, ...] = ()
+    starts: tuple[Check, ...] = ()
     """Of which points steady states were searched from elsewhere too, by variant."""
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Package, version, description and options by the name of a variant, where they were noted with the results."""

@@ -1,7 +1,7 @@
 """A sweep whose variants are compared with the reference: grid → results → refined edges → verdicts → predictions."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,6 +10,7 @@ import numpy as np
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.checks import LEAST_POINTS, Check, check_models, passed
 from scenarios.sweeps.edges import BandEdge, band_edges
 from scenarios.sweeps.point import GivesResults, Point, Truth, evaluated, judged
 from scenarios.sweeps.predictions import predicted, predicted_edges
@@ -38,6 +39,8 @@ class ComparedSweep:
     dense_reference: Mapping[Case, Curve] = field(default_factory=dict)
     """For each case, η_r (`DENSE_FREQUENCY_RATIOS`) and transmittance [dB] of the reference at the common time step, to
     be drawn as a line; cases without any are left out."""
+    models: tuple[Check, ...] = ()
+    """Of which points engines gave what their models stand in for, by variant."""
 
     @property
     def cases(self) -> tuple[Case, ...]:
@@ -79,19 +82,22 @@ class ComparedSweep:
         return {(edge.variant, edge.case, edge.edge): edge for edge in self.edges}
 
 
-def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
+def compare_sweep(sweep: Sweep, evaluator: GivesResults, least: int = LEAST_POINTS) -> ComparedSweep:
     """Evaluate the grid, resolve it, judge every point, refine the edges of every curve, and ask the laws of variants.
 
-    The converged reference is among the variants, see `Sweep.with_reference`.
+    The converged reference is among the variants, see `Sweep.with_reference`. Models are checked at `least` points of
+    each variant, see `check_models`.
     """
-    points = judged(evaluated(sweep, resolved_grid(sweep, evaluator), evaluator))
+    found, models = check_models(sweep, resolved_grid(sweep, evaluator), evaluator, least)
+    points = judged(found)
     results = {point.place: point.result for point in points}
-    edges = band_edges(sweep, results, evaluator)
+    edges = band_edges(sweep, results, evaluator, passed(models))
     return ComparedSweep(
         sweep,
         predicted(sweep, points, evaluator),
         predicted_edges(sweep, results, edges, evaluator),
         _dense_reference(sweep, evaluator),
+        models,
     )
 
 
@@ -100,12 +106,13 @@ def judged_points(
     places: Sequence[GridPoint],
     evaluator: GivesResults,
     predictions: Mapping[GridPoint, Mapping[Metric, Prediction]],
+    modelled: Collection[Variant],
 ) -> ComparedSweep:
     """Evaluate and judge points as they are: nothing is added, no edge is refined, and no law is run.
 
-    `predictions` are what is known of laws.
+    `predictions` are what is known of laws, which stand in for `modelled` variants.
     """
-    points = judged(evaluated(sweep, places, evaluator))
+    points = judged(evaluated(sweep, places, evaluator, modelled))
     return ComparedSweep(sweep, [_recalled(point, predictions.get(point.place, {})) for point in points])
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import ConfigDict, TypeAdapter
+from pydantic import ConfigDict, Field, TypeAdapter
 
 from engines.interface.presets import OfStep
 from engines.interface.registry import engine
@@ -55,6 +55,8 @@ class StoredPoint:
     others: tuple[Result, ...] = ()
     predictions: Mapping[str, Prediction] = field(default_factory=dict)
     """What the law of the variant says, by the name of the metric."""
+    modelled: bool = Field(default=False, exclude_if=lambda modelled: not modelled)
+    """Whether the others are those of its model."""
 
 
 STORED_POINT = TypeAdapter(StoredPoint)
@@ -64,7 +66,7 @@ STORED_POINT = TypeAdapter(StoredPoint)
 def stored_text(point: Point) -> str:
     """Give a point as JSON."""
     predictions = {own.metric.name: own.prediction for own in point.findings if own.prediction is not None}
-    return STORED_POINT.dump_json(StoredPoint(point.result, point.others, predictions)).decode()
+    return STORED_POINT.dump_json(StoredPoint(point.result, point.others, predictions, point.modelled)).decode()
 
 
 _AXES = {

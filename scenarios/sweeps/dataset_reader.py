@@ -18,7 +18,8 @@ from scenarios.runs.parameters import first_error
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.dataset import PREDICTED, STORED_POINT, SWEEP, StoredPoint
-from scenarios.sweeps.sweep import GridPoint, Sweep, refinements
+from scenarios.sweeps.point import other_tasks
+from scenarios.sweeps.sweep import GridPoint, Sweep
 from scenarios.verdicts.finding import Metric, Prediction
 
 LARGEST_DATASET = 2**30
@@ -126,15 +127,19 @@ class DatasetResults:
         self.results: dict[SteadyStateTask, Result] = {}
         self.predictions: dict[GridPoint, dict[Metric, Prediction]] = {}
         self.points: list[GridPoint] = []
+        self.modelled: set[Variant] = set()
+        """Variants whose model stands in for them, see `scenarios.sweeps.point.evaluated`."""
         for point, text in zip(self.sweep.grid_points(), _texts(data, self.sweep), strict=True):
             if text:
                 self._add(point, _read(text))
 
     def _add(self, point: GridPoint, stored: StoredPoint) -> None:
         """Add a point of the grid."""
-        factors = (1.0, *refinements(point[0], self.sweep.tolerance))
-        for factor, result in zip(factors, (stored.result, *stored.others), strict=False):
-            self.results[self.sweep.task(*point, factor)] = result
+        model = point[0].law if stored.modelled else None
+        if model is not None:
+            self.modelled.add(point[0])
+        tasks = [self.sweep.task(*point), *other_tasks(self.sweep, point, model)]
+        self.results |= zip(tasks, (stored.result, *stored.others), strict=False)
         metrics = {metric.name: metric for metric, _, _ in PREDICTED}
         self.predictions[point] = {metrics[name]: own for name, own in stored.predictions.items() if name in metrics}
         self.points.append(point)

@@ -12,7 +12,7 @@ presets that share the Euler scheme are compared at equal step, where nothing bu
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -100,18 +100,27 @@ class BandEdge:
         return Finding(self.variant, label, BAND_EDGE, value, expected, self.comparison, self.prediction)
 
 
-def band_edges(sweep: Sweep, results: Results, evaluator: GivesResults) -> tuple[BandEdge, ...]:
-    """Refine all edges of curves, and compare them with those of what each variant is compared with."""
+def band_edges(
+    sweep: Sweep, results: Results, evaluator: GivesResults, modelled: Collection[Variant] = ()
+) -> tuple[BandEdge, ...]:
+    """Refine all edges of curves, and compare them with those of what each variant is compared with.
+
+    Of `modelled` variants, the model gives the error of a step where it may, see `evaluated`.
+    """
     curves: dict[CurveKey, list[Result]] = defaultdict(list)
     for (variant, case, _), result in results.items():
         curves[variant, case].append(result)
     refined = refined_edges(sweep, results, evaluator)
-    known = _around_edges(sweep, list(curves), refined, evaluator)
+    known = _around_edges(sweep, list(curves), refined, evaluator, modelled)
     return tuple(_judged(key, edge, own, refined, known, sweep) for key, own in curves.items() for edge in Edge)
 
 
 def _around_edges(
-    sweep: Sweep, curves: Sequence[CurveKey], refined: RefinedEdges, evaluator: GivesResults
+    sweep: Sweep,
+    curves: Sequence[CurveKey],
+    refined: RefinedEdges,
+    evaluator: GivesResults,
+    modelled: Collection[Variant],
 ) -> dict[GridPoint, Point]:
     """Evaluate what says how far edges may be apart: points of the grid on both sides of the baseline's edge.
 
@@ -130,7 +139,7 @@ def _around_edges(
             places |= {(owner, case, eta) for owner in (variant, REFERENCE, CONVERGED) for eta in etas}
     order = {variant: number for number, variant in enumerate(sweep.variants)}
     ordered = sorted(places, key=lambda place: (order[place[0]], place[1].values, place[2]))
-    points = {point.place: point for point in evaluated(sweep, ordered, evaluator)}
+    points = {point.place: point for point in evaluated(sweep, ordered, evaluator, modelled)}
     refined.incomplete.update(place[:2] for place, own in points.items() if own.result.status is ResultStatus.MISSING)
     return points
 

@@ -2,20 +2,22 @@
 
 Presets that share the Euler scheme solve the reference's own equations: they are compared with the reference at equal
 step, and nothing is allowed but what neither can resolve. All others, the reference itself among them, are compared
-with the converged reference. They are simulated with half as many steps too, so that their own error is known; the
-reference is simulated with twice and four times as many, and is judged by them itself.
+with the converged reference. They are simulated with half as many steps too, by their model where it `stands_in` for
+them, so that their own error is known; the reference is simulated with twice and four times as many, and is judged by
+them itself.
 
 The transmittance is a complex number: its level and its phase are judged alike, and the worse of both decides.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Protocol
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
+from engines.shared.law_distance import stepped_by, unclaimed_reason
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.sweep import Case, GivenTolerance, GridPoint, Sweep, baseline, refinements
@@ -87,6 +89,8 @@ class Point:
     result: Result
     others: tuple[Result, ...] = ()
     """Its results with other numbers of steps, see `refinements`."""
+    modelled: bool = False
+    """Whether these are those of its model."""
     reference: Result = field(default_factory=Result.missing)
     converged: Result = field(default_factory=Result.missing)
     """The reference's results at the same point, at equal step and converged."""
@@ -149,17 +153,47 @@ class Point:
 
 
 def tasks_of(sweep: Sweep, places: Sequence[GridPoint]) -> list[SteadyStateTask]:
-    """Give the tasks of all places: first one each, then those with other numbers of steps."""
-    further = [(place, factor) for place in places for factor in refinements(place[0], sweep.tolerance)]
-    return [*(sweep.task(*place) for place in places), *(sweep.task(*place, factor) for place, factor in further)]
+    """Give the tasks of all places that are known from the start: one each, then those with other numbers of steps.
+
+    Without the latter of variants that have a model, which may stand in for them.
+    """
+    further = [task for place in places if place[0].law is None for task in other_tasks(sweep, place)]
+    return [*(sweep.task(*place) for place in places), *further]
 
 
-def evaluated(sweep: Sweep, places: Sequence[GridPoint], evaluator: GivesResults) -> list[Point]:
-    """Evaluate all places at once, and give them beside the reference's results at the same place."""
-    results = iter(evaluator.evaluate(tasks_of(sweep, places)))
-    first = [next(results) for _ in places]
-    others = [tuple(next(results) for _ in refinements(place[0], sweep.tolerance)) for place in places]
-    known = dict(zip(places, zip(first, others, strict=True), strict=True))
+def other_tasks(sweep: Sweep, place: GridPoint, by: Variant | None = None) -> list[SteadyStateTask]:
+    """Give the tasks of a place with other numbers of steps, of its variant or `by` its model."""
+    variant, case, eta = place
+    return [sweep.task(by or variant, case, eta, factor) for factor in refinements(variant, sweep.tolerance)]
+
+
+def stands_in(sweep: Sweep, place: GridPoint, result: Result) -> bool:
+    """Whether the model of a variant may give its results with other numbers of steps.
+
+    It may where it claims to predict them, and its steady state has just been shown to be the engine's: the engine's
+    search begins there, and has ended after one plain period.
+    """
+    law, others = stepped_by(place[0]), other_tasks(sweep, place)
+    if place[0].law is None or law is None or not others or not result.converged or result.periods != 1:
+        return False
+    return all(unclaimed_reason(law, task.lane()[0]) is None for task in (sweep.task(*place), *others))
+
+
+def evaluated(
+    sweep: Sweep, places: Sequence[GridPoint], evaluator: GivesResults, modelled: Collection[Variant] = ()
+) -> list[Point]:
+    """Evaluate all places at once, and give them beside the reference's results at the same place.
+
+    Of `modelled` variants, the model gives the results with other numbers of steps where it `stands_in`.
+    """
+    first = dict(zip(places, evaluator.evaluate([sweep.task(*place) for place in places]), strict=True))
+    models = {
+        place: place[0].law if place[0] in modelled and stands_in(sweep, place, result) else None
+        for place, result in first.items()
+    }
+    tasks = {place: other_tasks(sweep, place, model) for place, model in models.items()}
+    results = iter(evaluator.evaluate([task for own in tasks.values() for task in own]))
+    known = {place: (first[place], tuple(next(results) for _ in own)) for place, own in tasks.items()}
     points = []
     for (variant, case, eta), (result, own) in known.items():
         reference, refined = known.get((REFERENCE, case, eta), (Result.missing(), ()))
@@ -167,8 +201,9 @@ def evaluated(sweep: Sweep, places: Sequence[GridPoint], evaluator: GivesResults
         effect = _effect(sweep.task(REFERENCE, case, eta), converged.transmittance_db, converged.phase)
         points.append(
             Point(
-                variant=variant, case=case, frequency_ratio=eta, result=result, others=own, reference=reference,
-                converged=converged, refined=refined, given=sweep.tolerance, effect=effect,
+                variant=variant, case=case, frequency_ratio=eta, result=result, others=own,
+                modelled=models[variant, case, eta] is not None, reference=reference, converged=converged,
+                refined=refined, given=sweep.tolerance, effect=effect,
             )
         )  # fmt: skip
     return points

@@ -1,7 +1,7 @@
 """Sweeps as they are: run with what their verdicts need, summed up, and saved in the store of their results."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -18,11 +18,12 @@ from scenarios.runs.progress import ProgressBars
 from scenarios.runs.result import Result, ResultStatus, repetition
 from scenarios.runs.store import ResultStore, existing_store
 from scenarios.runs.task import SteadyStateTask
+from scenarios.sweeps.checks import check_models
 from scenarios.sweeps.dataset import SWEEP
-from scenarios.sweeps.point import Point, evaluated, judged, tasks_of
+from scenarios.sweeps.point import Point, judged, tasks_of
 from scenarios.sweeps.predictions import predicted
 from scenarios.sweeps.refinement import ForTheAccuracy, refined
-from scenarios.sweeps.sweep import Sweep, baseline_of, refinements
+from scenarios.sweeps.sweep import GridPoint, Sweep, baseline_of
 from scenarios.verdicts.steady_case import CONVERGED
 
 
@@ -88,7 +89,7 @@ def evaluate_sweep(
     if sweep.frequencies is not None:
         start = [sweep.task(*point) for point in ForTheAccuracy(sweep).due()]
     elif verdicts:
-        start = [*sweep.tasks(), *(refined_tasks(sweep) if compared else [])]
+        start = tasks_of(sweep, list(sweep.grid_points())) if compared else list(sweep.tasks())
     with (
         ProgressBars(sweep.variants, start) as bars,
         Evaluator(store, executor, bars, retry_blocked=retry_blocked) as evaluator,
@@ -100,8 +101,7 @@ def evaluate_sweep(
         summary = run_sweep(sweep, evaluator)
         if compared:
             evaluator.stage("other numbers of steps")
-            whole, points = stored_points(sweep, store)
-            evaluator.evaluate(tasks_of(whole, [point.place for point in points]))
+            check_models(*_chosen(sweep, StoredResults(store)), evaluator)
         if verdicts:
             evaluator.stage("laws of variants that disagree")
             predicted(*stored_points(sweep, store), evaluator)
@@ -125,26 +125,25 @@ def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
     return summary
 
 
-def refined_tasks(sweep: Sweep) -> Iterator[SteadyStateTask]:
-    """Give the tasks of all points with other numbers of steps, see `refinements`."""
-    for point in sweep.grid_points():
-        for factor in refinements(point[0], sweep.tolerance):
-            yield sweep.task(*point, factor)
-
-
 def stored_points(sweep: Sweep, store: ResultStore) -> tuple[Sweep, list[Point]]:
-    """Give the results of a sweep in a store as judged points, and the sweep with all their frequency ratios.
+    """Give the results of a sweep in a store as judged points, and the sweep with all their frequency ratios."""
+    evaluator = StoredResults(store)
+    whole, places = _chosen(sweep, evaluator)
+    points, _ = check_models(whole, places, evaluator)
+    return whole, predicted(whole, judged(points), evaluator)
+
+
+def _chosen(sweep: Sweep, evaluator: StoredResults) -> tuple[Sweep, list[GridPoint]]:
+    """Give the points of a sweep, and the sweep with all their frequency ratios.
 
     On an adaptive axis, they are the points of every curve, as far as the results that are known choose them.
     """
-    evaluator = StoredResults(store)
-    places, whole = list(sweep.grid_points()), sweep
-    if sweep.frequencies is not None:
-        accuracy = ForTheAccuracy(sweep)
-        places = list(refined(sweep, accuracy.due(), accuracy, evaluator))
-        etas = tuple(sorted({eta for _, _, eta in places}))
-        whole = replace(sweep, axes={**sweep.axes, "frequency_ratio": etas})
-    return whole, predicted(whole, judged(evaluated(whole, places, evaluator)), evaluator)
+    if sweep.frequencies is None:
+        return sweep, list(sweep.grid_points())
+    accuracy = ForTheAccuracy(sweep)
+    places = list(refined(sweep, accuracy.due(), accuracy, evaluator))
+    etas = tuple(sorted({eta for _, _, eta in places}))
+    return replace(sweep, axes={**sweep.axes, "frequency_ratio": etas}), places
 
 
 def save_sweep(store: ResultStore, sweep: Sweep) -> None:

@@ -65,7 +65,7 @@ def test_another_version_of_an_engine_refines_no_edge(data: xr.Dataset) -> None:
 
 def test_stick_and_slip_is_shown_where_contacts_do_both(data: xr.Dataset) -> None:
     known = DatasetResults(data)
-    result = judged_points(known.sweep, known.points, known, known.predictions)
+    result = judged_points(known.sweep, known.points, known, known.predictions, known.modelled)
     places = stick_slip_places(result)
     assert [case.friction_ratio for case, _ in places] == FRICTIONS
     for case, eta in places:

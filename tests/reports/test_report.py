@@ -234,7 +234,7 @@ def test_a_store_among_the_figures_is_refused_and_one_beside_the_page_is_not(tmp
         check_folder("--out", tmp_path, [tmp_path / "results.sqlite", tmp_path / FIGURES / "results.sqlite"])
 
 
-@pytest.mark.parametrize(("given", "meant"), [(Scope(starts=1), Scope(starts=1)), (None, Scope())])
+@pytest.mark.parametrize(("given", "meant"), [(Scope(checked=1), Scope(checked=1)), (None, Scope())])
 def test_a_report_has_the_scope_that_is_asked_for(
     given, meant, sweep: Sweep, store: Path, tmp_path, monkeypatch
 ) -> None:

@@ -322,7 +322,7 @@ cells = 2
 def test_truths_of_other_points_are_proven_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of two cells, which the table of proven levels does not have."""
     pytest.importorskip("flint", reason="python-flint is not installed")
-    monkeypatch.setattr(plan, "Scope", lambda: Scope((), (0.3,), (0.6, 0.9), steps=(), starts=0))
+    monkeypatch.setattr(plan, "Scope", lambda: Scope((), (0.3,), (0.6, 0.9), steps=(), checked=0))
     (tmp_path / "sweep.toml").write_text(TWO_CELLS)
     command = ["--sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "out"), "--workers", "1"]
     for options, proven in (([], 0), (["--proof"], 1)):

@@ -99,7 +99,7 @@ def test_predictions_are_in_the_dataset_and_come_back_out_of_it() -> None:
     assert bool((abs(data.law_left_db) <= data.law_allowed_db).sel(variant=str(LAWFUL)).any())
     assert bool(data.law_left_db.sel(variant="reference").isnull().all())
     again = DatasetResults(data)
-    recalled = judged_points(again.sweep, again.points, again, again.predictions)
+    recalled = judged_points(again.sweep, again.points, again, again.predictions, again.modelled)
     for variant in result.sweep.variants:
         ours, theirs = ([repr(point.findings) for point in each.points_of(variant)] for each in (recalled, result))
         assert ours == theirs

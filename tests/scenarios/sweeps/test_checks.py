@@ -1,0 +1,234 @@
+"""Samples find steady states that depend on where their search began, and models that are none of their engine."""
+
+import dataclasses
+import math
+from types import SimpleNamespace
+from unittest.mock import patch
+
+import pytest
+
+from engines.interface.variant import Variant
+from scenarios.runs.result import Result
+from scenarios.runs.store import opened_store
+from scenarios.runs.task import Start
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.checks import Check, _difference, check_models, check_starts
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from scenarios.sweeps.dataset import sweep_dataset
+from scenarios.sweeps.dataset_reader import DatasetResults
+from scenarios.sweeps.point import Point, evaluated, judged
+from scenarios.verdicts.finding import Verdict
+from scenarios.verdicts.steady_case import REFERENCE
+from tests.scenarios.in_process import evaluator
+
+needs_pymunk = pytest.mark.needs("pymunk")
+needs_mujoco = pytest.mark.needs("mujoco")
+
+SHARES = Variant("pymunk")
+SWEEP = figure3((SHARES,), (0.3,), (0.5, 0.62, 0.9, 1.1))
+
+
+class Bistable:
+    """Runs tasks; from harmonic balance a variant ends a dB lower at one frequency, or nowhere."""
+
+    def __init__(self, running, eta: float, status: str = "converged"):
+        self.running, self.eta, self.status = running, eta, status
+        self.balanced: list[float] = []
+
+    def evaluate(self, tasks):
+        return [self._seen(*pair) for pair in zip(tasks, self.running.evaluate(tasks), strict=True)]
+
+    def _seen(self, task, result):
+        if task.start is Start.LAW:
+            return result
+        self.balanced.append(task.frequency_ratio)
+        if task.frequency_ratio != self.eta:
+            return result
+        return dataclasses.replace(result, status=self.status, transmittance_db=result.transmittance_db - 1)
+
+
+def checked(eta: float, least: int, status: str = "converged") -> tuple[ComparedSweep, Check, list[float]]:
+    with opened_store(None) as store, evaluator(store) as running:
+        bistable, result = Bistable(running, eta, status), compare_sweep(SWEEP, running)
+        points, (check,) = check_starts(SWEEP, result.points, bistable, least)
+    return dataclasses.replace(result, points=points), check, bistable.balanced
+
+
+def test_two_motions_that_are_equal_are_one_however_exactly_they_are_known() -> None:
+    known = Result(status="converged", transmittance_db=0.0, phase=0.0, period=1.0)
+    exact = SimpleNamespace(result=known, left_open=0.0)
+    with patch("scenarios.sweeps.checks.replace", lambda point, **_: point):
+        assert _difference(exact, known) == ""
+        assert "of 1e-09 dB, from" in _difference(exact, dataclasses.replace(known, transmittance_db=1e-9))
+
+
+def verdicts(result: ComparedSweep) -> dict[float, Verdict]:
+    return {point.frequency_ratio: point.comparison.verdict for point in result.points_of(SHARES)}
+
+
+@needs_pymunk
+def test_one_steady_state_is_found_from_wherever_the_search_begins() -> None:
+    result, check, balanced = checked(math.nan, 2)
+    assert check == Check(SHARES, 2, 0)
+    assert len(balanced) == 2
+    assert set(verdicts(result).values()) == {Verdict.AGREE}
+
+
+@needs_pymunk
+def test_a_second_steady_state_has_all_points_searched_both_ways_and_its_own_inconclusive() -> None:
+    first = checked(math.nan, 1)[2][0]
+    result, check, balanced = checked(first, 1)
+    assert sorted(balanced) == sorted(verdicts(result)), "the grid as it was resolved"
+    assert (check.compared, check.differing) == (len(balanced), 1)
+    own = verdicts(result)
+    assert own.pop(first) is Verdict.INCONCLUSIVE
+    assert set(own.values()) == {Verdict.AGREE}
+    (point,) = [point for point in result.points_of(SHARES) if point.frequency_ratio == first]
+    assert "another steady state, of" in point.comparison.reason
+
+
+@needs_pymunk
+def test_a_search_that_fails_from_elsewhere_says_nothing() -> None:
+    first = checked(math.nan, 1)[2][0]
+    result, check, balanced = checked(first, 1, "period limit")
+    assert len(balanced) == 1
+    assert check == Check(SHARES, 0, 0)
+    assert set(verdicts(result).values()) == {Verdict.AGREE}
+
+
+LAWFUL = Variant("mujoco", "joint", "default")
+"""Its model stands in for it at all of these points."""
+LAW = LAWFUL.law
+POINTS = figure3((LAWFUL,), (0.3,), (0.55, 0.7, 0.9, 1.1))
+HALF = 200
+
+
+class Spoilt:
+    """Runs tasks, changes results of the engine at one number of steps, and notes who was asked for how many."""
+
+    def __init__(self, running, steps: int = HALF, etas: tuple[float, ...] = (), **changes):
+        self.running, self.steps, self.etas, self.changes = running, steps, etas, changes
+        self.asked: dict[tuple[Variant, int], set[float]] = {}
+
+    def evaluate(self, tasks):
+        return [self._seen(*pair) for pair in zip(tasks, self.running.evaluate(tasks), strict=True)]
+
+    def _seen(self, task, result):
+        key = task.variant, task.steps_per_period
+        self.asked.setdefault(key, set()).add(task.frequency_ratio)
+        spoilt = key == (LAWFUL, self.steps) and task.frequency_ratio in self.etas
+        return dataclasses.replace(result, **self.changes) if spoilt else result
+
+    def of(self, variant: Variant | None) -> set[float]:
+        """Frequency ratios at which a variant was asked with half as many steps."""
+        assert variant is not None
+        return self.asked.get((variant, HALF), set())
+
+
+@pytest.fixture
+def running():
+    with opened_store(None) as store, evaluator(store) as own:
+        yield own
+
+
+def models_of(spoilt: Spoilt, least: int) -> tuple[dict[float, Point], Check]:
+    points, (check,) = check_models(POINTS, list(POINTS.grid_points()), spoilt, least)
+    return {point.frequency_ratio: point for point in points if point.variant == LAWFUL}, check
+
+
+@needs_mujoco
+def test_a_model_stands_in_for_its_engine_and_a_sample_is_run_by_both(running) -> None:
+    spoilt = Spoilt(running)
+    points, check = models_of(spoilt, 2)
+    assert check == Check(LAWFUL, 2, 0)
+    assert spoilt.of(LAW) == set(points)
+    assert len(spoilt.of(LAWFUL)) == 2
+    assert all(point.modelled for point in points.values())
+    own = evaluated(POINTS, [point.place for point in points.values()], running)
+    for point, by_engine in zip(points.values(), own, strict=True):
+        (modelled,), (given,) = point.others, by_engine.others
+        assert modelled.steps_per_period == given.steps_per_period == HALF
+        assert modelled.transmittance_db != given.transmittance_db, "they differ by round-off at least"
+        assert modelled.transmittance_db == pytest.approx(given.transmittance_db, abs=1e-5)
+
+
+@needs_mujoco
+@pytest.mark.parametrize("changes", [{"phase": 0.1}, {"status": "period limit"}, {"status": "blocked"}])
+def test_an_engine_that_differs_from_its_model_at_other_steps_gives_all_points_itself(running, changes) -> None:
+    models_of(sound := Spoilt(running), 1)
+    (first,) = sound.of(LAWFUL)
+    spoilt = Spoilt(running, HALF, (first,), **changes)
+    points, check = models_of(spoilt, 1)
+    assert check == Check(LAWFUL, len(points), 1)
+    assert not any(point.modelled for point in points.values())
+    assert spoilt.of(LAWFUL) == set(points)
+    (other,) = points[first].others
+    assert {name: getattr(other, name) for name in changes} == changes
+
+
+@needs_mujoco
+def test_a_sample_that_cannot_be_compared_confirms_no_model(running) -> None:
+    spoilt = Spoilt(running, HALF, POINTS.frequency_ratios, status="missing")
+    points, check = models_of(spoilt, 2)
+    assert check == Check(LAWFUL, 0, 0)
+    assert not any(point.modelled for point in points.values())
+
+
+@needs_mujoco
+@pytest.mark.parametrize("changes", [{"periods": 2}, {"status": "period limit"}])
+def test_a_point_whose_engine_has_not_come_back_in_one_period_is_asked_of_the_engine(running, changes) -> None:
+    spoilt = Spoilt(running, 2 * HALF, (0.9,), **changes)
+    points, check = models_of(spoilt, 1)
+    assert check == Check(LAWFUL, 1, 0)
+    assert {eta for eta, point in points.items() if not point.modelled} == {0.9} <= spoilt.of(LAWFUL)
+    assert 0.9 not in spoilt.of(LAW)
+
+
+@needs_mujoco
+def test_a_point_that_the_law_does_not_claim_is_asked_of_the_engine(running, monkeypatch) -> None:
+    monkeypatch.setattr("scenarios.sweeps.point.unclaimed_reason", lambda *_: "it says nothing of it")
+    places = list(POINTS.grid_points())
+    _, checks = check_models(POINTS, places, spoilt := Spoilt(running), 1)
+    assert checks == ()
+    assert spoilt.of(LAW) == set()
+    assert spoilt.of(LAWFUL) == set(POINTS.frequency_ratios)
+
+
+@needs_mujoco
+def test_edges_ask_the_models_whose_sample_has_not_differed_and_the_engines_of_others(running) -> None:
+    sweep = figure3((LAWFUL,), (0.3,), (0.55, 0.62, 0.67, 0.9, 1.1))
+    result = compare_sweep(sweep, sound := Spoilt(running), 1)
+    grid = {point.frequency_ratio for point in result.points}
+    (edge,) = sound.of(LAW) - grid
+    assert edge == result.edge(REFERENCE, sweep.cases[0], Edge.LOWER).expected
+    assert edge not in sound.of(LAWFUL)
+    etas = tuple(sound.of(LAWFUL))
+    compare_sweep(sweep, spoilt := Spoilt(running, HALF, etas, phase=0.1), 1)
+    assert {edge} == spoilt.of(LAWFUL) - grid
+    assert edge not in spoilt.of(LAW)
+
+
+@needs_mujoco
+def test_a_dataset_keeps_apart_what_models_and_what_engines_gave(running) -> None:
+    places = list(POINTS.grid_points())
+    points, _ = check_models(POINTS, places, Spoilt(running, 2 * HALF, (0.9,), periods=2), 1)
+    read = DatasetResults(sweep_dataset(POINTS, judged(points)))
+    half = {task.variant: [] for task in read.results}
+    for task in read.results:
+        if task.steps_per_period == HALF:
+            half[task.variant].append(task.frequency_ratio)
+    assert (sorted(half[LAW]), half[LAWFUL]) == ([0.55, 0.7, 1.1], [0.9])
+    again = evaluated(read.sweep, places, read, read.modelled)
+    ours, theirs = ([repr((own.others, own.modelled)) for own in each] for each in (points, again))
+    assert ours == theirs
+
+
+@needs_mujoco
+def test_results_of_engines_that_an_earlier_version_stored_are_taken_where_no_model_was_run(running) -> None:
+    running.evaluate([POINTS.task(*place, factor) for place in POINTS.grid_points() for factor in (0.5, 1, 2, 4)])
+    stored = Spoilt(running)
+    running.evaluate = lambda tasks: [running._results.get(task) or Result.missing() for task in tasks]
+    points, check = models_of(stored, 2)
+    assert check == Check(LAWFUL, 0, 0)
+    assert all(other.converged for point in points.values() for other in point.others)
