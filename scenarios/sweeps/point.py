@@ -10,7 +10,7 @@ The transmittance is a complex number: its level and its phase are judged alike,
 """
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Protocol
@@ -18,7 +18,7 @@ from typing import Protocol
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
 from engines.shared.law_distance import stepped_by, unclaimed_reason
-from scenarios.runs.result import Result
+from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.sweep import Case, GivenTolerance, GridPoint, Sweep, baseline, refinements
 from scenarios.verdicts.finding import (
@@ -121,7 +121,7 @@ class Point:
     @property
     def is_known(self) -> bool:
         """Whether the result is certified, or repeats well enough to be compared all the same."""
-        return self.result.converged or is_resolved(self.result, amplification(self.reference))
+        return _is_known(self.result, self.reference)
 
     @property
     def left_open(self) -> float:
@@ -152,12 +152,16 @@ class Point:
         return next((one for one in predictions if one is not None), None)
 
 
-def tasks_of(sweep: Sweep, places: Sequence[GridPoint]) -> list[SteadyStateTask]:
-    """Give the tasks of all places that are known from the start: one each, then those with other numbers of steps.
+def _is_known(result: Result, reference: Result) -> bool:
+    return result.converged or is_resolved(result, amplification(reference))
 
-    Without the latter of variants that have a model, which may stand in for them.
+
+def tasks_of(sweep: Sweep, places: Sequence[GridPoint]) -> list[SteadyStateTask]:
+    """Give the tasks of all places that are known from the start: one each, then the reference's with other steps.
+
+    Those of other variants depend on their results: none where there is nothing to compare, and perhaps their model's.
     """
-    further = [task for place in places if place[0].law is None for task in other_tasks(sweep, place)]
+    further = [task for place in places if place[0] == REFERENCE for task in other_tasks(sweep, place)]
     return [*(sweep.task(*place) for place in places), *further]
 
 
@@ -184,14 +188,11 @@ def evaluated(
 ) -> list[Point]:
     """Evaluate all places at once, and give them beside the reference's results at the same place.
 
-    Of `modelled` variants, the model gives the results with other numbers of steps where it `stands_in`.
+    Of `modelled` variants, the model gives the results with other numbers of steps where it `stands_in`. Points that
+    have ended with nothing to compare have none, but for the reference's, by which others are judged.
     """
     first = dict(zip(places, evaluator.evaluate([sweep.task(*place) for place in places]), strict=True))
-    models = {
-        place: place[0].law if place[0] in modelled and stands_in(sweep, place, result) else None
-        for place, result in first.items()
-    }
-    tasks = {place: other_tasks(sweep, place, model) for place, model in models.items()}
+    tasks = {place: _further_tasks(sweep, place, first, modelled) for place in first}
     results = iter(evaluator.evaluate([task for own in tasks.values() for task in own]))
     known = {place: (first[place], tuple(next(results) for _ in own)) for place, own in tasks.items()}
     points = []
@@ -202,11 +203,23 @@ def evaluated(
         points.append(
             Point(
                 variant=variant, case=case, frequency_ratio=eta, result=result, others=own,
-                modelled=models[variant, case, eta] is not None, reference=reference, converged=converged,
-                refined=refined, given=sweep.tolerance, effect=effect,
+                modelled=any(task.variant != variant for task in tasks[variant, case, eta]), reference=reference,
+                converged=converged, refined=refined, given=sweep.tolerance, effect=effect,
             )
         )  # fmt: skip
     return points
+
+
+def _further_tasks(
+    sweep: Sweep, place: GridPoint, first: Mapping[GridPoint, Result], modelled: Collection[Variant]
+) -> list[SteadyStateTask]:
+    """Give the tasks of a place with other numbers of steps, by the results with the usual one."""
+    result, reference = first[place], first.get((REFERENCE, *place[1:]), Result.missing())
+    has_ended = place[0] != REFERENCE and result.status is not ResultStatus.MISSING
+    if has_ended and not _is_known(result, reference):
+        return []
+    model = place[0].law if place[0] in modelled and stands_in(sweep, place, result) else None
+    return other_tasks(sweep, place, model)
 
 
 @lru_cache(maxsize=10_000)

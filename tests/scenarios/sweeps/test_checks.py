@@ -105,7 +105,9 @@ HALF = 200
 
 
 class Spoilt:
-    """Runs tasks, changes results of the engine at one number of steps, and notes who was asked for how many."""
+    """Runs tasks, changes results of one variant at one number of steps, and notes who was asked for how many."""
+
+    spoilt = LAWFUL
 
     def __init__(self, running, steps: int = HALF, etas: tuple[float, ...] = (), **changes):
         self.running, self.steps, self.etas, self.changes = running, steps, etas, changes
@@ -117,7 +119,7 @@ class Spoilt:
     def _seen(self, task, result):
         key = task.variant, task.steps_per_period
         self.asked.setdefault(key, set()).add(task.frequency_ratio)
-        spoilt = key == (LAWFUL, self.steps) and task.frequency_ratio in self.etas
+        spoilt = key == (self.spoilt, self.steps) and task.frequency_ratio in self.etas
         return dataclasses.replace(result, **self.changes) if spoilt else result
 
     def of(self, variant: Variant | None) -> set[float]:
@@ -183,6 +185,18 @@ def test_a_point_whose_engine_has_not_come_back_in_one_period_is_asked_of_the_en
     assert check == Check(LAWFUL, 1, 0)
     assert {eta for eta, point in points.items() if not point.modelled} == {0.9} <= spoilt.of(LAWFUL)
     assert 0.9 not in spoilt.of(LAW)
+
+
+@needs_mujoco
+@pytest.mark.parametrize("status", ["period limit", "diverged", "blocked"])
+def test_a_point_with_nothing_to_compare_is_asked_nothing_more(running, status) -> None:
+    spoilt = Spoilt(running, 2 * HALF, (0.9,), status=status, residual=1.0)
+    points, _ = models_of(spoilt, 1)
+    assert points[0.9].others == ()
+    assert 0.9 not in spoilt.of(LAW) | spoilt.of(LAWFUL)
+    refined = Spoilt(running, 2 * HALF, (0.9,), status=status)
+    refined.spoilt = REFERENCE
+    assert all(point.refined for point in models_of(refined, 1)[0].values()), "others are judged by those"
 
 
 @needs_mujoco
