@@ -1,8 +1,10 @@
 """What a store knows of the catalogue's scenarios: outcomes of every variant, and the numbers of scenes."""
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from enum import StrEnum
+from functools import partial
 from typing import Any
 
 import pandas as pd
@@ -40,6 +42,8 @@ SIGNS: Mapping[str, str] = {
 Outcomes = Mapping[str, Mapping[Variant, Mapping[Outcome, int]]]
 """Numbers by outcome, by scenario and variant; what is not known is left out."""
 
+_Run = Callable[[Sequence[Variant], Evaluator], list[Finding]]
+
 
 def catalogue_outcomes(
     variants: Sequence[Variant], store: ResultStore, evaluator: Evaluator | None = None, run: Collection[str] = ()
@@ -68,8 +72,8 @@ def scene_numbers(store: ResultStore) -> pd.DataFrame:
     for scenario in CATALOGUE.values():
         if isinstance(scenario, SceneScenario):
             watched = _Watched(store, stored)
-            findings = scenario.run(scenario.variants([]), watched)
-            found[scenario] = [own for own in findings if own.variant in watched.known - watched.missing]
+            findings, whole = _whole(scenario, scenario.variants([]), watched, scenario.run)
+            found[scenario] = [own for own in findings if own.variant in watched.known.intersection(whole)]
     if not any(found.values()):
         return pd.DataFrame()
     return worst_numbers(finding_table(found)).dropna(how="all").rename_axis(["engine", "number"]).reset_index()
@@ -83,23 +87,63 @@ def _outcomes(
     Without the results of its law nothing is known of a variant: whether it deviates as that says stays open.
     A variant that the scenario cannot be run with stands beside those that are known.
     """
-    findings = run_with_predictions(scenario, variants, watched)
-    whole = [v for v in variants if not {v, scenario.law_variant(v)} & watched.missing]
+    findings, whole = _whole(scenario, variants, watched, partial(run_with_predictions, scenario))
     shown = whole if watched.known.intersection(whole) else []
     return {variant: _counted([own for own in findings if own.variant == variant]) for variant in shown}
 
 
+def _whole(
+    scenario: Scenario, variants: Sequence[Variant], watched: "_Watched", run: _Run
+) -> tuple[list[Finding], list[Variant]]:
+    """Judge the variants of which nothing is missing, and give them; the others are left as soon as that is known."""
+    while variants:
+        watched.needed = {each for variant in variants for each in (variant, scenario.law_variant(variant)) if each}
+        with suppress(_Missing):
+            findings = run(variants, watched)
+            return findings, _present(scenario, variants, watched)
+        variants = _present(scenario, variants, watched)
+    return [], []
+
+
+def _present(scenario: Scenario, variants: Sequence[Variant], watched: "_Watched") -> list[Variant]:
+    """Give the variants of which, and of whose laws, nothing is missing so far."""
+    return [variant for variant in variants if not {variant, scenario.law_variant(variant)} & watched.missing]
+
+
+class _Missing(Exception):
+    """A result is missing of a variant that would be judged."""
+
+
 class _Watched(Evaluator):
-    """Results of an evaluator; notes of which variants some are known, and of which some are missing."""
+    """Results of an evaluator; notes of which variants some are known, and of which some are missing.
+
+    Where it is asked about several variants at once, it ends the judging as soon as something is missing of those that
+    are `needed`; of a store it then looks up one task each first.
+    """
 
     def __init__(self, store: ResultStore, evaluator: Evaluator):
         super().__init__(store, InProcessExecutor())  # it gets no tasks
         self._evaluator = evaluator
         self.known: set[Variant] = set()
         self.missing: set[Variant] = set()
+        self.needed: set[Variant] = set()
 
     def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
         """Give the results, and note whose they are; what cannot be run is neither known nor missing."""
+        first = {task.variant: task for task in tasks}
+        if len(first) > 1 and isinstance(self._evaluator, StoredResults):
+            self._noted(list(first.values()))
+            self._leave_missing()
+        results = self._noted(tasks)
+        if len(first) > 1:
+            self._leave_missing()
+        return results
+
+    def _leave_missing(self) -> None:
+        if self.missing & self.needed:
+            raise _Missing
+
+    def _noted(self, tasks: Sequence[Task]) -> list[Result]:
         results = self._evaluator.evaluate(tasks)
         for task, result in zip(tasks, results, strict=True):
             if result.status is not ResultStatus.BLOCKED:

@@ -1,5 +1,6 @@
 """What the store knows of other scenarios: outcomes of what was run in full, and of nothing else."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,9 +14,11 @@ from reports.page.render import page, sections
 from reports.page.sections import Catalogue
 from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
+from scenarios.runs.task import Task
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.reports.conftest import MISSING, RUNS
 
@@ -53,6 +56,28 @@ def test_a_store_without_scenarios_has_no_section(report: Report, tmp_path: Path
     with ResultStore(tmp_path / "empty.sqlite") as kept:
         assert catalogue_outcomes([REFERENCE, RUNS], kept) == {}
     assert "Other scenarios" not in [part.title for part in sections(report)]
+
+
+def test_of_a_variant_that_a_store_knows_nothing_of_one_task_a_scenario_is_looked_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Task] = []
+    read = ResultStore.results
+
+    def noted(store: ResultStore, tasks: Iterable[Task]) -> Iterator[Result | None]:
+        tasks = list(tasks)
+        asked.extend(tasks)
+        return read(store, tasks)
+
+    monkeypatch.setattr(ResultStore, "results", noted)
+    with ResultStore(tmp_path / "empty.sqlite") as kept:
+        assert catalogue_outcomes([REFERENCE, RUNS, DEFAULT], kept) == {}
+        looked_up = len(asked)
+        for scenario in CATALOGUE.values():
+            scenario.run([REFERENCE, RUNS, DEFAULT], StoredResults(kept))
+    runnable = [task.variant in (RUNS, DEFAULT) and task.unsupported_reason() is None for task in asked]
+    assert sum(runnable[:looked_up]) <= 2 * len(CATALOGUE), "one each of them and of a scenario, or none"
+    assert sum(runnable[looked_up:]) > 10 * len(CATALOGUE), "judging every case looks up many more"
 
 
 def test_cells_show_the_worst_outcome_with_its_number_and_tell_all(report: Report) -> None:
