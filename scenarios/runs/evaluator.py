@@ -49,8 +49,9 @@ class Evaluator(Closing):
     def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
         """Give the result of every task, in order; that of a repeated task comes from memory, blocked or not."""
         new = self.new_tasks(tasks)
-        self.progress.expect(new)
-        self.complete(new, self._results.__setitem__)
+        if new:
+            self.progress.expect(new)
+            self.complete(new, self._results.__setitem__)
         return [self._results[task] for task in tasks]
 
     def complete(self, tasks: Iterable[Task], ended: Ended = lambda _task, _result: None) -> None:
@@ -67,15 +68,23 @@ class Evaluator(Closing):
 
     def _missing(self, tasks: Iterable[Task], ended: Ended) -> Iterator[Task]:
         """Give what has to be run; what is stored, and what can have no result, has ended."""
+        recalled: list[Task] = []
         tasks, looked_up = itertools.tee(tasks)
         for task, stored in zip(tasks, self._store.results(looked_up), strict=True):
-            reason = self._skip_reason(task)
-            known = self._recalled(stored) if reason is None else Result.blocked(reason)
+            known = stored
+            if stored is None or stored.status is ResultStatus.BLOCKED:
+                reason = self._skip_reason(task)
+                known = self._recalled(stored) if reason is None else Result.blocked(reason)
+            if recalled and (known is None or task.variant != recalled[0].variant):
+                self.progress.recall(recalled)
+                recalled = []
             if known is None:
                 yield task
             else:
-                self.progress.recall([task])
+                recalled.append(task)
                 ended(task, known)
+        if recalled:
+            self.progress.recall(recalled)
 
     def know(self, results: Iterable[tuple[Task, Result]]) -> None:
         """Take results that something else than the store has; what was blocked is tried again."""
@@ -83,7 +92,7 @@ class Evaluator(Closing):
 
     def new_tasks(self, tasks: Sequence[Task]) -> list[Task]:
         """Give the tasks that this evaluator has not evaluated so far, each once."""
-        return [task for task in dict.fromkeys(tasks) if task not in self._results]
+        return list(dict.fromkeys(task for task in tasks if task not in self._results))
 
     def stage(self, name: str) -> None:
         """Name what is evaluated next."""

@@ -116,6 +116,14 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     assert counted == [kept, unknown, absent]
 
 
+def test_only_what_is_not_stored_is_asked_whether_its_engine_can_represent_it(store, monkeypatch) -> None:
+    store.keep([(steady(), certified())])
+    monkeypatch.setattr(SteadyStateTask, "unsupported_reason", lambda _: "too heavy")
+    stored, refused = Evaluator(store, InProcessExecutor()).evaluate([steady(), steady(0.5)])
+    assert stored == certified()
+    assert refused.reason == "cannot be represented: too heavy"
+
+
 def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monkeypatch) -> None:
     """Ten thousand tasks or ten: as many as `LOOKUP` are in memory, and no result."""
     monkeypatch.setattr(store_file, "LOOKUP", 3)
