@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cache
 from typing import Annotated, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
@@ -57,7 +58,7 @@ _Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is No
 """NaN is written as null."""
 _Count = Annotated[int, Field(ge=0, le=2**53)]
 """Whole numbers that a float holds."""
-_Mode = Annotated[str, AfterValidator(lambda text: str(Mode(text)))]
+_Mode = Annotated[str, AfterValidator(cache(lambda text: str(Mode(text))))]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +111,8 @@ class Result:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "status", ResultStatus(self.status))
-        object.__setattr__(self, "reason", visible(self.reason))  # a text of an engine, or of somebody's store
+        if self.reason:  # a text of an engine, or of somebody's store
+            object.__setattr__(self, "reason", visible(self.reason))
 
     @property
     def converged(self) -> bool:

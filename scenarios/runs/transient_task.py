@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -175,6 +176,7 @@ class Block:
         """Largest friction μ λ_N [N]."""
         return FRICTION_COEFFICIENT * self.normal_force
 
+    @lru_cache(maxsize=1000)  # noqa: B019 - a block is a few numbers, of which a scenario has some dozens
     def chain(self) -> Chain:
         """Build the chain of one cell."""
         carrier = CARRIER_MASSES * self.mass

@@ -12,7 +12,7 @@ The transmittance is a complex number: its level and its phase are judged alike,
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 from engines.interface.variant import Variant
@@ -113,7 +113,7 @@ class Point:
         """Case and frequency ratio, as tables print them."""
         return f"{self.case}, η_r = {self.frequency_ratio:.6g}"
 
-    @property
+    @cached_property
     def expected(self) -> Result:
         """The result of its baseline."""
         return self.reference if baseline(self.variant, self.given) == REFERENCE else self.converged
@@ -123,12 +123,12 @@ class Point:
         """Whether the result is certified, or repeats well enough to be compared all the same."""
         return _is_known(self.result, self.reference)
 
-    @property
+    @cached_property
     def left_open(self) -> float:
         """What the result leaves open of its amplitude, over the displacement scale."""
         return resolution(self.variant, self.result, self.result.transmittance_db, amplification(self.reference))
 
-    @property
+    @cached_property
     def finding(self) -> Finding:
         """The worst finding, which decides: by its verdict, then by its difference over what is allowed."""
         return max(self.findings, key=lambda own: (_SEVERITY.index(own.comparison.verdict), own.excess))
@@ -195,10 +195,11 @@ def evaluated(
     tasks = {place: _further_tasks(sweep, place, first, modelled) for place in first}
     results = iter(evaluator.evaluate([task for own in tasks.values() for task in own]))
     known = {place: (first[place], tuple(next(results) for _ in own)) for place, own in tasks.items()}
+    unknown: tuple[Result, tuple[Result, ...]] = (Result.missing(), ())
     points = []
     for (variant, case, eta), (result, own) in known.items():
-        reference, refined = known.get((REFERENCE, case, eta), (Result.missing(), ()))
-        converged, _ = known.get((CONVERGED, case, eta), (Result.missing(), ()))
+        reference, refined = known.get((REFERENCE, case, eta), unknown)
+        converged, _ = known.get((CONVERGED, case, eta), unknown)
         effect = _effect(sweep.task(REFERENCE, case, eta), converged.transmittance_db, converged.phase)
         points.append(
             Point(

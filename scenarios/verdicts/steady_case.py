@@ -70,12 +70,16 @@ class SteadyCase:
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
-        return self.task(REFERENCE).setting()
+        return self._fewest.setting()
 
     def task(self, variant: Variant, refinement: int = COARSE) -> SteadyStateTask:
         """Give the task of a variant, with `refinement` times the fewest steps that the case allows."""
-        fewest = SteadyStateTask(
-            variant=variant,
+        return replace(self._fewest, variant=variant, steps_per_period=self._fewest.steps_per_period * refinement)
+
+    @cached_property
+    def _fewest(self) -> SteadyStateTask:
+        task = SteadyStateTask(
+            variant=REFERENCE,
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
             ratios=self.ratios,
@@ -83,8 +87,7 @@ class SteadyCase:
             modulation=self.modulation,
             steps_per_period=self.steps,
         )
-        steps = steps_per_period_for(*fewest.setting(), fewest.steps_per_period)
-        return replace(fewest, steps_per_period=steps * refinement)
+        return replace(task, steps_per_period=steps_per_period_for(*task.setting(), self.steps))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,7 +148,7 @@ class Evidence:
         """Whether the variant's steady states are certified; also where it was not simulated."""
         return certified([self.coarse, self.fine])
 
-    @property
+    @cached_property
     def missing(self) -> Comparison | None:
         """Give the reason why nothing can be compared; ``None`` where every steady state is known."""
         if self.skip_reason is not None:
