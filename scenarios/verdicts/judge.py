@@ -113,9 +113,10 @@ class Steps:
         if len(self.values) == 1 and self.limit is None:
             return 0.0
         steps = sorted(self.values)
-        scaled = np.array([_scaled(metric, self.values[count]) for count in steps])
-        if self.limit is None and scaled.ndim == 1:
-            return richardson_error(tuple(steps), tuple(scaled.tolist()), self.at)
+        values = [_scaled(metric, self.values[count]) for count in steps]
+        if self.limit is None and not isinstance(values[0], np.ndarray):
+            return richardson_error(tuple(steps), tuple(map(float, values)), self.at)
+        scaled = np.array(values)
         if self.limit is None:
             return float(np.max(richardson(steps, scaled, self.at).error))
         judged = steps[-1] if self.at is None else self.at
@@ -180,8 +181,8 @@ def _size(metric: Metric, expected: Number) -> float:
 
 def metric_difference(metric: Metric, value: Number, expected: Number) -> float:
     """Difference on the scale of the metric; of arrays, the largest in size."""
-    difference = np.subtract(_scaled(metric, value), _scaled(metric, expected))
-    return float(difference) if difference.ndim == 0 else float(np.max(np.abs(difference)))
+    difference = _scaled(metric, value) - _scaled(metric, expected)
+    return float(np.max(np.abs(difference))) if isinstance(difference, np.ndarray) else float(difference)
 
 
 def certified(results: Iterable[Result]) -> bool:
