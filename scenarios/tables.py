@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Generic, TypeVar
 
 import pandas as pd
@@ -50,7 +51,7 @@ def text_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> pd.DataFr
 def csv_text(table: pd.DataFrame, missing: str = "nan") -> str:
     """Give a table as CSV, with a word for missing values; texts are those of `csv_cell`, numbers are as they are."""
     texts = {
-        str(name): pd.Series([csv_cell(value) for value in column], index=table.index, dtype=object)
+        str(name): pd.Series([csv_cell(value) for value in column.tolist()], index=table.index, dtype=object)
         for name, column in table.items()
         if column.dtype.kind == "O"
     }
@@ -59,15 +60,19 @@ def csv_text(table: pd.DataFrame, missing: str = "nan") -> str:
 
 def csv_cell(value: Any) -> Any:
     """Give a value as CSV has it: a text in one line, with ' in front where a spreadsheet would compute it."""
-    if not isinstance(value, str):
-        return value
-    text = visible(value)
+    return _csv_text(value) if isinstance(value, str) else value
+
+
+@lru_cache(maxsize=1000)
+def _csv_text(value: str) -> str:
+    text = visible(value)  # a column has few words, each in thousands of rows
     return f"'{text}" if text.startswith(FORMULAS) else text
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     """Give the rows of a table by the names of its columns, for `json_text`."""
-    return [dict(zip(table.columns, values, strict=True)) for values in table.itertuples(index=False, name=None)]
+    columns = (column.tolist() for _, column in table.items())
+    return [dict(zip(table.columns, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
 def json_text(content: object, indent: int | None = None) -> str:

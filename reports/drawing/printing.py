@@ -6,7 +6,7 @@ import multiprocessing
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
-from dataclasses import asdict
+from dataclasses import is_dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -26,8 +26,12 @@ DRAWN_BY = ("matplotlib_backend.py", "style.py")
 
 def described(figure: Figure) -> str:
     """Give the digest of a figure's description and of what draws it."""
-    content = json.dumps(asdict(figure), default=lambda values: np.asarray(values).tolist())
-    return _digest(_backend() + content.encode())
+    return _digest(_backend() + json.dumps(figure, default=_plain).encode())
+
+
+def _plain(value: object) -> object:
+    """Give a part of a figure, or an array, as JSON has it."""
+    return vars(value) if is_dataclass(value) else np.asarray(value).tolist()
 
 
 @cache
