@@ -9,11 +9,11 @@ from pathlib import Path
 from engines.interface.presets import Formulation
 from engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
 from engines.shared.law_distance import stepped_by, unclaimed_reason
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reports.data.collect import QUICK, Scope
 from reports.data.options import TITLES
 from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.task import SteadyStateTask
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
@@ -127,15 +127,13 @@ def _siblings(planned: Sweep) -> tuple[Variant, ...]:
 
 def _predicted(planned: Sweep) -> tuple[Variant, ...]:
     """Give the variants but for those of engines that no law predicts at every point."""
-    unpredicted = {
-        task.variant for task in planned.tasks() if task.variant.engine != REFERENCE.engine and not _law_holds(task)
-    }
-    return tuple(variant for variant in planned.variants if variant not in unpredicted)
+    lanes = [task.lane()[0] for task in replace(planned, variants=(REFERENCE,)).tasks()]
+    return tuple(own for own in planned.variants if own.engine == REFERENCE.engine or _law_holds(own, lanes))
 
 
-def _law_holds(task: SteadyStateTask) -> bool:
-    law = stepped_by(task.variant)
-    return law is not None and unclaimed_reason(law, task.lane()[0]) is None
+def _law_holds(variant: Variant, lanes: Sequence[Lane]) -> bool:
+    law = stepped_by(variant)
+    return law is not None and all(unclaimed_reason(law, lane) is None for lane in lanes)
 
 
 def _figure3(variants: list[Variant], quick: bool) -> Sweep:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, checked_output_folder
-from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
+from reports.data.collect import Scope, collect, collect_dataset
 from reports.data.report import Report
 from reports.drawing.printing import DrawnFigures
 from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
@@ -88,7 +88,7 @@ def write_sweep_report(
             check_loses_nothing(folder, shown)
             return _written(shown, folder)
         save_sweep(stored, sweep)
-        bars = stack.enter_context(ProgressBars(sweep.variants, expected_tasks(sweep, chosen)))
+        bars = stack.enter_context(ProgressBars(sweep.variants))
         evaluator = stack.enter_context(Evaluator(stored, executor, bars, retry_blocked=retry_blocked))
         report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)

@@ -127,6 +127,7 @@ def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
 
 def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work: Work, *, run: bool) -> Written:
     """Write the report of a dataset, of which nothing is run, or of a sweep."""
+    gc.set_threshold(*RARE_COLLECTIONS)
     from reports.plan import PROGRAM, planned_report
     from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
     from scenarios.runs.store import existing_store
@@ -138,7 +139,6 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
         command = shlex.join([*PROGRAM, "--data", str(shown.data)])
         return write_dataset_report(read_dataset(shown.data), out, command, shown.data)
-    gc.set_threshold(*RARE_COLLECTIONS)
     kept = store or out / STORE
     planned = planned_report(names, shown.sweep, quick=shown.quick, stored_in=None if run else kept)
     executor = work.executor()
