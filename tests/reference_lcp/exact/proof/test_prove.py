@@ -138,13 +138,6 @@ def test_random_chains_are_proven(seed) -> None:
     assert difference(proof, state.transmittance_db) < FLOATING_POINT_DB / min(1, float(proof.transmittance.value))
 
 
-@pytest.mark.slow
-def test_thirty_cells_are_proven() -> None:
-    exact = ExactChain.from_ratios(friction_ratio="0.3", frequency_ratio="0.9", cells=30)
-    proof = prove(exact, time_limit=3600)  # it takes a minute or two where nothing else runs
-    assert difference(proof, solved("0.3", "0.9", cells=30).transmittance_db) < FLOATING_POINT_DB
-
-
 def test_force_on_the_first_mass_is_proven() -> None:
     chain = Chain.from_ratios(friction_ratio=0.3)
     drive = HarmonicForce(10.0, 0.7 * chain.resonator_frequency)
