@@ -18,6 +18,7 @@ from tests.reports.reproducers.test_reproducers import (
     HostileMissing,
     WithoutEngines,
     printed_by,
+    printed_one_by_one,
     statements,
 )
 from tests.scenarios.in_process import evaluator
@@ -33,14 +34,18 @@ WRITTEN = [
 ]
 
 
-def check_number(name: str, scenario: str, folder, changed=("", "")) -> None:
+def own_number(name: str, scenario: str) -> tuple[str, float]:
+    """Give a script, and the suite's number."""
     reason = registered_engine(name.partition(":")[0]).unavailable_reason()
     if reason is not None:
         pytest.skip(reason)
     shown = checked_scene(name, scenario)
     with opened_store(None) as store, evaluator(store) as running:
-        text = scene_script(shown, running)
-        _, value = shown.number(running.evaluate([shown.task])[0])
+        return scene_script(shown, running), shown.number(running.evaluate([shown.task])[0])[1]
+
+
+def check_number(name: str, scenario: str, folder, changed=("", "")) -> None:
+    text, value = own_number(name, scenario)
     assert changed[0] in text
     printed = printed_by(text.replace(*changed), folder, Variant.parse(name))
     assert printed == pytest.approx(value, rel=DIGITS, abs=0)
@@ -53,9 +58,13 @@ def test_script_alone_prints_the_creep_that_the_suite_has(name, preset, tmp_path
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "scenario"), WRITTEN)
-def test_script_alone_prints_the_number_that_the_suite_has(name, scenario, tmp_path) -> None:
-    check_number(name, scenario, tmp_path)
+@pytest.mark.parametrize("formulation", dict.fromkeys(name.rpartition(":")[0] for name, _ in WRITTEN))
+def test_scripts_alone_print_the_numbers_that_the_suite_has(formulation, tmp_path) -> None:
+    """Those of all presets and scenes, one after the other."""
+    own = {place: own_number(*place) for place in WRITTEN if place[0].startswith(f"{formulation}:")}
+    variant = Variant.parse(next(iter(own))[0])
+    printed = printed_one_by_one([text for text, _ in own.values()], tmp_path, variant)
+    assert printed == pytest.approx([value for _, value in own.values()], rel=DIGITS, abs=0)
 
 
 def test_script_with_a_hundredth_less_friction_prints_another_distance(tmp_path) -> None:
