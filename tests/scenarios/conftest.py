@@ -7,7 +7,11 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.runs.executor import run_batch
+from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
+
+ANSWERS: dict[SteadyStateTask, Result] = {}
+"""What was really asked so far in this process: many tests ask the reference for the same."""
 
 WRONG = Variant("mujoco")
 """Whose answers are falsified: any variant that shares the scheme, for the reference answers in its place."""
@@ -18,14 +22,14 @@ class InProcess:
 
     def __init__(self, falsified):
         self.falsified = falsified
-        self.known = {}
 
     def evaluate(self, tasks):
-        missing = [task for task in dict.fromkeys(tasks) if task not in self.known]
+        asked = [self.really(task) for task in tasks]
+        missing = [task for task in dict.fromkeys(asked) if task not in ANSWERS]
         for _, group in itertools.groupby(missing, key=lambda q: (q.variant, q.ratios.cells)):
-            asked = list(group)
-            self.known.update(zip(asked, run_batch([self.really(task) for task in asked]), strict=True))
-        return [self.known[task] for task in tasks]
+            batch = list(group)
+            ANSWERS.update(zip(batch, run_batch(batch), strict=True))
+        return [ANSWERS[task] for task in asked]
 
     def really(self, task: SteadyStateTask) -> SteadyStateTask:
         if task.variant != WRONG:

@@ -189,9 +189,9 @@ def test_a_catalogue_that_asks_for_directions_adds_the_worst_of_them(monkeypatch
 def test_card_of_an_engine_that_rubs_too_hard_says_by_how_much(factor, monkeypatch) -> None:
     """MuJoCo is replaced by the reference, with a bound that is too large by the factor."""
     rub_harder(monkeypatch, factor)
+    monkeypatch.setattr(cards, "card_variants", lambda name: [Variant(name)])
     with opened_store(None) as store, evaluator(store) as running:
-        shown = card("mujoco", running)
-    tuned = next(own for own in shown.variants if str(own.variant) == "mujoco")
+        (tuned,) = card("mujoco", running).variants
     rows = {(row.name, row.case): row for row in tuned.rows}
     assert rows["creep", "1 kg, load 0.99"].value == 0
     assert rows["stopping distance", "1 kg, 4.9 m/s"].value == pytest.approx(1 / factor, abs=1e-3)

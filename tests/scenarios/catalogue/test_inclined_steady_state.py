@@ -1,22 +1,26 @@
 """Steady states of a chain with inclined contacts: engines that take part, and those that are wrong."""
 
+import dataclasses
+
 import pytest
 
 from engines.interface.variant import Variant
 from scenarios.catalogue.steady import inclined_steady_state
 from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
+from scenarios.runs.parameters import ChainRatios
 from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.installed import each_variant
 from tests.scenarios.in_process import deviating, findings, incline_otherwise
 
-SCENARIO, SLIDING = InclinedSteadyState(), InclinedSteadyState.cases[0]
+SCENARIO = InclinedSteadyState()
+SLIDING = dataclasses.replace(InclinedSteadyState.cases[0], ratios=ChainRatios(cells=2))
 MUJOCO, ODE = Variant("mujoco", "contact"), Variant("ode", "contact")
 
 
 @pytest.fixture(autouse=True)
 def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The case that slides, beside a baseline that is cheaper."""
+    """The case that slides, of two cells, beside a baseline that is cheaper."""
     monkeypatch.setattr(InclinedSteadyState, "cases", (SLIDING,))
     monkeypatch.setattr(inclined_steady_state, "BASELINE", (1, 2, 4))
 
@@ -32,7 +36,7 @@ def test_engines_that_solve_normal_and_tangential_direction_together_agree(varia
 def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
     judged = findings(SCENARIO, ODE)
     (transmittance,) = (finding for finding in deviating(judged) if finding.metric is TRANSMITTANCE)
-    assert -0.3 < transmittance.comparison.difference < -0.1
+    assert -0.1 < transmittance.comparison.difference < -0.05
 
 
 @pytest.mark.slow
