@@ -49,8 +49,7 @@ def cluster(*options: str, environment=None) -> Iterator[tuple[str, dict[str, su
     quiet = ("--nthreads", "1", "--no-dashboard")
     with running("distributed.cli.dask_scheduler", "--port", "0", quiet[2], says=r"tcp://\S+:\d+") as scheduler:
         command = ("distributed.cli.dask_worker", scheduler[1], *quiet, *options)
-        with running(*command, environment=environment, says="Registered to|Starting") as worker:
-            time.sleep(5)
+        with running(*command, environment=environment, says="Registered to") as worker:
             yield scheduler[1], {"scheduler": scheduler[0], "worker": worker[0]}
 
 
