@@ -9,7 +9,7 @@ from engines.contract.lanes import lane_of, modulated_lane, random_lanes, scaled
 from engines.interface.presets import NormalForce
 from engines.interface.registry import default_engine_names, engine, engine_names, law_of, registered_names
 from engines.interface.tolerances import STEPS
-from engines.interface.variant import variants_named
+from engines.interface.variant import Variant, variants_named
 from engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import Trajectory
@@ -45,14 +45,9 @@ def batches(mutant: Mutant) -> list[list[Lane]]:
     return [usual_lanes(mutant), *([lane] for lane in (*(point.lane for point in DESIGN), *able))]
 
 
-def two_runs(mutant: Mutant, size: float) -> list[tuple[Trajectory, Trajectory]]:
-    """Runs of every lane, of the original and of the mutant."""
-    original, wrong = Original(law_of(claimed_preset(mutant))), mutant.variant(size)
-    return [
-        pair
-        for lanes in batches(mutant)
-        for pair in zip(split(original.build(lanes), lanes), split(wrong.build(lanes), lanes), strict=True)
-    ]
+def runs(mutant: Mutant, moving: Original | Variant) -> list[Trajectory]:
+    """Runs of every lane that a mutant is looked at in."""
+    return [run for lanes in batches(mutant) for run in split(moving.build(lanes), lanes)]
 
 
 def split(simulation, lanes) -> list[Trajectory]:
@@ -67,9 +62,8 @@ def split(simulation, lanes) -> list[Trajectory]:
     return [*(one.joined(other) for one, other in zip(first, second, strict=True)), *late]
 
 
-def distance(pair: tuple[Trajectory, Trajectory]) -> float:
+def distance(own: Trajectory, other: Trajectory) -> float:
     """Largest difference of anything that is recorded, over the largest number of its kind."""
-    own, other = pair
     parted = own.normal_gap is not None and other.normal_gap is not None and np.any(own.normal_gap)
     gaps = ("normal_gap",) if parted else ()
     names = ("positions", "velocities", "friction", "normal_force", *gaps)
@@ -81,14 +75,11 @@ def distance(pair: tuple[Trajectory, Trajectory]) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mutant", MUTANTS.values(), ids=lambda mutant: mutant.name)
-def test_mutant_without_its_error_moves_as_its_original(mutant: Mutant) -> None:
-    assert max(map(distance, two_runs(mutant, 0.0))) <= ROUND_OFF
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mutant", MUTANTS.values(), ids=lambda mutant: mutant.name)
-def test_mutant_with_its_error_does_not(mutant: Mutant) -> None:
-    assert max(map(distance, two_runs(mutant, min(1.0, mutant.sizes[0])))) > 10 * ROUND_OFF
+def test_mutant_moves_as_its_original_without_its_error_and_with_it_does_not(mutant: Mutant) -> None:
+    original = runs(mutant, Original(law_of(claimed_preset(mutant))))
+    sound, wrong = (runs(mutant, mutant.variant(size)) for size in (0.0, min(1.0, mutant.sizes[0])))
+    assert max(map(distance, original, sound)) <= ROUND_OFF
+    assert max(map(distance, original, wrong)) > 10 * ROUND_OFF
 
 
 def test_mutants_are_engines_that_nobody_lists() -> None:
