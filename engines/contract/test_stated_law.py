@@ -56,9 +56,9 @@ def test_momentum_changes_as_in_the_law(modelled: Variant) -> None:
     assert np.max(np.abs(own - of_law)) < MOMENTUM_TOLERANCE, "the forces do not explain the motion"
 
 
-def test_steady_states_at_six_points_are_those_of_the_law(modelled: Variant) -> None:
+def test_steady_states_at_three_points_are_those_of_the_law(modelled: Variant) -> None:
     """Wherever the law has one, the engine's search from it stays there."""
-    lanes = _claimed(modelled, [lane_of(*place) for place in STICK_SLIP_POINTS])
+    lanes = _claimed(modelled, [lane_of(*place) for place in STICK_SLIP_POINTS[::2]])
     law = law_of(modelled.preset)
     assert law is not None
     expected = orbits_from_euler(law.build(lanes), STEPS, tolerance=ORBIT_RESIDUAL, longest_multiple=1)
