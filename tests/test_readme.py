@@ -90,7 +90,9 @@ def test_every_command_is_one_of_the_suite() -> None:
 
 @pytest.mark.slow
 def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """In one folder, as a reader would type them."""
+    """In one folder, as a reader would type them; reports have two points, since `.ci/run` writes one with all."""
+    monkeypatch.setattr("reports.plan.QUICK_FRICTION_RATIOS", (0.3,))
+    monkeypatch.setattr("reports.plan.quick_frequency_ratios", lambda _: (0.6, 0.9))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path / "environments"))
     for line in SUITE:
