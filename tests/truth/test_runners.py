@@ -67,7 +67,7 @@ def test_ten_percent_more_friction_fail_wherever_something_slides(language, tmp_
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_no_number_is_no_motion(language, tmp_path):
     place = {"python": "x += h * v", "c++": "x[i] += h * v[i]", "rust": "x[i] += h * v[i]"}[language]
-    run = judged(language, tmp_path, FILES, (place, place.replace("h *", "(h - h) / (h - h) *")))
+    run = judged(language, tmp_path, FILES[:3], (place, place.replace("h *", "(h - h) / (h - h) *")))
     assert run.returncode == 1
     assert "ok" not in run.stdout
 
@@ -79,9 +79,9 @@ def test_creep_of_a_micrometre_a_second_fails(language, tmp_path):
         "c++": ("held ? wanted :", "held ? wanted + 1e-6 / (w[c1[i]] + w[c2[i]]) :"),
         "rust": ("if held { wanted }", "if held { wanted + 1e-6 / (w[a] + w[b]) }"),
     }[language]
-    run = judged(language, tmp_path, FILES, change)
+    run = judged(language, tmp_path, [FOLDER / "problems" / "block-held.json"], change)
     assert run.returncode == 1
-    assert any(line.startswith("FAILED") and "block-held" in line for line in run.stdout.splitlines())
+    assert run.stdout.startswith("FAILED")
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

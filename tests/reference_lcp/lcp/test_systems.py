@@ -174,7 +174,7 @@ def test_block_lifts_off_and_lands_when_the_closed_form_says() -> None:
     off = math.asin(1 / ratio) / omega
     leaving, speed = amplitude / ratio, amplitude * omega * math.cos(omega * off)
     errors = []
-    for steps in (500, 1000, 2000, 4000, 8000):
+    for steps in (500, 1000, 2000):
         dt = 2 * math.pi / omega / steps
         motion = moved(block_on_a_table(amplitude, omega), dt, int(0.95 * steps), velocity=[amplitude * omega])
         flying = motion.normal_force[:, 0] == 0
@@ -187,7 +187,7 @@ def test_block_lifts_off_and_lands_when_the_closed_form_says() -> None:
         inside = (flight > 0) & (motion.time < landing - 5 * dt)
         errors.append(np.max(np.abs(motion.positions[inside, 0] - parabola[inside])) / amplitude)
     assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
-    assert errors[-1] < 1e-5
+    assert errors[-1] < 1.6e-4
 
 
 def block_on_a_belt(mu, belt, belt_rate):
@@ -249,11 +249,11 @@ def test_bead_pushed_by_a_rotating_arm_slides_out_as_the_closed_form_says(mu) ->
     first, second = np.linalg.solve([[1, 1], roots], [radius, 0.0])
     exact = first * math.exp(roots[0] * end) + second * math.exp(roots[1] * end)
     errors = []
-    for steps in (250, 500, 1000, 2000, 4000):
+    for steps in (250, 500, 1000):
         motion = moved(System(2, 1, step), end / steps, steps, [radius, 0.0], [0.0, omega * radius])
         errors.append(abs(np.linalg.norm(motion.positions[-1]) / exact - 1))
     assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
-    assert errors[-1] < 1e-6
+    assert errors[-1] < 1.6e-5
     rate = first * roots[0] * math.exp(roots[0] * end) + second * roots[1] * math.exp(roots[1] * end)
     assert motion.normal_force[-1, 0] == pytest.approx(2 * 0.7 * omega * rate, rel=1e-2)
 
@@ -278,13 +278,13 @@ def test_bead_in_a_rough_ring_slows_as_one_over_time() -> None:
     """Its centripetal force is the normal force: v̇ = −μ v²/R, so v = v0 / (1 + μ v0 t / R)."""
     mu, radius, speed, end = 0.4, 0.5, 2.0, 1.0
     errors = []
-    for steps in (250, 500, 1000, 2000, 4000):
+    for steps in (250, 500, 1000):
         motion = moved(bead_inside_a_rough_ring(mu, radius), end / steps, steps, [radius, 0.0], [0.0, speed])
         exact = speed / (1 + mu * speed * motion.time / radius)
         errors.append(np.max(np.abs(motion.relative_velocity[:, 0] - exact)) / speed)
         assert np.max(np.abs(np.hypot(*motion.positions.T) - radius)) < radius * (speed * end / steps / radius) ** 2
     assert fitted_order(errors) == pytest.approx(1.0, abs=0.1)
-    assert errors[-1] < 1e-3
+    assert errors[-1] < 4e-3
 
 
 def test_turning_ring_catches_the_bead_at_the_speed_of_its_rim() -> None:
