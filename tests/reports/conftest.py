@@ -3,6 +3,8 @@
 import dataclasses
 import json
 import math
+import os
+import pickle
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +13,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 import reports
 from engines.interface.variant import Variant
@@ -209,5 +212,12 @@ def report(result: ComparedSweep) -> Report:
 
 
 @pytest.fixture(scope="session")
-def files(report: Report) -> dict[str, bytes]:
-    return files_of(report)
+def files(report: Report, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Every file of the report, written once in all processes of a run of the tests."""
+    run = tmp_path_factory.getbasetemp()
+    kept = (run.parent if os.environ.get("PYTEST_XDIST_WORKER") else run) / "report.pickle"
+    with FileLock(f"{kept}.lock"):
+        if not kept.exists():
+            kept.write_bytes(pickle.dumps(files_of(report)))
+        contents: dict[str, bytes] = pickle.loads(kept.read_bytes())
+    return contents
