@@ -32,7 +32,7 @@ from reference_lcp.steady.neighbours import orbits_from_euler
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 
-UNINFORMED_POINTS = 2
+UNINFORMED_POINTS = 1
 """Points at which an engine is searched from harmonic balance; at the others its search begins in the orbit of its law,
 or of the reference, which saves tens of periods. Either way it is the residual of the engine's own period that ends it.
 """
