@@ -46,9 +46,14 @@ def deviating(result: ComparedSweep, variant: Variant = LAWFUL) -> list[Finding]
     return [finding for finding in own if finding.comparison.verdict is Verdict.DISAGREE]
 
 
+@pytest.fixture(scope="module")
+def result() -> ComparedSweep:
+    """Of a sound engine."""
+    return compared(planned())
+
+
 @needs_mujoco
-def test_points_and_edges_that_deviate_are_as_the_law_predicts() -> None:
-    result = compared(planned())
+def test_points_and_edges_that_deviate_are_as_the_law_predicts(result) -> None:
     wrong = deviating(result)
     assert {finding.metric.name for finding in wrong} == {"transmittance", "phase", "band edge"}
     for finding in wrong:
@@ -91,8 +96,7 @@ def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open() -> None
 
 
 @needs_mujoco
-def test_predictions_are_in_the_dataset_and_come_back_out_of_it() -> None:
-    result = compared(planned())
+def test_predictions_are_in_the_dataset_and_come_back_out_of_it(result) -> None:
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     whole = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
     data = sweep_dataset(whole, result.points)
