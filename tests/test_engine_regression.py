@@ -116,6 +116,7 @@ def test_the_first_run_on_the_default_branch_has_no_baseline_and_passes(tmp_path
     assert shown(tmp_path).startswith("## Engine regression: no baseline yet\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("baseline", ["main", "kept.sqlite"])
 def test_a_store_is_a_baseline(tmp_path, baseline) -> None:
     kept = tmp_path / ("regression/main.sqlite" if baseline == "main" else baseline)

@@ -50,6 +50,7 @@ def test_report_of_the_store_has_the_edges_of_the_table(edges: pd.DataFrame, sto
     assert written["frequency_ratio"].tolist() == pytest.approx(edges["frequency_ratio"].tolist(), nan_ok=True)
 
 
+@pytest.mark.slow
 def test_report_of_a_dataset_says_how_to_get_its_edges(data: xr.Dataset, tmp_path: Path) -> None:
     text = report(data, tmp_path / "report").read_text()
     assert "<code>band_edges(data)</code>" in text

@@ -189,6 +189,7 @@ cells = 2
 """
 
 
+@pytest.mark.slow
 def test_adaptive_frequencies_are_those_of_all_curves_together(tmp_path: Path) -> None:
     file, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     file.write_text(ADAPTIVE)

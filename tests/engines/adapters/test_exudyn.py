@@ -57,6 +57,7 @@ def test_frictionless_chain_follows_the_harmonic_solution_at_second_order(engine
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
 
 
+@pytest.mark.slow
 @both_laws
 @pytest.mark.parametrize(("friction_ratio", "frequency_ratio", "exact"), [(0.3, 0.6, -0.147), (0.6, 1.3, -15.244)])
 def test_steady_state_transmittance_is_the_event_driven_one(

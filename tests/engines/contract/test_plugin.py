@@ -17,6 +17,7 @@ def test_installed_engine_is_listed(install) -> None:
     assert rows["tiny"]["missing"] is None
 
 
+@pytest.mark.slow
 def test_installed_engine_is_held_to_the_contract(install) -> None:
     command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --xval-engine tiny"
     printed = install("plugin").run(*command.split())

@@ -308,6 +308,7 @@ def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None
     assert float(converged["map_db"]) < 0.01 < float(tuned["map_db"])
 
 
+@pytest.mark.slow
 def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, capsys) -> None:
     """Its error falls with the step, and a simulated second takes twice the time with twice the steps."""
     outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]

@@ -70,6 +70,7 @@ def test_scheme_agrees(one_scale) -> None:
     assert not deviating(judged)
 
 
+@pytest.mark.slow
 def test_roundings_grow_with_the_way_of_the_carrier_and_count_against_the_jump(one_scale, monkeypatch) -> None:
     """By ε of the displacement scale each: over the jump they are ε times the way over the jump."""
     (plain,) = (each for each in findings(StaticAboveKinetic(), REFERENCE) if each.metric is JUMP)

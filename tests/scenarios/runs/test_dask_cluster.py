@@ -96,6 +96,7 @@ def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
         default_client()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem", [OSError, TimeoutError, asyncio.CancelledError])
 def test_leaving_a_lost_cluster_raises_nothing_that_hides_why_it_is_lost(scheduler, monkeypatch, problem) -> None:
     executor, closed = DaskExecutor(scheduler), []

@@ -67,6 +67,7 @@ def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference(
     assert beside.transmittance_db == pytest.approx(balanced.transmittance_db, abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.needs("exudyn-bristle")
 def test_where_the_law_of_bristles_has_no_steady_state_the_engine_is_given_some_periods_and_no_more() -> None:
     """A bristle sticks at the ends of substeps only: here the motion never repeats, in the law and in the engine."""
@@ -103,6 +104,7 @@ def test_an_engine_that_is_not_its_law_is_searched_where_that_does_not_settle(mo
     assert unsettled().periods > 1
 
 
+@pytest.mark.slow
 @pytest.mark.needs("mujoco")
 def test_an_option_that_does_not_matter_leaves_a_motion_unsettled_as_the_unchanged_law_says() -> None:
     """A dense Jacobian changes nothing; another cone does, and there the engine is searched."""
