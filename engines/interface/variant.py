@@ -76,6 +76,11 @@ class Variant:
         return self.recorded(":".join([self.engine, self.formulation, self.preset_name, setting]))
 
     @property
+    def unchanged(self) -> Self:
+        """Give it without changed options."""
+        return replace(self, preset_name=self.preset_name.split(":")[0])
+
+    @property
     def preset(self) -> Preset:
         """Give the preset itself."""
         return engine(self.engine).preset(self.formulation, self.preset_name)
@@ -90,7 +95,7 @@ class Variant:
         """Say where an option of its may be copied to: *general* where the recommended preset changes it too."""
         recommended = self._presets.get("recommended")
         changed = recommended is not None and option in recommended.changed_from(self._presets["default"])
-        return "general" if changed or self.preset_name.split(":")[0] in GENERAL else "this chain only"
+        return "general" if changed or self.unchanged.preset_name in GENERAL else "this chain only"
 
     @property
     def _presets(self) -> Mapping[str, Preset]:

@@ -173,7 +173,7 @@ def held_creeps(variants: Sequence[Variant], evaluator: Evaluator) -> dict[Varia
     scenario = StaticHold()
     (case,) = (case for case in scenario.cases if str(case) == "1 kg, load 0.99")
     singles = [variant for variant in variants if variant.preset_name.startswith("default:")]
-    shown = list(dict.fromkeys([*singles, *(replace(own, preset_name="default") for own in singles)]))
+    shown = list(dict.fromkeys([*singles, *(own.unchanged for own in singles)]))
     evaluator.evaluate([case.task(variant) for variant in shown])
     found = (finding for variant in shown for finding in scenario.case_findings(variant, case, evaluator))
     return {finding.variant: finding.value for finding in found if finding.metric is CREEP}

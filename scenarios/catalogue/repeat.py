@@ -47,7 +47,7 @@ class Repeat(Scenario):
 def _tasks(variant: Variant) -> Mapping[str, RepeatTask]:
     """Give the chain, and the box where the variant has scenes."""
     tasks = {"chain": RepeatTask(variant=variant)}
-    scenes = variant.preset_name.split(":")[0] in GENERAL and variant.formulation == Formulation.CONTACT
+    scenes = variant.unchanged.preset_name in GENERAL and variant.formulation == Formulation.CONTACT
     if scenes and not engine(variant.engine).scene_gap(Formulation.CONTACT):
         motion = launched(1.0).task(variant, COMMON_STEP)
         tasks["box that slides"] = RepeatTask(variant=variant, motion=motion)

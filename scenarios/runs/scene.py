@@ -79,7 +79,7 @@ class SceneTask(Task):
         variant, needed = self.variant, formulation_of(self.scene)
         if Formulation(variant.formulation) is not needed:
             return f"formulation = {variant.formulation}; allowed in this scene: {needed}"
-        if variant.preset_name.split(":")[0] not in GENERAL:
+        if variant.unchanged.preset_name not in GENERAL:
             return f"preset = {variant.preset_name} is for the chain; allowed in scenes: {', '.join(GENERAL)}"
         return engine(variant.engine).scene_gap(needed)
 

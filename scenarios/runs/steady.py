@@ -35,7 +35,7 @@ LAW_RESIDUAL = 0.1
 
 ENGINE_PERIODS = 100
 """Periods of a search from harmonic balance of an engine that no law describes: all steady states of the default report
-take fewer, and what never settles takes four times as many until all hope is gone."""
+take fewer, and what never settles takes up to three times as many until all hope is gone."""
 
 UNCHANGED_ORBITS = 64
 """Orbits of laws that are kept for variants that change an option of the same preset."""
@@ -53,14 +53,11 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     law does not claim.
     """
     law = _supposed_law(variant)
+    if law is not None and stepped_by(variant) is None:
+        return [_unchanged_orbit(variant.unchanged, lane, steps) for lane in lanes]
     found: list[PeriodicOrbit | None] = [None] * len(lanes)
     claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
     if law is None or not claimed:
-        return found
-    if stepped_by(variant) is None:
-        unchanged = replace(variant, preset_name=variant.preset_name.split(":")[0])
-        for number in claimed:
-            found[number] = _unchanged_orbit(unchanged, lanes[number], steps)
         return found
     model, tolerance = law.build([lanes[number] for number in claimed]), LAW_RESIDUAL * variant.capabilities.residual
     search = orbits_from_euler if isinstance(law, Law) else periodic_orbits

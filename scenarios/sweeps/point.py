@@ -177,8 +177,10 @@ def stands_in(sweep: Sweep, place: GridPoint, result: Result) -> bool:
     It may where it claims to predict them, and its steady state has just been shown to be the engine's: the engine's
     search begins there, and has ended after one plain period.
     """
+    if not result.converged or result.periods != 1 or place[0].law is None:
+        return False
     law, others = stepped_by(place[0]), other_tasks(sweep, place)
-    if place[0].law is None or law is None or not others or not result.converged or result.periods != 1:
+    if law is None or not others:
         return False
     return all(unclaimed_reason(law, task.lane()[0]) is None for task in (sweep.task(*place), *others))
 
