@@ -197,8 +197,12 @@ def _is_papers(sweep: Sweep) -> bool:
 
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
-    """Give what is known from the start to be evaluated; what may never settle comes before most of it."""
-    tasks = tasks_of(sweep, list(sweep.grid_points()))
+    """Give what is known from the start to be evaluated; what may never settle comes before most of it.
+
+    One exact motion is the first, whose solver is compiled beside the first engine's law.
+    """
+    exact = exact_tasks(sweep.task(EXACT, case, eta) for case in sweep.cases for eta in sweep.frequency_ratios)
+    tasks = [*exact[:1], *tasks_of(sweep, list(sweep.grid_points()))]
     if _is_papers(sweep):
         tasks += headline_tasks(headline_sweep(_shown(sweep, scope)[::-1], sweep.excitation)).values()
         tasks += claims_sweep(sweep, scope.claims).tasks() if scope.claims else ()
@@ -211,8 +215,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
         tasks += exact_step_tasks(sweep.excitation)
     if _is_canonical(sweep):
         tasks += scale_tasks(scope.scaled)
-    tasks += exact_tasks(sweep.task(EXACT, case, eta) for case in sweep.cases for eta in sweep.frequency_ratios)
-    return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
+    return list(dict.fromkeys([*tasks, *exact, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 
 def _recorded_tasks(sweep: Sweep, points: Sequence[OperatingPoint]) -> dict[tuple[CasePoint, Variant], SteadyStateTask]:
