@@ -85,7 +85,8 @@ def gain(law: Engine | Law, lane: Lane, steps: int, distance: float) -> float:
     rng, count = np.random.default_rng(0), 2 * lane.chain.cells
     push = distance * scale * rng.uniform(-1, 1, (2, DRAWS + 1, count)) * (np.arange(DRAWS + 1) > 0)[:, None]
     push[1] *= 2 * np.pi / (steps * lane.time_step)
-    state = model.advance(State.at_rest(DRAWS + 1, lane.chain.cells), 0, APPROACH_PERIODS * steps)
+    approached = model.subset([0]).advance(State.at_rest(1, lane.chain.cells), 0, APPROACH_PERIODS * steps)
+    state = State.stack([approached] * (DRAWS + 1))
     largest = 0.0
     for _ in range(ADDED_PERIODS):
         runs = model.run(state, 0, steps)
