@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from quantecon.optimize import lcp_lemke
 from scipy.optimize import linprog, nnls
 
 from reference_lcp.lcp.lemke import LemkeStatus, lemke
@@ -300,6 +299,8 @@ def test_warm_start_from_the_solution_or_from_anywhere_gives_a_solution_of_the_s
 @pytest.mark.parametrize("family", ["P", "PSD with a solution"])
 def test_problem_has_the_one_w_that_quantecon_finds(family, n) -> None:
     """Of a positive semidefinite symmetric matrix, too, all solutions share their w."""
+    from quantecon.optimize import lcp_lemke  # compiles for seconds when it is imported
+
     for seed in range(10):
         M, q = FAMILIES[family](np.random.default_rng([9, seed]), n)
         result, other = checked(M, q), lcp_lemke(M, q)
