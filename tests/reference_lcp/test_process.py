@@ -110,7 +110,7 @@ def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
     process = started("-c", CLOSING, ignored=True)
     process.send_signal(signal.SIGINT)
     with pytest.raises(subprocess.TimeoutExpired):
-        process.wait(2 * END_SECONDS)
+        process.wait(END_SECONDS)
     process.kill()
     process.communicate()
 

@@ -47,8 +47,8 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Waits that would take minutes take a second and a half; a message comes at once."""
-    monkeypatch.setattr(module, "WAITS", {code: (state, 1.5) for code, (state, _) in module.WAITS.items()})
+    """Waits that would take minutes take a third of a second; a message comes at once."""
+    monkeypatch.setattr(module, "WAITS", {code: (state, 0.3) for code, (state, _) in module.WAITS.items()})
     monkeypatch.setattr(module, "PATIENCE_SECONDS", 0.0)
     monkeypatch.setattr(module, "ATTEMPT_SECONDS", 0.05)
 
@@ -120,7 +120,7 @@ def test_a_disk_that_has_room_again_in_time_loses_nothing(file, monkeypatch, cap
 def test_a_disk_that_stays_full_keeps_what_is_stored(file, impatient, capsys) -> None:
     with full(file) as store, pytest.raises(RunError, match="database or disk is full; what it holds stays"):
         store.keep([(steady(0.9), result(0.9, values=10_000))])
-    assert "is on a full disk; waiting up to 1.5 s" in capsys.readouterr().err
+    assert "is on a full disk; waiting up to 0.3 s" in capsys.readouterr().err
     assert kept(file, [0.5, 0.9]) == [0.5]
 
 
