@@ -4,6 +4,7 @@ import math
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -107,7 +108,7 @@ def script(shown: Reproduction, evaluator: Evaluator) -> str:
     task = question.task(variant, shown.case)
     check_not_blocked(variant, shown.case, *evaluator.evaluate([task]))
     lane, reproducer = task.lane(), reproducer_of(variant)
-    templates = _environment(variant, reproducer)
+    templates = _environment(variant.engine, reproducer.template)
     number = question.number(variant, shown.case, evaluator)
     reading = templates.get_template(f"{question.scenario}.py.jinja")
     text = templates.get_template("engine").render(
@@ -129,12 +130,13 @@ def check_not_blocked(variant: Variant, case: str, result: Result) -> None:
         raise ParameterError(f"{variant} has no number of {case!r}: {result.reason}; allowed: a case that it can run")
 
 
-def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
+@cache
+def _environment(engine_name: str, template: str) -> Environment:
     """Templates of the engine, of what all scripts share, and of other engines by their folders.
 
     Names that are not there are refused.
     """
-    own = beside(_adapter(variant.engine), reproducer.template).read_text(encoding="utf-8")
+    own = beside(_adapter(engine_name), template).read_text(encoding="utf-8")
     shared = PackageLoader("reports.reproducers")
     frame = files("reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
     templates = environment(markup=False)
