@@ -4,6 +4,7 @@ Every session of pytest imports it where the suite is installed: the option has 
 projects have options too, and nothing of the suite is imported before it is used.
 """
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -54,11 +55,18 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """
     if metafunc.module.__package__ != "engines.contract":
         return
+    for argument, chosen in _cases(tuple(metafunc.config.getoption(OPTION))).items():
+        if argument in metafunc.fixturenames:
+            metafunc.parametrize(argument, chosen, ids=None if argument == "installed" else _label)
+
+
+@cache
+def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
+    """Give what each argument stands for, of these engines or, without any, of all that are installed."""
     from engines.interface.presets import NormalForce
     from engines.interface.registry import engine, engine_names, law_of
     from engines.interface.variant import variants_of
 
-    named: list[str] = metafunc.config.getoption(OPTION)
     names = named or [name for name in engine_names() if engine(name).unavailable_reason() is None]
     every = [variant for name in names for variant in variants_of(name, optional=True)]
     variants = [variant for variant in every if variant.unavailable_reason is None]
@@ -75,14 +83,11 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         "holding": [variant for variant in tuned if variant.preset.static_friction],
         "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],
     }
-    for argument, chosen in cases.items():
-        if argument in metafunc.fixturenames:
-            metafunc.parametrize(argument, [_later_if_optional(variant, named) for variant in chosen], ids=_label)
-    if "installed" in metafunc.fixturenames:
-        metafunc.parametrize("installed", names)
+    later = {argument: [_later_if_optional(variant, named) for variant in chosen] for argument, chosen in cases.items()}
+    return {**later, "installed": list(names)}
 
 
-def _later_if_optional(variant: "Variant", named: list[str]) -> Any:
+def _later_if_optional(variant: "Variant", named: tuple[str, ...]) -> Any:
     """Let presets that take part where they are named be slow, unless their engine is named."""
     return pytest.param(variant, marks=pytest.mark.slow) if variant.preset.optional and not named else variant
 
