@@ -1,6 +1,7 @@
 """A motion that any program wrote: judged beside the exact one, or refused with what is wrong."""
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,17 +11,24 @@ from reference_lcp.lcp.systems import simulate_system
 from truth import judged, problem_named, problems, read_motion
 
 
-def written(folder, problem, *, refined=1, scale=1.0, velocities=True, friction=1.0):
-    """Write the motion of the symplectic Euler scheme, `refined` times as many steps, in units of `scale`."""
+@cache
+def moved(name, refined, friction):
+    """Simulate a problem with the symplectic Euler scheme, in `refined` times as many steps."""
+    problem = problem_named(name)
     pressed = [force * friction for force in problem.contact_normal_force]
     step = problem.time_step / refined
-    motion = simulate_system(
+    return simulate_system(
         problem.model_copy(update={"contact_normal_force": pressed}).system,
         position=problem.start_position,
         velocity=problem.start_velocity,
         time_step=step,
         steps=round(problem.times[-1] / step),
     )
+
+
+def written(folder, problem, *, refined=1, scale=1.0, velocities=True, friction=1.0):
+    """Write the motion that `moved` gives, in units of `scale`."""
+    motion = moved(problem.name, refined, friction)
     bodies = range(len(problem.masses))
     names = ["time", *(f"x{body}" for body in bodies), *(f"v{body}" for body in bodies if velocities)]
     columns = [motion.time[:, None], scale * motion.positions, *([scale * motion.velocities] if velocities else [])]

@@ -78,9 +78,8 @@ def scheme_response(lane: Lane, basis, inclination: float) -> complex:
     return last_over_base(basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force))
 
 
-@pytest.mark.parametrize("frequency_ratio", [0.5, 0.7])
-def test_without_friction_the_steady_state_is_the_closed_form_of_the_linear_scheme(frequency_ratio) -> None:
-    free = orbit(50.0, frequency_ratio, 12, mu=0.0, tolerance=LINEAR_RESIDUAL)
+def test_without_friction_the_steady_state_is_the_closed_form_of_the_linear_scheme() -> None:
+    free = orbit(50.0, 0.7, 12, mu=0.0, tolerance=LINEAR_RESIDUAL)
     expected = scheme_response(free.lane, np.eye(2 * CELLS), INCLINATION)
     assert transmittance(free) == pytest.approx(expected, abs=LINEAR_ERROR)
     assert largest_gap(free).max() < 1e-12 * AMPLITUDE
