@@ -5,7 +5,7 @@ import json
 import math
 import os
 import pickle
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,9 +17,12 @@ from filelock import FileLock
 
 import reports
 from engines.interface.variant import Variant
+from reports import notebook
 from reports.data.report import Report
 from reports.data.variants import Errors
 from reports.export.files import files_of
+from scenarios import functions
+from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
@@ -119,6 +122,15 @@ def made_errors(sizes: Mapping[Variant, float], points: int) -> Errors:
         )
         for variant, error in sizes.items()
     }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def in_this_process() -> Iterator[None]:
+    """Let `sweep` and `band_edges` start no processes, which would take longer than their work."""
+    with pytest.MonkeyPatch.context() as patched:
+        for module in (functions, notebook):
+            patched.setattr(module, "executor_for", lambda *_: InProcessExecutor())
+        yield
 
 
 @pytest.fixture(scope="session")

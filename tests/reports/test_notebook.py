@@ -18,6 +18,9 @@ FRICTIONS = [0.15, 0.25]
 ETAS = (0.4, 1.5, 23)
 
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
+
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("edges") / "results.sqlite"

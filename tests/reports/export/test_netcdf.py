@@ -18,6 +18,9 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 MEANING = re.compile(r"[A-Za-z0-9_.+@-]+")
 
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
+
 @pytest.fixture(scope="module")
 def data(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     return sweep(
