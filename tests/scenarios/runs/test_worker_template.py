@@ -39,6 +39,13 @@ def run(executor: LocalExecutor, engine: str) -> Result:
     return executor.run_for_client([task], identity_of(task.variant), LIMIT)[0]
 
 
+lost = pytest.mark.parametrize(
+    "signalled",
+    [pytest.param(signal.SIGSTOP, id="stopped", marks=pytest.mark.slow), pytest.param(signal.SIGKILL, id="killed")],
+)
+"""How a process is lost; what is stopped is waited for."""
+
+
 @pytest.fixture(scope="module")
 def shared() -> Iterator[LocalExecutor]:
     """One worker at a time, for tests that only look at a worker without a task so far."""
@@ -81,7 +88,7 @@ def test_workers_import_the_suite_whatever_has_the_names_of_its_packages(
         assert run(executor, "reference").status == "converged"
 
 
-@pytest.mark.parametrize("signalled", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
+@lost
 def test_template_that_is_lost_is_replaced_and_its_workers_go_on(executor, signalled) -> None:
     template = template_of(executor)
     executor._template._requests.settimeout(0.5)
@@ -99,10 +106,7 @@ def supervisor_of(worker: LocalWorker) -> int:
     return next(int(line.split()[1]) for line in lines if line.startswith("Pid:"))
 
 
-@pytest.mark.parametrize(
-    "signalled",
-    [pytest.param(signal.SIGSTOP, id="stopped", marks=pytest.mark.slow), pytest.param(signal.SIGKILL, id="killed")],
-)
+@lost
 def test_batch_goes_to_another_worker_where_its_own_was_lost_between_batches(executor, signalled) -> None:
     """One that is stopped seems to live; the limit of a batch that it has not begun with does not hold for it."""
     (worker,) = executor._workers
