@@ -95,7 +95,7 @@ def test_floating_point_is_within_its_error_of_what_is_proven(friction_ratio, fr
     [
         ("one cell", {"cells": 1}, "damping"),
         ("two cells", {"cells": 2}, "damping"),
-        ("fifteen cells", {"cells": 15}, "damping"),
+        ("nine cells", {"cells": 9}, "damping"),
         ("no dashpots", {"damping_ratio": "0"}, "contraction"),
         ("no dashpots, all stuck", {"damping_ratio": "0", "frequency_ratio": "0.35"}, "not shown"),
         ("inner dashpots", {"mass_ratio": "0.5", "stiffness_ratio": "0.25", "inner_damping_ratio": "0.02"}, "damping"),
@@ -259,8 +259,8 @@ def test_time_that_does_not_suffice_proves_nothing() -> None:
 def test_search_in_floating_point_keeps_the_time_limit_too(ratios) -> None:
     """Without that it takes the first and the last chain more than half a minute."""
     exact, began = ExactChain.from_ratios(friction_ratio="0.3", frequency_ratio="0.6", **ratios), time.monotonic()
-    with pytest.raises(NotProven, match=r"the time limit of 0\.5 s is over"):
-        prove(exact, time_limit=0.5)
+    with pytest.raises(NotProven, match=r"the time limit of 0\.2 s is over"):
+        prove(exact, time_limit=0.2)
     assert time.monotonic() - began < 10
     with pytest.raises(NotProven, match=r"the time limit of 0 s is over"):
         candidate(exact, Deadline(0))
