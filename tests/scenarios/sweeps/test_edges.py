@@ -34,6 +34,14 @@ def compared(given: GivenTolerance | None = None) -> ComparedSweep:
         return compare_sweep(sweep, running)
 
 
+@pytest.fixture(scope="module")
+def sound() -> ComparedSweep:
+    """What comes out where the twin is the reference in everything."""
+    with pytest.MonkeyPatch.context() as patched:
+        misread_the_chain(patched)
+        return compared()
+
+
 def edges_of(result: ComparedSweep, variant: Variant = TWIN) -> list[BandEdge]:
     every = [result.edge(variant, case, edge) for case in result.cases for edge in Edge]
     edges = [edge for edge in every if edge.frequency_ratio is not None]
@@ -41,10 +49,8 @@ def edges_of(result: ComparedSweep, variant: Variant = TWIN) -> list[BandEdge]:
     return edges
 
 
-def test_an_engine_that_is_the_reference_has_its_edges_to_what_neither_resolves(monkeypatch) -> None:
-    misread_the_chain(monkeypatch)
-    result = compared()
-    for own, reference in zip(edges_of(result), edges_of(result, REFERENCE), strict=True):
+def test_an_engine_that_is_the_reference_has_its_edges_to_what_neither_resolves(sound) -> None:
+    for own, reference in zip(edges_of(sound), edges_of(sound, REFERENCE), strict=True):
         assert own.comparison.verdict is Verdict.AGREE
         assert own.frequency_ratio == pytest.approx(reference.frequency_ratio, abs=EDGE_RESOLUTION / 100)
         assert own.comparison.tolerance <= 2.1 * EDGE_RESOLUTION
@@ -74,9 +80,8 @@ def test_a_baseline_that_is_given_is_that_of_edges_too(monkeypatch) -> None:
     assert max(abs(edge.comparison.difference) for edge in edges_of(result)) < EDGE_RESOLUTION / 100
 
 
-def test_the_reference_itself_is_compared_with_the_converged_one_by_its_own_steps(monkeypatch) -> None:
-    misread_the_chain(monkeypatch)
-    for edge in edges_of(compared(), REFERENCE):
+def test_the_reference_itself_is_compared_with_the_converged_one_by_its_own_steps(sound) -> None:
+    for edge in edges_of(sound, REFERENCE):
         assert edge.comparison.verdict is Verdict.AGREE
         assert abs(edge.comparison.difference) > 2 * EDGE_RESOLUTION
 
