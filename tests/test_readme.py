@@ -5,7 +5,6 @@ import re
 import shlex
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,7 +14,6 @@ from engines import engine
 from engines.interface.variant import Variant
 from reference_lcp.process import run_command
 from reports.cli import console_script
-from reports.data.collect import QUICK
 from reports.data.options import TITLES, UNSTEADY, error_text, headlines
 from reports.data.points import point_table
 from reports.data.variants import error_table, errors_of
@@ -95,8 +93,6 @@ def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest
     """In one folder, as a reader would type them; reports have two points, since `.ci/run` writes one with all."""
     monkeypatch.setattr("reports.plan.QUICK_FRICTION_RATIOS", (0.3,))
     monkeypatch.setattr("reports.plan.quick_frequency_ratios", lambda _: (0.6, 0.9))
-    smaller = replace(QUICK, map_friction_ratios=(0.1, 0.3), map_frequency_ratios=(0.6, 0.9))
-    monkeypatch.setattr("reports.plan.QUICK", smaller)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path / "environments"))
     for line in SUITE:
