@@ -3,8 +3,9 @@
 *Starts.* The search for an engine's steady state begins at that of its law, or beside the reference's, see
 `scenarios.runs.steady`. Friction under a given normal force has one steady state; an engine whose
 step is not monotone may have several, and the search would find the one that the model predicts. A sample of every
-variant is therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the
-variant that have a steady state are searched both ways, and those that differ are inconclusive.
+variant is therefore searched from harmonic balance as well. Where one point of it ends in a steady state that has
+another verdict, all points of the variant that have a steady state are searched both ways, and those that differ so are
+inconclusive.
 
 *Models.* With other numbers of steps, the model of a variant stands in for its engine where both have just been shown
 equal, see `scenarios.sweeps.point.stands_in`. A sample of these points is run by the engine with other numbers of steps
@@ -19,8 +20,8 @@ from dataclasses import dataclass, replace
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.steady import is_warm_started
-from scenarios.runs.task import Start
-from scenarios.sweeps.point import GivesResults, Point, evaluated, other_tasks
+from scenarios.runs.task import Start, unsourced_key
+from scenarios.sweeps.point import GivesResults, Point, evaluated, other_tasks, verdict_of
 from scenarios.sweeps.sweep import GridPoint, Sweep
 from scenarios.verdicts.finding import Comparison, Verdict
 
@@ -96,8 +97,8 @@ def check_starts(
 ) -> tuple[list[Point], tuple[Check, ...]]:
     """Search a sample of every variant from harmonic balance too, `least` points of each or all that it has.
 
-    Gives the points, those that have two steady states inconclusive, and a check of each variant but the suite's
-    models.
+    Gives the points, those whose two steady states have two verdicts inconclusive, and a check of each variant but the
+    suite's models.
     """
     steady = {
         variant: [point for point in points if point.variant == variant and point.result.converged]
@@ -116,10 +117,10 @@ def _from_balance(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults
 
 
 def _difference(point: Point, balanced: Result) -> str | None:
-    """Compare two steady states of one engine."""
+    """Compare two steady states of one engine: no matter how far apart, as long as they have one verdict."""
     if not balanced.converged or not point.result.converged:
         return None
-    if not _are_apart(point, balanced):
+    if not _are_apart(point, balanced) or verdict_of(point, balanced) is point.comparison.verdict:
         return ""
     return f"another steady state, of {balanced.transmittance_db:.4g} dB, from harmonic balance"
 
@@ -142,9 +143,9 @@ def _both_ways(
 
 
 def _sample(sweep: Sweep, points: Sequence[Point], least: int) -> list[Point]:
-    """Choose points of a variant by the hashes of their tasks: at random, and always alike."""
+    """Choose points of a variant by the hashes of their tasks: at random, and alike until its engine changes."""
     count = max(least, math.ceil(SHARE * len(points)))
-    return sorted(points, key=lambda point: sweep.task(*point.place).key())[:count]
+    return sorted(points, key=lambda point: unsourced_key(sweep.task(*point.place).text()))[:count]
 
 
 def _are_apart(point: Point, other: Result) -> bool:
@@ -158,7 +159,7 @@ def _complex(result: Result) -> complex:
 
 
 def _inconclusive(point: Point, reason: str | None) -> Point:
-    """Give a point that has two steady states, for this reason, no verdict."""
+    """Give a point that has two verdicts, for this reason, none."""
     if not reason:
         return point
     comparison = Comparison(Verdict.INCONCLUSIVE, reason, certified=False)

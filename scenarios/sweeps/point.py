@@ -248,18 +248,23 @@ def point_findings(point: Point) -> tuple[Finding, ...]:
     return tuple(
         Finding(
             point.variant, point.label, metric, read(point.result), read(point.expected),
-            replace(_compared(point, metric, read), certified=certain),
+            replace(_compared(point, metric, read, point.result), certified=certain),
         )
         for metric, read in readers.items()
     )  # fmt: skip
 
 
-def _compared(point: Point, metric: Metric, read: Read) -> Comparison:
-    """Compare one number of a point."""
+def verdict_of(point: Point, result: Result) -> Verdict:
+    """Give the verdict on a point if this were its result, by the tolerance of the one that it has."""
+    readers = response_readers(point.expected.transmittance_db, point.expected.phase)
+    verdicts = (_compared(point, metric, read, result).verdict for metric, read in readers.items())
+    return max(verdicts, key=_SEVERITY.index)
+
+
+def _compared(point: Point, metric: Metric, read: Read, result: Result) -> Comparison:
+    """Compare one number of a result of a point."""
     expected = point.expected
-    comparison = decide(
-        metric, read(point.result), read(expected), tolerance(point, metric, read), point.effect[metric]
-    )
+    comparison = decide(metric, read(result), read(expected), tolerance(point, metric, read), point.effect[metric])
     comparison = of_response(unless_own_error_is_unknown(point, comparison), metric, expected.transmittance_db)
     return comparison if metric == TRANSMITTANCE else replace(comparison, reason=f"{metric.name}: {comparison.reason}")
 

@@ -2,15 +2,15 @@
 
 import dataclasses
 import math
-from types import SimpleNamespace
-from unittest.mock import patch
 
+import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
+from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
-from scenarios.runs.task import Start
+from scenarios.runs.task import Recorded, Start, SteadyStateTask
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.checks import Check, _difference, check_models, check_starts
@@ -18,7 +18,7 @@ from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_reader import DatasetResults
 from scenarios.sweeps.point import Point, evaluated, judged
-from scenarios.verdicts.finding import Verdict
+from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator
 
@@ -55,14 +55,6 @@ def checked(eta: float, least: int, status: str = "converged") -> tuple[Compared
     return dataclasses.replace(result, points=points), check, bistable.balanced
 
 
-def test_two_motions_that_are_equal_are_one_however_exactly_they_are_known() -> None:
-    known = Result(status="converged", transmittance_db=0.0, phase=0.0, period=1.0)
-    exact = SimpleNamespace(result=known, left_open=0.0)
-    with patch("scenarios.sweeps.checks.replace", lambda point, **_: point):
-        assert _difference(exact, known) == ""
-        assert "of 1e-09 dB, from" in _difference(exact, dataclasses.replace(known, transmittance_db=1e-9))
-
-
 def verdicts(result: ComparedSweep) -> dict[float, Verdict]:
     return {point.frequency_ratio: point.comparison.verdict for point in result.points_of(SHARES)}
 
@@ -95,6 +87,37 @@ def test_a_search_that_fails_from_elsewhere_says_nothing() -> None:
     assert len(balanced) == 1
     assert check == Check(SHARES, 0, 0)
     assert set(verdicts(result).values()) == {Verdict.AGREE}
+
+
+@needs_mujoco
+def test_two_steady_states_of_one_verdict_are_one(running) -> None:
+    (found,) = [point for point in compare_sweep(POINTS, running, 1).points_of(LAWFUL) if point.frequency_ratio == 0.9]
+
+    def end(db: float) -> Result:
+        level = found.converged.transmittance_db + db
+        return dataclasses.replace(found.result, transmittance_db=level, phase=found.converged.phase)
+
+    (agrees,) = judged([dataclasses.replace(found, result=end(0.0))])
+    assert (found.comparison.verdict, agrees.comparison.verdict) == (Verdict.DISAGREE, Verdict.AGREE)
+    allowed = agrees.allowed(TRANSMITTANCE)
+    assert allowed > 1000 * agrees.left_open
+    assert _difference(found, end(9.0)) == _difference(agrees, end(0.9 * allowed)) == ""
+    for one, other in ((found, end(0.0)), (agrees, end(1.1 * allowed)), (agrees, end(9.0))):
+        assert "another steady state, of" in _difference(one, other)
+
+
+@pytest.mark.slow
+@pytest.mark.needs("exudyn-bristle")
+def test_two_steady_states_of_a_bristle_differ_in_where_inner_masses_rest(running) -> None:
+    task = SteadyStateTask(
+        variant=Variant("exudyn-bristle"), friction_ratio=0.3, frequency_ratio=0.7437, recorded=Recorded.PERIOD
+    )
+    results = running.evaluate([task, dataclasses.replace(task, start=Start.HARMONIC_BALANCE)])
+    one, other = (RecordedPeriod.of_result(result) for result in results)
+    apart = abs(np.mean(one.inner - other.inner, axis=0))
+    assert 0.01 < np.max(apart) < 0.03
+    assert np.max(abs(one.inner - other.inner)) < 1.02 * np.max(apart), "they are apart by that all the time"
+    assert 0 < abs(results[0].transmittance_db - results[1].transmittance_db) < 3e-5
 
 
 LAWFUL = Variant("mujoco", "joint", "default")
