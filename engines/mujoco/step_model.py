@@ -228,77 +228,88 @@ MOST_CORRECTIONS = 20
 """Sets of pressing edges that Newton's iteration tries; it needs two or three, and may cycle."""
 
 
+IMPULSE, AIM, PRESSING, SOLUTION, COUPLING = range(5)
+"""Rows of the array that a contact of n edges is solved in, shape (4 + 2n, n): n of the last, and as many to eliminate.
+
+It is one array, since numba counts references to every further one, which takes longer than the elimination.
+"""
+
+
 @Kernel
-def _solved(coupling: Any, aim: Any, pressing: Any) -> Any:
-    """Give p of the edges that press, (E A Eᵀ + R) p = −(E y_free + o), and (E A Eᵀ) p + E y_free + o of the others.
+def _solve(work: Any) -> None:
+    """Write p of the edges that press, (E A Eᵀ + R) p = −(E y_free + o), and (E A Eᵀ) p + E y_free + o of the others.
 
     By elimination without pivoting, since E A Eᵀ + R is positive definite; LAPACK takes seconds to be compiled for.
     """
-    count, matrix, solution = aim.size, coupling.copy(), aim.copy()
+    count = work.shape[1]
+    matrix = COUPLING + count
+    for i in range(count):
+        work[SOLUTION, i] = work[AIM, i]
+        for j in range(count):
+            work[matrix + i, j] = work[COUPLING + i, j]
     for k in range(count):
-        if not pressing[k]:
+        if not work[PRESSING, k]:
             continue
         for i in range(count):
-            factor = 0.0 if i == k else matrix[i, k] / matrix[k, k]
-            for j in range(count):
-                matrix[i, j] -= factor * matrix[k, j]
-            solution[i] -= factor * solution[k]
+            if i != k:
+                factor = work[matrix + i, k] / work[matrix + k, k]
+                for j in range(count):
+                    work[matrix + i, j] -= factor * work[matrix + k, j]
+                work[SOLUTION, i] -= factor * work[SOLUTION, k]
     for k in range(count):
-        if pressing[k]:
-            solution[k] /= -matrix[k, k]
-    return solution
+        if work[PRESSING, k]:
+            work[SOLUTION, k] /= -work[matrix + k, k]
 
 
 @Kernel
-def _settled(pressing: Any, solution: Any) -> Any:
+def _settled(work: Any) -> Any:
     """Let go of edges that would pull, and press those that would pass: whether there were none, changed in place."""
     settled = True
-    for i in range(solution.size):
-        if solution[i] < 0:
-            pressing[i], settled = not pressing[i], False
+    for i in range(work.shape[1]):
+        if work[SOLUTION, i] < 0:
+            work[PRESSING, i], settled = 0.0 if work[PRESSING, i] else 1.0, False
     return settled
 
 
 @Kernel
-def edge_impulses(free: Any, inverse_mass: Any, edges: Any, softness: Any, offset: Any) -> Any:
-    """Give p >= 0 of every edge with E y + o + R p >= 0, one or the other zero, and y = y_free + A Eᵀ p.
+def write_edge_impulses(free: Any, inverse_mass: Any, edges: Any, softness: Any, offset: Any, work: Any) -> None:
+    """Write p >= 0 of every edge with E y + o + R p >= 0, one or the other zero, and y = y_free + A Eᵀ p.
 
     Newton's iteration over the sets of edges that press; where it cycles, all sets are tried.
     """
     count = edges.shape[0]
-    aim, coupling = np.full(count, offset), np.zeros((count, count))
     for i in range(count):
-        coupling[i, i] = softness
-        for k in range(inverse_mass.size):
-            aim[i] += edges[i, k] * free[k]
-            for j in range(count):
-                coupling[i, j] += edges[i, k] * inverse_mass[k] * edges[j, k]
-    pressing = np.full(count, fill_value=True)
+        work[IMPULSE, i], work[AIM, i], work[PRESSING, i] = 0.0, offset, 1.0
+        for k in range(3):
+            work[AIM, i] += edges[i, k] * free[k]
+        for j in range(count):
+            total = softness if i == j else 0.0
+            for k in range(3):
+                total += edges[i, k] * inverse_mass[k] * edges[j, k]
+            work[COUPLING + i, j] = total
     for _ in range(MOST_CORRECTIONS):
-        solution = _solved(coupling, aim, pressing)
-        if _settled(pressing, solution):
-            return _pressed(pressing, solution)
-    best, least = np.zeros(count), np.inf
+        _solve(work)
+        if _settled(work):
+            _press(work)
+            return
+    least = np.inf
     for number in range(2**count):
         for edge in range(count):
-            pressing[edge] = (number >> edge) & 1
-        solution = _solved(coupling, aim, pressing)
+            work[PRESSING, edge] = (number >> edge) & 1
+        _solve(work)
         worst = 0.0
         for edge in range(count):
-            worst = max(worst, -solution[edge])
+            worst = max(worst, -work[SOLUTION, edge])
         if worst < least:
-            best, least = _pressed(pressing, solution), worst
-    return best
+            _press(work)
+            least = worst
 
 
 @Kernel
-def _pressed(pressing: Any, solution: Any) -> Any:
-    """Give the impulses of the edges that press, none of which pulls."""
-    impulses = np.zeros(solution.size)
-    for i in range(solution.size):
-        if pressing[i]:
-            impulses[i] = max(solution[i], 0.0)
-    return impulses
+def _press(work: Any) -> None:
+    """Write the impulses of the edges that press, none of which pulls."""
+    for i in range(work.shape[1]):
+        work[IMPULSE, i] = max(work[SOLUTION, i], 0.0) if work[PRESSING, i] else 0.0
 
 
 @Kernel
@@ -310,8 +321,8 @@ def impedance(depth: Any, least: Any, largest: Any, width: Any) -> Any:
 
 
 @Kernel
-def _contact_impulses(free: Any, press: Any, depth: Any, contact: Any, edges: Any, constraint: Any) -> Any:
-    """Give the impulses of the edges of one contact.
+def _write_impulses(free: Any, press: Any, depth: Any, contact: Any, edges: Any, constraint: Any, work: Any) -> None:
+    """Write the impulses of the edges of one contact.
 
     `free` is h (a_0 + b w) in the three directions, where no edge presses; `press` what presses a contact that is held,
     times h; `depth` [m] that at the start of the step; `contact` the inverse masses in the three directions, and what
@@ -319,12 +330,14 @@ def _contact_impulses(free: Any, press: Any, depth: Any, contact: Any, edges: An
     """
     stiffness, least, largest, width = constraint
     if depth <= 0:
-        return np.zeros(edges.shape[0])
+        for edge in range(edges.shape[0]):
+            work[IMPULSE, edge] = 0.0
+        return
     part = impedance(depth, least, largest, width)
     softness = contact[3] * (1 - part) / part
     # what each edge aims at: to get out of the plate, or to press with its share
     offset = -stiffness * part * depth if stiffness > 0 else -softness * press / edges.shape[0]
-    return edge_impulses(free, contact[:3], edges, softness, offset)
+    write_edge_impulses(free, contact, edges, softness, offset, work)
 
 
 @Kernel
@@ -333,6 +346,15 @@ def _dot(a: Any, b: Any) -> Any:
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
+    return total
+
+
+@Kernel
+def _total(work: Any, edges: Any, direction: int) -> Any:
+    """Add up the impulses of all edges in a direction."""
+    total = 0.0
+    for edge in range(edges.shape[0]):
+        total += work[IMPULSE, edge] * edges[edge, direction]
     return total
 
 
@@ -357,6 +379,8 @@ def advance(
     for i in range(size):
         state[i], state[size + i] = motion[1, i], motion[0, i]
     free, impulse, pressed, held = np.empty(3), np.empty(3), np.empty(3), constraint[0] == 0
+    count = edges.shape[1]
+    work = np.empty((COUPLING + 2 * count, count))
     for step in range(loads.size):
         for i in range(size + cells):
             seen[i] = load[i] * loads[step] + _dot(state_matrix[i], state)
@@ -366,13 +390,14 @@ def advance(
             for k in range(3):
                 impulse[k] = 0.0 if held else -length * presses[step, i] * normal[k]
                 free[k] += contact[i, k] * impulse[k]
-            parts = _contact_impulses(free, length * presses[step, i], touch[i] - gap, contact[i], edges[i], constraint)
+            press, depth = length * presses[step, i], touch[i] - gap
+            _write_impulses(free, press, depth, contact[i], edges[i], constraint, work)
             for k in range(3):
-                pressed[k] = _dot(parts, edges[i, :, k])
+                pressed[k] = _total(work, edges[i], k)
                 impulse[k] += pressed[k]
             if record.shape[0] > 0:
                 record[step, 2 * size + i] = _dot(pressed, tangent) / length
-                record[step, 2 * size + cells + i] = _dot(parts, np.ones(parts.size)) / length
+                record[step, 2 * size + cells + i] = _dot(work[IMPULSE], np.ones(count)) / length
             aside[i, 0] += contact[i, 1] * impulse[1]
             aside[i, 2] += contact[i, 2] * impulse[2]
             aside[i, 1] += length * aside[i, 2]
