@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.errors import ParameterError
-from reference_lcp.lcp.pivoting import solve_lcp
+from reference_lcp.lcp.pivoting import solve_scaled_lcp
+from reference_lcp.lcp.scaling import power_of_two_scaling
 from reference_lcp.validation import FloatArray, checked_array, checked_count
 
 
@@ -107,7 +108,9 @@ def lemke(
     start = np.asarray(() if warm_start is None else warm_start, dtype=np.bool_)
     if warm_start is not None and start.shape != (size,):
         raise ParameterError(f"warm_start has shape {start.shape}; allowed: ({size},)")
-    z, w, pivots, code, residual, basic = solve_lcp(
-        np.ascontiguousarray(matrix), vector, cover, limit, start, checked_count("paths", paths)
+    matrix = np.ascontiguousarray(matrix)
+    rows, columns = power_of_two_scaling(matrix)
+    z, w, pivots, code, residual, basic = solve_scaled_lcp(
+        matrix, vector, rows, columns, cover, limit, start, checked_count("paths", paths)
     )
     return LemkeResult(z, w, pivots, STATUSES[code], residual, basic)

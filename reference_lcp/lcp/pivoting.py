@@ -1,6 +1,7 @@
 """Lemke's path from basis to basis, and the check of its solution.
 
-Written once: numba compiles it, and with ``NUMBA_DISABLE_JIT=1`` Python runs the same lines.
+Written once: numba compiles it, and with ``NUMBA_DISABLE_JIT=1`` Python runs the same lines. Loops stand where
+expressions of arrays would take seconds longer to compile.
 
 The path follows the bases B of w − M z − d z0 = q. Every column that a decision needs is solved anew with B⁻¹, refined,
 and comes with a bound of the error that this leaves: what lies within it is zero, and ratios whose bounds overlap are
@@ -11,8 +12,6 @@ from typing import Any
 
 import numba
 import numpy as np
-
-from reference_lcp.lcp.scaling import power_of_two_scaling
 
 BACKWARD_ERROR = 2.0**-48
 """Relative change of each entry of a system that its computed solution may stand for: 16 units of round-off.
@@ -45,47 +44,52 @@ SOLVED, RAY, LIMIT, BREAKDOWN, REPEATED = range(5)
 """Status codes, in the order of `LemkeStatus`."""
 
 
-@numba.njit(cache=True, error_model="numpy")
-def solve_lcp(M: Any, q: Any, covering: Any, limit: int, warm_start: Any, paths: int) -> Any:
-    """Solve one problem; for compiled callers.
+_called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+"""Compiled for compiled callers alone."""
 
-    Gives z, w, pivots, status code, residual, and which z are basic. `M` is C-contiguous float64, shape
-    (n, n); `q` float64, shape (n,); `covering` and `warm_start`, of truth values, have shape (n,) or are empty.
-    """
-    rows, columns = power_of_two_scaling(M)
-    return solve_scaled_lcp(M, q, rows, columns, covering, limit, warm_start, paths)
+_inlined = numba.njit(inline="always", error_model="numpy")
+"""Compiled as a part of its callers."""
 
 
 @numba.njit(cache=True, error_model="numpy")
 def solve_scaled_lcp(
     M: Any, q: Any, rows: Any, columns: Any, covering: Any, limit: int, warm_start: Any, paths: int
 ) -> Any:
-    """Solve as `solve_lcp` does, with the row and column factors of `power_of_two_scaling`, which depend on M alone."""
-    n = q.size
-    if np.all(q >= 0):
+    """Solve one problem, with the row and column factors of `power_of_two_scaling`, which depend on M alone.
+
+    Gives z, w, pivots, status code, residual, and which z are basic. `M` is C-contiguous float64, shape
+    (n, n); `q` float64, shape (n,); `covering` and `warm_start`, of truth values, have shape (n,) or are empty.
+    """
+    n, solved = q.size, True
+    for i in range(n):
+        solved = solved and q[i] >= 0
+    if solved:
         return np.zeros(n), q.copy(), 0, SOLVED, 0.0, np.zeros(n, dtype=np.bool_)
-    if warm_start.size > 0:
-        z, w, residual = _solution(M, q, warm_start, rows, columns)
-        if residual <= RESIDUAL_TOLERANCE:
-            return z, w, 0, SOLVED, residual, warm_start.copy()
     pivots, first = 0, (SOLVED, np.nan, np.zeros(n, dtype=np.bool_))
-    for path in range(paths):
-        cover = rows * covering if path == 0 and covering.size > 0 else _covering(n, path)
-        variables, right = _extended_problem(M, q, rows, columns, cover)
-        basic, code, made = _follow_path(variables, right, limit)
+    for path in range(-1 if warm_start.size > 0 else 0, paths):
+        basic, code, made = warm_start, SOLVED, 0
+        if path >= 0:
+            cover = _covering(n, path)
+            if path == 0:
+                for i in range(covering.size):
+                    cover[i] = rows[i] * covering[i]
+            variables, right = _extended_problem(M, q, rows, columns, cover)
+            basic, code, made = _follow_path(variables, right, limit)
         pivots, residual = pivots + made, np.nan
         if code == SOLVED:
             z, w, residual = _solution(M, q, basic, rows, columns)
             if residual <= RESIDUAL_TOLERANCE:
-                return z, w, pivots, SOLVED, residual, basic
+                return z, w, pivots, SOLVED, residual, basic.copy()
             code = BREAKDOWN
         if path == 0:
             first = (code, residual, basic)
-    nothing = np.full(n, np.nan)
+    nothing = np.empty(n)
+    for i in range(n):
+        nothing[i] = np.nan
     return nothing, nothing, pivots, first[0], first[1], first[2]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_inlined
 def _covering(n: int, path: int) -> Any:
     """Covering vector of a path: ones, then vectors between one and two."""
     cover = np.ones(n)
@@ -95,20 +99,24 @@ def _covering(n: int, path: int) -> Any:
     return cover
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_inlined
 def _extended_problem(M: Any, q: Any, rows: Any, columns: Any, cover: Any) -> Any:
     """The scaled system w − M z − d z0 = q: row v of the array is the column of variable v, of w, z, z0 in turn."""
-    n = q.size
-    variables, right = np.zeros((2 * n + 1, n)), rows * q
+    n, largest = q.size, 0.0
+    variables, right = np.zeros((2 * n + 1, n)), np.empty(n)
     for i in range(n):
+        right[i] = rows[i] * q[i]
+        largest = max(largest, abs(right[i]))
         variables[i, i] = 1.0
         variables[2 * n, i] = -cover[i]
         for j in range(n):
             variables[n + j, i] = -rows[i] * M[i, j] * columns[j]
-    return variables, right / np.max(np.abs(right))
+    for i in range(n):
+        right[i] /= largest
+    return variables, right
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _follow_path(variables: Any, q: Any, limit: int) -> Any:
     """Pivot until z0 leaves; gives which z are basic, the status code and the number of pivots.
 
@@ -116,10 +124,12 @@ def _follow_path(variables: Any, q: Any, limit: int) -> Any:
     last row B⁻¹ q. A basis is compared with that at the last power of two of pivots (Brent 1980).
     """
     n, z0 = q.size, 2 * q.size
-    basis, columns, inverse = np.arange(n), variables[:n].copy(), np.empty((n + 1, n))
-    for k in range(n + 1):
-        _write(inverse, k, variables[k] if k < n else q)
-    inside = np.arange(z0 + 1) < n
+    basis, inside = np.empty(n, dtype=np.int64), np.zeros(z0 + 1, dtype=np.bool_)
+    columns, inverse = variables[:n].copy(), np.empty((n + 1, n))
+    for k in range(n):
+        basis[k], inside[k] = k, True
+        _write(inverse, k, variables[k])
+    _write(inverse, n, q)
     remembered, differences = inside.copy(), 0
     entering, row, x, code, pivots = z0, _first_row(q, variables[z0]), variables[z0].copy(), SOLVED, 0
     while True:
@@ -144,20 +154,20 @@ def _follow_path(variables: Any, q: Any, limit: int) -> Any:
     return inside[n:z0].copy(), code, pivots
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_inlined
 def _swap(inside: Any, remembered: Any, variable: int) -> int:
     """Let a variable enter or leave; gives by how much the basis differs more from the one remembered."""
     inside[variable] = not inside[variable]
     return 1 if inside[variable] != remembered[variable] else -1
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_inlined
 def _write(rows: Any, row: int, values: Any) -> None:
     for i in range(values.size):
         rows[row, i] = values[i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_inlined
 def _first_row(q: Any, column: Any) -> int:
     """Row of the lexicographically smallest (q_i, e_i) / d_i: there z0 enters, and all rows become >= 0."""
     first = 0
@@ -191,7 +201,7 @@ def _leaving_row(columns: Any, inverse: Any, basis: Any, q: Any, entering: Any) 
     return row, x
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _smallest_ratio(value: Any, x: Any, error: Any) -> Any:
     """Row of the smallest ratio value / x where x is above its error, −1 without one, and how many are close to it."""
     row, close = -1, 0
@@ -206,7 +216,7 @@ def _smallest_ratio(value: Any, x: Any, error: Any) -> Any:
     return row, close
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _keep_smallest(rows: Any, value: Any, uncertain: Any, x: Any, error: Any) -> Any:
     """Keep the rows whose ratio value / x may be the smallest, errors considered; gives the first, and how many."""
     n, bound = x.size, np.inf
@@ -224,7 +234,7 @@ def _keep_smallest(rows: Any, value: Any, uncertain: Any, x: Any, error: Any) ->
     return first, count
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _solved(columns: Any, inverse: Any, right: Any) -> Any:
     """Solve B x = right; gives x, a bound of its error, and whether refinement has failed: B⁻¹ has drifted."""
     n = right.size
@@ -242,7 +252,7 @@ def _solved(columns: Any, inverse: Any, right: Any) -> Any:
     return x, error, drifted
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _add(x: Any, inverse: Any, right: Any) -> None:
     """Add B⁻¹ right to x."""
     for k in range(right.size):
@@ -251,7 +261,7 @@ def _add(x: Any, inverse: Any, right: Any) -> None:
                 x[i] += right[k] * inverse[k, i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _residual_is_round_off(columns: Any, right: Any, x: Any, rest: Any, size: Any) -> bool:
     """Write right − B x and the size of its terms; whether the one is within `BACKWARD_ERROR` of the other."""
     n, largest = right.size, 0.0
@@ -271,7 +281,7 @@ def _residual_is_round_off(columns: Any, right: Any, x: Any, rest: Any, size: An
     return within
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_inlined
 def _exchange(inverse: Any, x: Any, row: int) -> None:
     """Let B⁻¹ and B⁻¹ q follow where a variable with B⁻¹ a = x takes the place of the one in `row`."""
     for k in range(inverse.shape[0]):
@@ -282,7 +292,7 @@ def _exchange(inverse: Any, x: Any, row: int) -> None:
             inverse[k, row] = pivot
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _invert(columns: Any, inverse: Any, q: Any) -> bool:
     """Compute B⁻¹ and B⁻¹ q anew by elimination; false, and nothing done, if B is singular."""
     n = q.size
@@ -299,20 +309,26 @@ def _invert(columns: Any, inverse: Any, q: Any) -> bool:
     return True
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
     """Solve a basis with the unscaled data; gives z, w and the scaled residual."""
-    n = q.size
-    inside = np.flatnonzero(basic)
-    z, w = np.zeros(n), q.copy()
-    block, right = np.empty((inside.size, inside.size)), np.empty((inside.size, 1))
-    for a, i in enumerate(inside):
+    n, size = q.size, 0
+    z, w, inside = np.zeros(n), q.copy(), np.empty(n, dtype=np.int64)
+    for i in range(n):
+        if basic[i]:
+            inside[size] = i
+            size += 1
+    block, right = np.empty((size, size)), np.empty((size, 1))
+    for a in range(size):
+        i = inside[a]
         right[a, 0] = -q[i] * rows[i]
-        for b, j in enumerate(inside):
+        for b in range(size):
+            j = inside[b]
             block[a, b] = M[i, j] * rows[i] * columns[j]
     if not _eliminate(block, right):
         return z, w, np.nan
-    for a, i in enumerate(inside):
+    for a in range(size):
+        i = inside[a]
         z[i] = right[a, 0] * columns[i]
     residual = _residual(M, q, z, w, rows, columns)
     for k in range(n):
@@ -321,10 +337,12 @@ def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
     return z, w, residual
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _residual(M: Any, q: Any, z: Any, w: Any, rows: Any, columns: Any) -> float:
     """Write M z + q into w; gives its natural residual, each row over the size of its terms; inf if q is lost."""
-    size, largest = np.max(np.abs(rows * q)), np.max(np.abs(z / columns))
+    size = largest = 0.0
+    for i in range(q.size):
+        size, largest = max(size, abs(rows[i] * q[i])), max(largest, abs(z[i] / columns[i]))
     if largest > LARGEST_GROWTH * size:
         return np.inf
     residual = 0.0
@@ -338,7 +356,7 @@ def _residual(M: Any, q: Any, z: Any, w: Any, rows: Any, columns: Any) -> float:
     return residual
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _eliminate(A: Any, b: Any) -> bool:
     """Solve A x = b, b of shape (n, m), by elimination with row pivoting, x into b; false if A is singular."""
     n = A.shape[0]
@@ -365,13 +383,13 @@ def _eliminate(A: Any, b: Any) -> bool:
     return True
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _swap_rows(A: Any, first: int, second: int) -> None:
     for j in range(A.shape[1]):
         A[first, j], A[second, j] = A[second, j], A[first, j]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _subtract(A: Any, row: int, factor: float, other: int) -> None:
     for j in range(A.shape[1]):
         A[row, j] -= factor * A[other, j]

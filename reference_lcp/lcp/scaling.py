@@ -13,55 +13,65 @@ SMALLEST_SCALED = 2.0**-26
 count for the scaling: the root of round-off."""
 
 
+_called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+"""Compiled for compiled callers alone."""
+
+
 @numba.njit(cache=True, error_model="numpy")
 def power_of_two_scaling(M: Any) -> Any:
     """Positive row and column factors, powers of two, that bring the entries of M near one."""
     n = M.shape[0]
-    counts, exponents = M != 0, np.zeros((n, n))
+    counts, exponents = np.empty((n, n), dtype=np.bool_), np.zeros((n, n))
     for i in range(n):
         for j in range(n):
+            counts[i, j] = M[i, j] != 0
             if counts[i, j]:
                 exponents[i, j] = np.log2(abs(M[i, j]))
+    rows, columns = np.empty(n), np.empty(n)
     while True:
-        rows, columns = _geometric_means(counts, exponents)
+        _geometric_means(counts, exponents, rows, columns)
         if not _leave_out_small(counts, exponents, rows, columns):
-            return np.exp2(np.round(rows)), np.exp2(np.round(columns))
+            break
+    for i in range(n):
+        rows[i], columns[i] = np.exp2(np.rint(rows[i])), np.exp2(np.rint(columns[i]))
+    return rows, columns
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _geometric_means(counts: Any, exponents: Any) -> Any:
-    """Exponents of the row and column factors that bring the mean exponent of each row and column to zero."""
+@_called
+def _geometric_means(counts: Any, exponents: Any, rows: Any, columns: Any) -> None:
+    """Write exponents of the row and column factors that bring the mean exponent of each row and column to zero."""
     n = counts.shape[0]
-    rows, columns = np.zeros(n), np.zeros(n)
+    for j in range(n):
+        columns[j] = 0.0
     for _ in range(SCALING_SWEEPS):
         change = 0.0
         for i in range(n):
-            rows[i] = -_mean(counts[i], exponents[i], columns)
+            total, count = 0.0, 0
+            for j in range(n):
+                if counts[i, j]:
+                    total += exponents[i, j] + columns[j]
+                    count += 1
+            rows[i] = -total / max(count, 1)
         for j in range(n):
-            following = -_mean(counts[:, j], exponents[:, j], rows)
+            total, count = 0.0, 0
+            for i in range(n):
+                if counts[i, j]:
+                    total += exponents[i, j] + rows[i]
+                    count += 1
+            following = -total / max(count, 1)
             change = max(change, abs(following - columns[j]))
             columns[j] = following
         if change < 1 / 4:
             break
-    return rows, columns
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _mean(counts: Any, exponents: Any, others: Any) -> float:
-    """Mean of exponent plus other factor over the entries that count."""
-    total, count = 0.0, 0
-    for k in range(counts.size):
-        if counts[k]:
-            total += exponents[k] + others[k]
-            count += 1
-    return total / max(count, 1)
-
-
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _leave_out_small(counts: Any, exponents: Any, rows: Any, columns: Any) -> bool:
     """Let entries below `SMALLEST_SCALED` of their row and column count no more; whether there are any."""
     n = counts.shape[0]
-    in_row, in_column = np.full(n, -np.inf), np.full(n, -np.inf)
+    in_row, in_column = np.empty(n), np.empty(n)
+    for i in range(n):
+        in_row[i] = in_column[i] = -np.inf
     for i in range(n):
         for j in range(n):
             if counts[i, j]:

@@ -42,12 +42,6 @@ UNKNOWNS = 3
 FIELDS = 8
 """Numbers of a contact in a row of the record: u, v, y, their velocities, λ_T and λ_N."""
 
-PIVOT_LIMIT = 50 * UNKNOWNS + 100
-"""As in `reference_lcp.lcp.lemke.lemke`."""
-
-NO_COVERING = np.zeros(0)
-"""Lemke's own covering vector, of ones."""
-
 CONSTANT = Preload(modulation=0.0, angular_frequency=1.0)
 """A preload that does not change."""
 
@@ -66,6 +60,8 @@ def advance_inclined(
     """
     cells = x.shape[1]
     basic, warm = np.zeros((cells, UNKNOWNS), dtype=np.bool_), False
+    # The covering vector and the limit are those of `lemke`, and so are their types: it is compiled once for both.
+    covering, limit = np.zeros(0), 50 * UNKNOWNS + 100
     for step in range(loads.size):
         pull = _pull(x, springs, 0, 0.0, 0.0) - loads[step]
         for i in range(cells):
@@ -75,17 +71,18 @@ def advance_inclined(
             q = _vector(x, free, angle, i, time_step)
             start = basic[i] if warm else basic[i, :0]
             z, _, _, code, _, basis = solve_scaled_lcp(
-                matrices[i], q, scales[i, 0], scales[i, 1], NO_COVERING, PIVOT_LIMIT, start, paths
+                matrices[i], q, scales[i, 0], scales[i, 1], covering, limit, start, paths
             )
             if code != SOLVED:
                 return step, code
-            basic[i] = basis
+            for k in range(UNKNOWNS):
+                basic[i, k] = basis[k]
             _end_step(x, free, masses, angle, i, z, time_step, record[step])
         warm = True
     return loads.size, SOLVED
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@numba.njit(inline="always", nogil=True, error_model="numpy")
 def _pull(x: Any, springs: Any, cell: int, before: float, rate_before: float) -> float:
     """Force of the chain element at the left of a cell, whose other end is at `before`."""
     return springs[0, cell] * (x[0, cell] - before) + springs[1, cell] * (x[3, cell] - rate_before)
@@ -124,7 +121,8 @@ def _end_step(x: Any, free: Any, masses: Any, angle: Any, i: int, z: Any, time_s
     for k in range(UNKNOWNS):
         x[UNKNOWNS + k, i] = velocities[k]
         x[k, i] += time_step * velocities[k]
-    row[: 2 * UNKNOWNS, i] = x[:, i]
+    for k in range(2 * UNKNOWNS):
+        row[k, i] = x[k, i]
     row[2 * UNKNOWNS, i], row[2 * UNKNOWNS + 1, i] = tangential / time_step, normal / time_step
 
 
