@@ -22,24 +22,42 @@ def advance(motion: Any, across: Any, loads: Any, matrices: Any, numbers: Any, c
     coefficient, normal_force, mass = contact[:3]
     cells = coupling.shape[0]
     count = 2 * cells
-    state = np.concatenate((motion[1], motion[0]))
-    friction, normal = np.zeros(cells), h * normal_force
+    state, free, added = np.empty(2 * count), np.empty(state_matrix.shape[0]), np.empty(count)
+    friction, normal = np.zeros(cells), np.empty(cells)
+    for i in range(count):
+        state[i], state[count + i] = motion[1, i], motion[0, i]
+    for i in range(cells):
+        normal[i] = h * normal_force[i]
     for step in range(loads.size):
-        free = state_matrix @ state + load_matrix * loads[step]
+        np.dot(state_matrix, state, free)
+        for i in range(free.size):
+            free[i] += load_matrix[i] * loads[step]
         for _ in range(MOST_SWEEPS):
             if _sweep(free[count:], coupling, across, (h, depth), contact, friction, normal) <= SWEPT:
                 break
-        state[:count] = free[:count] + response @ friction
-        state[count:] += h * state[:count]
+        np.dot(response, friction, added)
+        for i in range(count):
+            state[i] = free[i] + added[i]
+            state[count + i] += h * state[i]
         for i in range(cells):
             if coefficient[i] > 0:
                 across[1, i] += (normal[i] - h * normal_force[i]) / mass[i]
                 across[0, i] += h * across[1, i]
         if record.shape[0] > 0:
-            record[step, :count], record[step, count : 2 * count] = state[count:], state[:count]
-            record[step, 2 * count : 2 * count + cells] = friction / h
-            record[step, 2 * count + cells :] = normal / h
-    motion[0], motion[1] = state[count:], state[:count]
+            _keep(state, friction, normal, h, record[step])
+    for i in range(count):
+        motion[0, i], motion[1, i] = state[count + i], state[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _keep(state: Any, friction: Any, normal: Any, h: Any, row: Any) -> None:
+    """Write positions, velocities, friction and normal force of a step."""
+    cells = friction.size
+    count = 2 * cells
+    for i in range(count):
+        row[i], row[count + i] = state[count + i], state[i]
+    for i in range(cells):
+        row[2 * count + i], row[2 * count + cells + i] = friction[i] / h, normal[i] / h
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -222,11 +222,14 @@ def advance(
     q, v = motion[0], motion[1]
     cells = coupling.shape[0]
     place, speed = current_part * h * h * beta, current_part * h * gamma
-    compliance, mobility = place * coupling, speed * coupling
+    compliance, mobility, workspace = np.empty((cells, cells)), np.empty((cells, cells)), np.empty((cells + 2, cells))
+    for i in range(cells):
+        workspace[0, i] = _UNKNOWN
+        for j in range(cells):
+            compliance[i, j], mobility[i, j] = place * coupling[i, j], speed * coupling[i, j]
     acceleration = first.copy()
     algorithmic = first.copy()
     force, elongation, slip = np.zeros(cells), np.empty(cells), np.empty(cells)
-    workspace = np.full((cells + 2, cells), _UNKNOWN)
     for index in range(1, loads.size):
         for i in range(2 * cells):
             base = algorithmic_part * algorithmic[i] + previous_part * acceleration[i]

@@ -11,7 +11,7 @@ from engines.interface.presets import Preset
 from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec
 from engines.mujoco.simulation import MuJoCoSimulation
 from engines.mujoco.yielding import deflections_at, yield_stiffness
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from engines.shared.units import Units
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -128,9 +128,9 @@ def advance_bristles(
     stiffness, damping, bounds, h = numbers
     cells = deflection.size
     count = 2 * cells
-    friction = np.zeros(cells)
+    force, friction = np.empty(count), np.zeros(cells)
     for step in range(loads.size):
-        force = force_matrix @ motion
+        np.dot(force_matrix, motion, force)
         force[0] += loads[step]
         for cell in range(cells):
             if bounds[cell] > 0.0:
@@ -142,8 +142,8 @@ def advance_bristles(
                 deflection[cell] = decay * bent + slip * lasting
                 force[cell] -= friction[cell]
                 force[cells + cell] += friction[cell]
-        motion[count:] += h * force / masses
-        motion[:count] += h * motion[count:]
+        for i in range(count):
+            motion[count + i] += h * force[i] / masses[i]
+            motion[i] += h * motion[count + i]
         if record.shape[0] > 0:
-            record[step, : 2 * count] = motion
-            record[step, 2 * count :] = friction
+            keep(record[step], motion[:count], motion[count:], friction, 1.0)

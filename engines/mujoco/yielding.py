@@ -10,7 +10,7 @@ from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec, set_spring
 from engines.mujoco.simulation import MuJoCoSimulation
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from engines.shared.units import Units
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -157,6 +157,4 @@ def advance(
             slipped = deflection[i] + length * (free[cells + i] - free[i])
             deflection[i] = min(max(slipped, -limit[i]), limit[i])
         if keeps:
-            record[step, :size] = motion[0]
-            record[step, size : 2 * size] = motion[1]
-            record[step, 2 * size :] = deflection
+            keep(record[step], motion[0], motion[1], deflection, 1.0)

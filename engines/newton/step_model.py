@@ -8,7 +8,7 @@ import numpy as np
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from engines.shared.box_geometry import BOX
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
 
@@ -78,11 +78,12 @@ def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any
     cells = bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]
-    displacement, friction = np.zeros(cells), np.zeros(cells)
+    force, displacement, friction = np.empty(count), np.zeros(cells), np.zeros(cells)
     for step in range(loads.size):
-        force = force_matrix @ motion
+        np.dot(force_matrix, motion, force)
         force[0] += loads[step]
-        velocity += h * force / masses
+        for i in range(count):
+            velocity[i] += h * force[i] / masses[i]
         for cell in range(cells):
             outer, inner, bound = masses[cell], masses[cells + cell], bounds[step, cell]
             slip = velocity[cells + cell] - velocity[cell]
@@ -93,7 +94,7 @@ def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any
             slip = velocity[cells + cell] - velocity[cell]
             slips = abs(friction[cell]) >= saturation * bound and slip * friction[cell] < -bound * slipping
             displacement[cell] = 0.0 if slips or bound <= 0 else displacement[cell] + h * slip
-        position += h * velocity
+        for i in range(count):
+            position[i] += h * velocity[i]
         if record.shape[0] > 0:
-            record[step, :count], record[step, count : 2 * count] = position, velocity
-            record[step, 2 * count :] = friction
+            keep(record[step], position, velocity, friction, 1.0)

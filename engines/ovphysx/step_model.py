@@ -7,7 +7,7 @@ import numpy as np
 
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 
 SINGLE_PRECISION_PERIOD = 2e-4
@@ -52,31 +52,34 @@ def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any
     h, cells = step_length / substeps, bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]
-    impulse, total = np.empty(cells), np.empty(cells)
+    force, impulse, total = np.empty(count), np.empty(cells), np.empty(cells)
     for step in range(loads.size):
-        force = force_matrix @ motion
+        np.dot(force_matrix, motion, force)
         force[0] += loads[step]
         total[:] = 0.0
         for _ in range(substeps):
-            velocity += h * force / masses
+            for i in range(count):
+                velocity[i] += h * force[i] / masses[i]
             impulse[:] = 0.0
-            _rub(velocity, impulse, h * bounds[step], masses, stopping)
-            total += impulse
-            position += h * velocity
+            _rub(velocity, impulse, h, bounds[step], masses, stopping)
+            for cell in range(cells):
+                total[cell] += impulse[cell]
+            for i in range(count):
+                position[i] += h * velocity[i]
         for _ in range(corrections):
-            _rub(velocity, total, step_length * bounds[step], masses, stopping)
+            _rub(velocity, total, step_length, bounds[step], masses, stopping)
         if record.shape[0] > 0:
-            record[step, :count], record[step, count : 2 * count] = position, velocity
-            record[step, 2 * count :] = total / step_length
+            keep(record[step], position, velocity, total, step_length)
 
 
 @Kernel
-def _rub(velocity: Any, impulse: Any, bounds: Any, masses: Any, stopping: Any) -> None:
-    """Bring the impulse of every cell nearer to that which stops it, within its bound."""
+def _rub(velocity: Any, impulse: Any, length: Any, bounds: Any, masses: Any, stopping: Any) -> None:
+    """Bring the impulse of every cell nearer to that which stops it, within its bound over this length of time."""
     cells = impulse.size
     for cell in range(cells):
         wanted = impulse[cell] - stopping[cell] * (velocity[cells + cell] - velocity[cell])
-        given = min(max(wanted, -bounds[cell]), bounds[cell])
+        bound = length * bounds[cell]
+        given = min(max(wanted, -bound), bound)
         velocity[cell] -= (given - impulse[cell]) / masses[cell]
         velocity[cells + cell] += (given - impulse[cell]) / masses[cells + cell]
         impulse[cell] = given

@@ -6,7 +6,7 @@ import numpy as np
 
 from engines.interface.law import Law
 from engines.interface.presets import NormalForce, Preset
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -56,19 +56,20 @@ def advance(
     h, sweeps = numbers
     position, velocity = motion[0], motion[1]
     cells = bounds.shape[1]
+    force, friction, rates = np.empty(2 * cells), np.empty(cells), np.empty(2 * cells)
     for step in range(loads.size):
-        position += h * velocity
-        impulse = -(springs @ position)
-        impulse[0] += loads[step]
-        velocity += inverse_mass * impulse
-        friction, rates = np.zeros(cells), np.zeros(2 * cells)
+        for i in range(2 * cells):
+            position[i] += h * velocity[i]
+        np.dot(springs, position, force)
+        force[0] -= loads[step]
+        for i in range(2 * cells):
+            velocity[i] -= inverse_mass[i] * force[i]
+        friction[:], rates[:] = 0.0, 0.0
         for _ in range(sweeps):
             _rub(velocity, friction, bounds[step], inverse_mass)
             _damp(velocity, rates, dashpots, inverse_mass)
         if record.shape[0] > 0:
-            record[step, : 2 * cells] = position
-            record[step, 2 * cells : 4 * cells] = velocity
-            record[step, 4 * cells :] = friction / h
+            keep(record[step], position, velocity, friction, h)
 
 
 @Kernel

@@ -9,7 +9,7 @@ import numpy as np
 
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -123,26 +123,30 @@ def advance(
     cells = bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]
-    total = np.empty(cells)
+    force, total = np.empty(count), np.empty(cells)
     for step in range(loads.size):
-        force = force_matrix @ motion
+        np.dot(force_matrix, motion, force)
         force[0] += loads[step]
         total[:] = 0.0
         for _ in range(substeps):
-            velocity += h * force / masses
+            for i in range(count):
+                velocity[i] += h * force[i] / masses[i]
             if friction_first:
                 _rub(velocity, friction, bounds[step], masses, h, yielding)
-                # Velocities are cut off before positions move by them.
-                velocity /= np.maximum(1.0, slowness * np.abs(velocity))
-                position += h * velocity
-            else:
-                position += h * velocity
-                _push(position, h * h * friction, masses)
+                for i in range(count):  # Velocities are cut off before positions move by them.
+                    velocity[i] /= max(1.0, slowness * abs(velocity[i]))
+            for i in range(count):
+                position[i] += h * velocity[i]
+            if not friction_first:
+                _push(position, h * h, friction, masses)
                 _rub(velocity, friction, bounds[step], masses, h, yielding)
-            total += friction
+            for cell in range(cells):
+                total[cell] += friction[cell]
         if record.shape[0] > 0:
-            record[step, :count], record[step, count : 2 * count] = position, velocity
-            record[step, 2 * count :] = friction if friction_first else total / substeps
+            if friction_first:
+                keep(record[step], position, velocity, friction, 1.0)
+            else:
+                keep(record[step], position, velocity, total, substeps)
 
 
 @Kernel
@@ -153,12 +157,13 @@ def _rub(velocity: Any, friction: Any, bounds: Any, masses: Any, h: Any, yieldin
         slip = velocity[cells + cell] - velocity[cell]
         stopping = -slip / (h * (1 / masses[cell] + 1 / masses[cells + cell]) + yielding)
         friction[cell] = min(max(stopping, -bounds[cell]), bounds[cell])
-    _push(velocity, h * friction, masses)
+    _push(velocity, h, friction, masses)
 
 
 @Kernel
-def _push(moved: Any, impulse: Any, masses: Any) -> None:
-    """Add what impulses on the inner masses, and back on the outer ones, make."""
-    cells = impulse.size
-    moved[:cells] -= impulse / masses[:cells]
-    moved[cells:] += impulse / masses[cells:]
+def _push(moved: Any, factor: Any, friction: Any, masses: Any) -> None:
+    """Add what a factor times friction on the inner masses, and back on the outer ones, makes."""
+    cells = friction.size
+    for cell in range(cells):
+        moved[cell] -= factor * friction[cell] / masses[cell]
+        moved[cells + cell] += factor * friction[cell] / masses[cells + cell]

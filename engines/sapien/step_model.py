@@ -8,7 +8,7 @@ import numpy as np
 
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
-from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
@@ -80,34 +80,40 @@ def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any
     cells = bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]
-    drift, impulse, moved = np.zeros(cells), np.zeros(cells), np.zeros(count)
-    stuck = np.ones(cells, dtype=np.bool_)
+    drift, slipped, impulse = np.zeros(cells), np.empty(cells), np.zeros(cells)
+    force, moved, stuck = np.empty(count), np.zeros(count), np.ones(cells, dtype=np.bool_)
     for step in range(loads.size):
-        force = force_matrix @ motion
+        np.dot(force_matrix, motion, force)
         force[0] += loads[step]
-        velocity += h * force / masses
+        for i in range(count):
+            velocity[i] += h * force[i] / masses[i]
         impulse[:], moved[:] = 0.0, 0.0
         for sweep in range(substeps + corrections):
-            slipped = drift + moved[cells:] - moved[:cells]
-            _rub(velocity, impulse, stuck, h * bounds[step], slipped * substeps / h, masses, relaxation)
-            if sweep < substeps:
-                moved += velocity * (h / substeps)
-        position += moved
-        drift[:] = np.where(stuck, drift + moved[cells:] - moved[:cells], 0.0)
+            for cell in range(cells):
+                slipped[cell] = (drift[cell] + moved[cells + cell] - moved[cell]) * substeps / h
+            _rub(velocity, impulse, stuck, h, bounds[step], slipped, masses, relaxation)
+            for i in range(count if sweep < substeps else 0):
+                moved[i] += velocity[i] * (h / substeps)
+        for i in range(count):
+            position[i] += moved[i]
+        for cell in range(cells):
+            drift[cell] = drift[cell] + moved[cells + cell] - moved[cell] if stuck[cell] else 0.0
         if record.shape[0] > 0:
-            record[step, :count], record[step, count : 2 * count] = position, velocity
-            record[step, 2 * count :] = impulse / h
+            keep(record[step], position, velocity, impulse, h)
 
 
 @Kernel
-def _rub(velocity: Any, impulse: Any, stuck: Any, bounds: Any, drawing_back: Any, masses: Any, relaxation: Any) -> None:
+def _rub(
+    velocity: Any, impulse: Any, stuck: Any, h: Any, bounds: Any, drawing_back: Any, masses: Any, relaxation: Any
+) -> None:
     """Bring the impulse of every cell nearer to that which stops it and draws it back, within its bound."""
     cells = impulse.size
     for cell in range(cells):
         outer, inner = masses[cell], masses[cells + cell]
         slip = velocity[cells + cell] - velocity[cell] + relaxation * drawing_back[cell]
         wanted = impulse[cell] - relaxation * slip / (1 / outer + 1 / inner)
-        given = min(max(wanted, -bounds[cell]), bounds[cell])
+        bound = h * bounds[cell]
+        given = min(max(wanted, -bound), bound)
         stuck[cell] = given == wanted
         velocity[cell] -= (given - impulse[cell]) / outer
         velocity[cells + cell] += (given - impulse[cell]) / inner

@@ -16,7 +16,7 @@ R = TypeVar("R")
 
 
 class Kernel(Generic[P, R]):
-    """A function that numba compiles when it is first called, with the kernels of its module that it calls.
+    """A function that numba compiles when it is first called, with the kernels that it calls.
 
     Numba is imported then, and not with the adapter.
     """
@@ -37,6 +37,19 @@ class Kernel(Generic[P, R]):
             if isinstance(called := module.get(name), Kernel):
                 module[name] = called._compiled
         return numba.njit(cache=True, error_model="numpy")(self._function)
+
+
+@Kernel
+def keep(row: Any, position: Any, velocity: Any, impulse: Any, length: Any) -> None:
+    """Write positions, velocities and friction, impulses over the length of their step, into a row of a record.
+
+    By loops: to assign to parts of a row takes two seconds to be compiled for.
+    """
+    count = position.size
+    for i in range(count):
+        row[i], row[count + i] = position[i], velocity[i]
+    for i in range(impulse.size):
+        row[2 * count + i] = impulse[i] / length
 
 
 class KernelLane(LaneModel):

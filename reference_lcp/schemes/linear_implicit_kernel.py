@@ -80,13 +80,14 @@ def advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, l
     length, weight = numbers
     cells = coupling.shape[0]
     count = 2 * cells
-    drags = np.any(drag)
-    impulses, state, free = np.zeros(cells), np.empty(2 * count), np.empty(count + cells)
+    drags, impulses, state, free = False, np.zeros(cells), np.empty(2 * count), np.empty(count + cells)
+    moved, added = np.empty(state_matrix.shape[0]), np.empty(response.shape[0])
     for i in range(count):
         state[i], state[count + i] = motion[1, i], motion[0, i]
+        drags = drags or drag[i] != 0
     register = flush_subnormals()
     for step in range(bounds.shape[0]):
-        moved = state_matrix @ state
+        np.dot(state_matrix, state, moved)
         for i in range(count + cells):
             free[i] = moved[i] + load_matrix[i, 0] * loads[step] + load_matrix[i, 1] * loads[step + 1]
         if drags:
@@ -97,7 +98,7 @@ def advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, l
                 free[cells + i] -= inner
                 free[count + i] -= inner - outer
         solve_contacts(free[count:], coupling, bounds[step], law, impulses)
-        added = response @ impulses
+        np.dot(response, impulses, added)
         for i in range(count):
             before, state[i] = state[i], free[i] + added[i]
             state[count + i] += length * (weight * state[i] + (1 - weight) * before)
