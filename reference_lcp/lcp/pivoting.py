@@ -66,7 +66,7 @@ def solve_scaled_lcp(
     if solved:
         return np.zeros(n), q.copy(), 0, SOLVED, 0.0, np.zeros(n, dtype=np.bool_)
     pivots, first = 0, (SOLVED, np.nan, np.zeros(n, dtype=np.bool_))
-    for path in range(-1 if warm_start.size > 0 else 0, paths):
+    for path in range(-1 if warm_start.size > 0 else 0, paths):  # before the first path, the warm start
         basic, code, made = warm_start, SOLVED, 0
         if path >= 0:
             cover = _covering(n, path)
