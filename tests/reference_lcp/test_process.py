@@ -73,6 +73,7 @@ with closing_on_interrupt():
 """
 
 
+@pytest.mark.slow
 def test_command_that_does_not_close_ends_after_a_moment() -> None:
     assert interrupted(started("-c", CLOSING)) == (130, "error: interrupted\n")
 
@@ -106,6 +107,7 @@ def test_interrupt_that_a_module_turns_into_its_own_error_is_one() -> None:
     assert interrupted(started("-c", SWALLOWED)) == (130, "error: interrupted\n")
 
 
+@pytest.mark.slow
 def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
     process = started("-c", CLOSING, ignored=True)
     process.send_signal(signal.SIGINT)

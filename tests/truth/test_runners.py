@@ -45,6 +45,13 @@ def judged(language: str, folder: Path, files: Iterable[Path], change: tuple[str
     return subprocess.run([*command, *map(str, files)], cwd=folder, capture_output=True, text=True, check=False)
 
 
+every_language = pytest.mark.parametrize(
+    "language",
+    [pytest.param(name, marks=[pytest.mark.slow] if compiler else []) for name, (_, compiler) in LANGUAGES.items()],
+)
+"""Compilers take a second; what they compile fails by default where friction is wrong."""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_the_example_engine_passes_every_problem(language, tmp_path):
@@ -64,7 +71,7 @@ def test_ten_percent_more_friction_fail_wherever_something_slides(language, tmp_
     assert failed == SLIDING
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@every_language
 def test_no_number_is_no_motion(language, tmp_path):
     place = {"python": "x += h * v", "c++": "x[i] += h * v[i]", "rust": "x[i] += h * v[i]"}[language]
     run = judged(language, tmp_path, FILES[:3], (place, place.replace("h *", "(h - h) / (h - h) *")))
@@ -72,7 +79,7 @@ def test_no_number_is_no_motion(language, tmp_path):
     assert "ok" not in run.stdout
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@every_language
 def test_creep_of_a_micrometre_a_second_fails(language, tmp_path):
     change = {
         "python": ("np.where(held, wanted,", "np.where(held, wanted + 1e-6 / (w[c1] + w[c2]),"),
@@ -84,7 +91,7 @@ def test_creep_of_a_micrometre_a_second_fails(language, tmp_path):
     assert run.stdout.startswith("FAILED")
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@every_language
 def test_another_format_is_refused(language, tmp_path):
     other = tmp_path / "other.json"
     other.write_text('{"format": 2}')

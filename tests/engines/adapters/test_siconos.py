@@ -135,7 +135,9 @@ def friction_on_slope(friction: float, load: float) -> float:
     return float(100 * (slip / (1 + friction * along**3 * up / slip) - 1))
 
 
-@pytest.mark.parametrize(("friction", "load"), [(0.2, 1.2), (0.5, 1.5), (0.8, 1.2)])
+@pytest.mark.parametrize(
+    ("friction", "load"), [(0.5, 1.5), *(pytest.param(mu, 1.2, marks=pytest.mark.slow) for mu in (0.2, 0.8))]
+)
 def test_box_on_a_slope_along_x_rubs_too_little_by_the_frame_of_its_contacts(friction: float, load: float) -> None:
     """By 3 to 29 % below 45°: Siconos 4.4.0."""
     off = measured(SlopeSlide(), f"μ {friction:g}, load {load:g}")["friction"]

@@ -224,6 +224,7 @@ install_engine(sys.argv[1], None)
 """
 
 
+@pytest.mark.slow
 def test_an_installation_that_was_killed_is_no_environment_and_is_made_anew(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -239,6 +240,7 @@ def test_an_installation_that_was_killed_is_no_environment_and_is_made_anew(
     assert Environment(NAME).fault() is None
 
 
+@pytest.mark.slow
 def test_an_environment_that_somebody_changed_is_refused_until_it_is_made_anew(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -274,6 +276,7 @@ def test_a_file_that_somebody_edited_or_removed_is_found_by_a_check(folder: Path
     assert capsys.readouterr().out == f"{environment.name} has files that were edited: {edit}; {cleaned}\n"
 
 
+@pytest.mark.slow
 def test_a_file_that_no_package_lists_is_named_and_not_run(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -120,6 +120,7 @@ def test_a_hang_in_compiled_code_is_killed_at_its_limit(process: EngineProcess) 
     assert run(process, "none")["position"].shape == (3, 2)
 
 
+@pytest.mark.slow
 def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_worker(process: EngineProcess) -> None:
     process.request("build", LIMIT, number=1, trouble="none")
     os.kill(process.pid, signal.SIGSTOP)
@@ -266,6 +267,7 @@ def test_a_worker_ends_with_its_parent_even_if_that_is_killed() -> None:
     assert ends(worker, 10)
 
 
+@pytest.mark.slow
 def test_a_hanging_worker_of_a_killed_parent_ends_at_its_limit() -> None:
     program = """
         out_of_process.GRACE = 0.5

@@ -41,6 +41,7 @@ def measured(capsys: pytest.CaptureFixture[str], file: Path, *options: str) -> d
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 def test_box_on_a_slope_creeps_as_in_the_scene_as_it_is_and_with_the_recipe(capsys, tmp_path) -> None:
     file = tmp_path / "slope.xml"
     file.write_text(contact_model(on_slope(0.5), SceneSetting(Variant("mujoco", "contact", "default").preset, STEP)))

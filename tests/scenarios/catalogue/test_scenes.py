@@ -28,6 +28,14 @@ SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
 needs_mujoco = pytest.mark.needs("mujoco")
 
 
+def each_of(names):
+    """Parametrise a test: by default a box that may slide and a joint that may turn."""
+    slow = [[] if name in ("slope-hold", "arm-hold") else [pytest.mark.slow] for name in names]
+    return pytest.mark.parametrize(
+        "name", [pytest.param(name, marks=own) for name, own in zip(names, slow, strict=True)]
+    )
+
+
 def disagreeing(found: list[Finding]) -> list[Finding]:
     return [finding for finding in found if finding.comparison.verdict is not Verdict.AGREE]
 
@@ -37,7 +45,7 @@ def test_coulomb_s_law_in_euler_s_steps_agrees_with_every_scene(scenario) -> Non
     assert not disagreeing(judged(scenario))
 
 
-@pytest.mark.parametrize("name", HOLDING)
+@each_of(HOLDING)
 def test_creep_of_a_micrometre_a_second_is_found_in_everything_that_should_hold(name) -> None:
     found = [each for each in judged(CATALOGUE[name], creep=1e-6) if each.metric in (CREEP, TURNING)]
     assert disagreeing(found) == found
@@ -67,7 +75,7 @@ def test_drift_after_the_stop_is_found() -> None:
     assert {each.metric.name for each in disagreeing(found)} == {"drift"}
 
 
-@pytest.mark.parametrize("name", [name for name in HOLDING if name != "joint-hold"])
+@each_of([name for name in HOLDING if name != "joint-hold"])
 def test_what_falls_at_once_and_rests_is_found(name) -> None:
     """It does not creep when that is measured."""
     found = judged(CATALOGUE[name], fall=0.01)

@@ -109,6 +109,7 @@ def test_what_an_engine_prints_and_says_is_cut(capfd) -> None:
     assert len(talks.reason) < LONGEST_REASON + 40
 
 
+@pytest.mark.slow
 def test_what_an_engine_does_to_its_process_is_felt_by_no_other() -> None:
     """One worker for both engines in turn: a process for each engine."""
     alone, after = (
@@ -127,6 +128,7 @@ def test_engine_of_another_version_in_the_worker_is_blocked_with_both_named(rows
     assert expected == here.replace("9.9.9", "1.0.0")
 
 
+@pytest.mark.slow
 def test_engine_that_dies_at_point_after_point_is_not_asked_forever() -> None:
     """The same point in ever other digits: each is a question of its own, and each kills."""
     near = [0.5 + k * 1e-12 for k in range(6)]

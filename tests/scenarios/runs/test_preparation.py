@@ -46,6 +46,7 @@ def test_preparation_that_takes_longer_than_a_task_may_is_not_counted_as_its_tim
     assert told.strip() == "Sound compiles its kernels: at most 60 s; what is made is kept for later runs"
 
 
+@pytest.mark.slow  # waits for processes
 def test_preparation_that_hangs_is_ended_at_its_own_limit_once_for_all_points(run, tmp_path) -> None:
     points, told = run("faulty-never-ready", RATIOS[:3])
     assert [status for status, _ in points] == 3 * ["blocked"]
@@ -68,6 +69,7 @@ def test_preparation_that_fails_blocks_all_points_with_its_reason(run, tmp_path,
     assert times_prepared(tmp_path) == 1
 
 
+@pytest.mark.slow  # waits for processes
 def test_points_whose_engine_could_not_be_prepared_are_run_again(run, tmp_path) -> None:
     """The machine is the cause, and may be another one by then; what the store holds does not keep them blocked."""
     for attempt in (1, 2):

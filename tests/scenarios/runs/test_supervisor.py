@@ -65,16 +65,22 @@ def started(folder: Path, worker: str, program: str = PROGRAM) -> Iterator[tuple
             os.kill(int(note.read_text()), 9)
 
 
-@pytest.mark.parametrize("worker", WORKERS.values(), ids=WORKERS)
-def test_all_processes_end_when_the_client_lets_go(tmp_path, worker) -> None:
-    with started(tmp_path, worker) as (supervisor, lifeline, process):
+def each_of(*names):
+    """Parametrise a test by workers, the first of which it has by default: it waits for each of them."""
+    slow = [pytest.param(name, marks=pytest.mark.slow) for name in names[1:]]
+    return pytest.mark.parametrize("name", [names[0], *slow])
+
+
+@each_of(*WORKERS)
+def test_all_processes_end_when_the_client_lets_go(tmp_path, name) -> None:
+    with started(tmp_path, WORKERS[name]) as (supervisor, lifeline, process):
         assert running(process)
         os.close(lifeline)
         assert ended([process], END_SECONDS)
         supervisor.wait(END_SECONDS)
 
 
-@pytest.mark.parametrize("name", ["leaves a daemon", "starts a program with its own session"])
+@each_of("leaves a daemon", "starts a program with its own session")
 def test_what_a_killed_worker_leaves_behind_ends(tmp_path, name) -> None:
     noted = "\nwhile not os.path.exists(sys.argv[1]): time.sleep(0.01)\nos.kill(os.getpid(), 9)"
     with started(tmp_path, WORKERS[name].removesuffix("time.sleep(1000)") + noted) as (supervisor, _, process):
@@ -82,7 +88,7 @@ def test_what_a_killed_worker_leaves_behind_ends(tmp_path, name) -> None:
         assert not running(process)
 
 
-@pytest.mark.parametrize("name", ["sleeps", "is stopped", "holds the lock of the interpreter"])
+@each_of("sleeps", "is stopped", "holds the lock of the interpreter")
 def test_worker_ends_with_a_supervisor_that_is_killed(tmp_path, name) -> None:
     with started(tmp_path, WORKERS[name]) as (supervisor, _, process):
         supervisor.kill()

@@ -122,6 +122,7 @@ def test_batch_goes_to_another_worker_where_its_own_was_lost_between_batches(exe
     assert worker not in executor._workers
 
 
+@pytest.mark.slow
 def test_batch_that_no_worker_begins_with_is_blocked_by_circumstances(executor, monkeypatch) -> None:
     def stopped(worker: LocalWorker, batch, _identity, _limit):
         raise worker._death(None)
@@ -177,6 +178,7 @@ def test_template_and_workers_have_one_thread_in_linear_algebra_too(shared) -> N
     assert said(shared, f"({product}, len(os.listdir('/proc/self/task')))[1]") == "1"
 
 
+@pytest.mark.slow
 def test_processor_time_of_workers_counts_as_their_clients(executor) -> None:
     worker = float(said(executor, "(sum(range(2 * 10**7)), __import__('time').process_time())[1]"))
     assert worker > 2 * CLOCK_SECONDS
@@ -219,6 +221,7 @@ def test_worker_that_cannot_be_started_is_an_error_with_the_reason(monkeypatch, 
     assert descriptors() == before
 
 
+@pytest.mark.slow
 def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch) -> None:
     started = []
 
@@ -247,6 +250,7 @@ time.sleep(1000)
 """
 
 
+@pytest.mark.slow
 def test_template_that_is_stopped_ends_with_a_client_that_is_killed() -> None:
     client = subprocess.Popen([sys.executable, "-c", CLIENT], stdout=subprocess.PIPE)
     processes = json.loads(client.stdout.readline())

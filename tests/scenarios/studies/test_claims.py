@@ -88,6 +88,7 @@ def test_first_cut_off_of_locked_cells_is_that_of_a_chain_of_single_masses(refer
     assert reference.bands[5.0].lower == pytest.approx(brentq(level, 1.16, 1.2), abs=STEP_ERROR)
 
 
+@pytest.mark.slow
 def test_with_friction_30_percent_too_small_cells_do_not_lock(monkeypatch, reference: Conclusions) -> None:
     """At a friction ratio of 1 it has that of 0.7; without friction it is right."""
     rub_harder(monkeypatch, 0.7)

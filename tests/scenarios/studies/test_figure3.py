@@ -38,9 +38,9 @@ SUPPORT = {
 """Points of the grid that bracket the edges of each friction ratio, so that engines need not answer all."""
 
 
-SLOW = ("exudyn-bristle", "exudyn-regularised")
-"""Engines whose edges take more than ten seconds each: a period takes them tenths of a second, and every edge is
-searched at a second step too."""
+SLOW = ("exudyn-bristle", "exudyn-regularised", "pybullet")
+"""Engines whose edges take seconds: a period takes Exudyn tenths of one, and every edge is searched at a second step
+too; PyBullet takes the reference's steps, as MuJoCo does, and longer."""
 
 
 @pytest.fixture(scope="module")
