@@ -4,8 +4,8 @@
 `scenarios.runs.steady`. Friction under a given normal force has one steady state; an engine whose
 step is not monotone may have several, and the search would find the one that the model predicts. A sample of every
 variant is therefore searched from harmonic balance as well. Where one point of it ends in a steady state that has
-another verdict, all points of the variant that have a steady state are searched both ways, and those that differ so are
-inconclusive.
+another verdict, or is farther away than its tolerance, all points of the variant that have a steady state are searched
+both ways, and those that differ so are inconclusive.
 
 *Models.* With other numbers of steps, the model of a variant stands in for its engine where both have just been shown
 equal, see `scenarios.sweeps.point.stands_in`. A sample of these points is run by the engine with other numbers of steps
@@ -97,8 +97,8 @@ def check_starts(
 ) -> tuple[list[Point], tuple[Check, ...]]:
     """Search a sample of every variant from harmonic balance too, `least` points of each or all that it has.
 
-    Gives the points, those whose two steady states have two verdicts inconclusive, and a check of each variant but the
-    suite's models.
+    Gives the points, those that have two steady states apart inconclusive, and a check of each variant but the suite's
+    models.
     """
     steady = {
         variant: [point for point in points if point.variant == variant and point.result.converged]
@@ -117,10 +117,12 @@ def _from_balance(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults
 
 
 def _difference(point: Point, balanced: Result) -> str | None:
-    """Compare two steady states of one engine: no matter how far apart, as long as they have one verdict."""
+    """Compare two steady states of one engine: what counts are two verdicts, or a distance that is not allowed."""
     if not balanced.converged or not point.result.converged:
         return None
-    if not _are_apart(point, balanced) or verdict_of(point, balanced) is point.comparison.verdict:
+    another = verdict_of(point, balanced, point.expected) is not point.comparison.verdict
+    far = verdict_of(point, balanced, point.result) is Verdict.DISAGREE
+    if not _are_apart(point, balanced) or not (another or far):
         return ""
     return f"another steady state, of {balanced.transmittance_db:.4g} dB, from harmonic balance"
 
@@ -159,7 +161,7 @@ def _complex(result: Result) -> complex:
 
 
 def _inconclusive(point: Point, reason: str | None) -> Point:
-    """Give a point that has two verdicts, for this reason, none."""
+    """Give a point that has two steady states, for this reason, no verdict."""
     if not reason:
         return point
     comparison = Comparison(Verdict.INCONCLUSIVE, reason, certified=False)

@@ -248,22 +248,21 @@ def point_findings(point: Point) -> tuple[Finding, ...]:
     return tuple(
         Finding(
             point.variant, point.label, metric, read(point.result), read(point.expected),
-            replace(_compared(point, metric, read, point.result), certified=certain),
+            replace(_compared(point, metric, read, point.result, point.expected), certified=certain),
         )
         for metric, read in readers.items()
     )  # fmt: skip
 
 
-def verdict_of(point: Point, result: Result) -> Verdict:
-    """Give the verdict on a point if this were its result, by the tolerance of the one that it has."""
-    readers = response_readers(point.expected.transmittance_db, point.expected.phase)
-    verdicts = (_compared(point, metric, read, result).verdict for metric, read in readers.items())
+def verdict_of(point: Point, result: Result, expected: Result) -> Verdict:
+    """Give the verdict on a point if this were its result, and that its baseline's, by the tolerance that it has."""
+    readers = response_readers(expected.transmittance_db, expected.phase)
+    verdicts = (_compared(point, metric, read, result, expected).verdict for metric, read in readers.items())
     return max(verdicts, key=_SEVERITY.index)
 
 
-def _compared(point: Point, metric: Metric, read: Read, result: Result) -> Comparison:
-    """Compare one number of a result of a point."""
-    expected = point.expected
+def _compared(point: Point, metric: Metric, read: Read, result: Result, expected: Result) -> Comparison:
+    """Compare one number of a result of a point with what is expected."""
     comparison = decide(metric, read(result), read(expected), tolerance(point, metric, read), point.effect[metric])
     comparison = of_response(unless_own_error_is_unknown(point, comparison), metric, expected.transmittance_db)
     return comparison if metric == TRANSMITTANCE else replace(comparison, reason=f"{metric.name}: {comparison.reason}")

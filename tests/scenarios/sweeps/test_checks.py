@@ -90,7 +90,7 @@ def test_a_search_that_fails_from_elsewhere_says_nothing() -> None:
 
 
 @needs_mujoco
-def test_two_steady_states_of_one_verdict_are_one(running) -> None:
+def test_two_steady_states_are_one_where_no_verdict_tells_them_apart(running) -> None:
     (found,) = [point for point in compare_sweep(POINTS, running, 1).points_of(LAWFUL) if point.frequency_ratio == 0.9]
 
     def end(db: float) -> Result:
@@ -101,8 +101,13 @@ def test_two_steady_states_of_one_verdict_are_one(running) -> None:
     assert (found.comparison.verdict, agrees.comparison.verdict) == (Verdict.DISAGREE, Verdict.AGREE)
     allowed = agrees.allowed(TRANSMITTANCE)
     assert allowed > 1000 * agrees.left_open
-    assert _difference(found, end(9.0)) == _difference(agrees, end(0.9 * allowed)) == ""
-    for one, other in ((found, end(0.0)), (agrees, end(1.1 * allowed)), (agrees, end(9.0))):
+    off = found.difference(TRANSMITTANCE)
+    turned = dataclasses.replace(
+        found.result, transmittance_db=found.result.transmittance_db + 0.9 * found.allowed(TRANSMITTANCE)
+    )
+    assert _difference(found, turned) == _difference(agrees, end(0.9 * allowed)) == ""
+    assert _difference(agrees, dataclasses.replace(end(0.0), status="period limit")) is None
+    for one, other in ((found, end(0.0)), (found, end(off - 9.0)), (agrees, end(1.1 * allowed)), (agrees, end(9.0))):
         assert "another steady state, of" in _difference(one, other)
 
 
