@@ -187,6 +187,7 @@ def terminal_lines(cache: Path, *arguments: str) -> list[str]:
     return written.decode().splitlines()
 
 
+@pytest.mark.slow
 def test_a_terminal_is_told_of_the_first_compilation_once(tmp_path) -> None:
     assert terminal_lines(tmp_path, "-c", SCRIPT) == [NOTICE]
     assert terminal_lines(tmp_path, "-c", SCRIPT) == []

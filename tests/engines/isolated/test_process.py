@@ -225,6 +225,7 @@ def test_the_worker_finds_the_caches_of_the_user(
     assert {"HOME", "XDG_CACHE_HOME"} <= set(str(reply["environment"]).split())
 
 
+@pytest.mark.slow
 def test_an_interrupted_wait_does_not_mix_up_replies(process: EngineProcess) -> None:
     def interrupt(_number: int, _frame: object) -> None:
         raise KeyboardInterrupt

@@ -70,11 +70,13 @@ def test_engine_that_moves_otherwise_in_another_process_is_found(last_digit) -> 
     assert ways_that_differ(REFERENCE) == {"chain": {PROCESS}}
 
 
+@pytest.mark.slow
 def test_motion_that_depends_on_others_in_its_batch_is_found(last_digit) -> None:
     last_digit(lambda _number, _lane, lanes: len(lanes) > 1)
     assert ways_that_differ(REFERENCE) == {"chain": {TOGETHER, REVERSED}}
 
 
+@pytest.mark.slow
 def test_motion_that_depends_on_its_place_in_the_batch_is_found(last_digit) -> None:
     last_digit(lambda _number, lane, _lanes: lane > 0)
     assert ways_that_differ(REFERENCE) == {"chain": {REVERSED}}

@@ -109,6 +109,7 @@ def test_no_other_engine_is_asked_for_what_computes_an_answer(monkeypatch) -> No
 ROOMS = ("reference_lcp", "engines", "scenarios", "multibody_xval")
 
 
+@pytest.mark.slow
 def test_digest_is_the_same_wherever_the_suite_lies(tmp_path) -> None:
     """A store goes on in another checkout, or in an environment that is made anew."""
     command = "from scenarios.runs.sources import sources_of as of; from engines.interface.registry import engine;"

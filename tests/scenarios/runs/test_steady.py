@@ -57,6 +57,7 @@ def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypat
         assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.needs("exudyn-regularised")
 def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference() -> None:
     variant = Variant.parse("exudyn-regularised:contact:default")

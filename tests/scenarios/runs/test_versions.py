@@ -81,6 +81,7 @@ def test_a_sweep_file_that_names_a_missing_version_is_refused(
     assert re.search(MISSING, capsys.readouterr().err)
 
 
+@pytest.mark.slow
 def test_functions_take_versions_and_name_missing_ones() -> None:
     with pytest.raises(ParameterError, match=MISSING):
         sweep(["mujoco@3.98.0"], 0.3, 0.9)
