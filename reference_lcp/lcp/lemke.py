@@ -108,9 +108,7 @@ def lemke(
     start = np.asarray(() if warm_start is None else warm_start, dtype=np.bool_)
     if warm_start is not None and start.shape != (size,):
         raise ParameterError(f"warm_start has shape {start.shape}; allowed: ({size},)")
-    matrix = np.ascontiguousarray(matrix)
-    rows, columns = power_of_two_scaling(matrix)
-    z, w, pivots, code, residual, basic = solve_scaled_lcp(
-        matrix, vector, rows, columns, cover, limit, start, checked_count("paths", paths)
-    )
+    matrix, paths = np.ascontiguousarray(matrix), checked_count("paths", paths)
+    factors = power_of_two_scaling(matrix)
+    z, w, pivots, code, residual, basic = solve_scaled_lcp(matrix, vector, *factors, cover, limit, start, paths)
     return LemkeResult(z, w, pivots, STATUSES[code], residual, basic)

@@ -120,9 +120,10 @@ def _difference(point: Point, balanced: Result) -> str | None:
     """Compare two steady states of one engine: what counts are two verdicts, or a distance that is not allowed."""
     if not balanced.converged or not point.result.converged:
         return None
-    another = verdict_of(point, balanced, point.expected) is not point.comparison.verdict
-    far = verdict_of(point, balanced, point.result) is Verdict.DISAGREE
-    if not _are_apart(point, balanced) or not (another or far):
+    if not _are_apart(point, balanced):
+        return ""
+    one_verdict = verdict_of(point, balanced, point.expected) is point.comparison.verdict
+    if one_verdict and verdict_of(point, balanced, point.result) is not Verdict.DISAGREE:
         return ""
     return f"another steady state, of {balanced.transmittance_db:.4g} dB, from harmonic balance"
 
