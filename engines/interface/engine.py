@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.changed_options import changed_preset
+from engines.interface.device import PROCESSOR
 from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
 from engines.interface.reproducer import Reproducer
 from engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
@@ -64,6 +65,8 @@ class Engine(ABC):
     """What builds scenes as its users write them, by the formulation of the friction; none is needed."""
     scene_models: ClassVar[Mapping[Formulation, Callable[[Any, SceneSetting], str]]] = {}
     """What writes such scenes as texts, of an engine whose users write models so."""
+    devices: ClassVar[tuple[str, ...]] = (PROCESSOR,)
+    """Where its steps can be timed; all else is done on the processor."""
     no_scenes: ClassVar[str] = "its adapter builds none"
     """Why there are no scenes of a formulation that is not in `scene_worlds`."""
 

@@ -41,13 +41,14 @@ class ModelsSimulation(WorldsSimulation):
         preset: Preset,
         new_worlds: Callable[[Sequence[Any], bool], Worlds],
     ) -> Self:
-        """Compile MuJoCo's models of the lanes, and make worlds of them."""
-        if formulation is Formulation.JOINT:
-            return cls([compiled_joints(lane, preset) for lane in lanes], new_worlds)
-        lifting = any(lane.preload is not None for lane in lanes)
-        own = preset.modulated() if lifting else preset
-        compiled = partial(compiled_contacts, lifting=lifting, units_of=light_units, touch=TOUCH_IN_SINGLE)
-        return cls([compiled(lane, own) for lane in lanes], new_worlds)
+        """Compile MuJoCo's models of the lanes, of one that is there several times once, and make worlds of them."""
+        compiled: Callable[[Lane, Preset], CompiledLane] = compiled_joints
+        if formulation is Formulation.CONTACT:
+            lifting = any(lane.preload is not None for lane in lanes)
+            preset = preset.modulated() if lifting else preset
+            compiled = partial(compiled_contacts, lifting=lifting, units_of=light_units, touch=TOUCH_IN_SINGLE)
+        once = {id(lane): compiled(lane, preset) for lane in {id(lane): lane for lane in lanes}.values()}
+        return cls([once[id(lane)] for lane in lanes], new_worlds)
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""

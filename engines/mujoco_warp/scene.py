@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
+from engines.interface.device import PROCESSOR
 from engines.interface.scene import ArmScene, ContactScene, JointScene, SceneSetting, SteppedWorld, Vector
 from engines.mujoco.scene import contact_world, joint_world
 from engines.mujoco_warp.worlds import import_mujoco_warp
-from engines.shared.warp_worlds import DEVICE, import_warp
+from engines.shared.warp_worlds import import_warp
 
 MOST_CONTACTS, MOST_ROWS = 64, 300
 """Memory of a world: three boxes that lie flat have 12 contacts, with four rows each."""
@@ -36,7 +37,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
 def _world(model: Any, start: Any) -> tuple[Any, Callable[[], object]]:
     """Give the data of one world on Warp, and what takes a step: the second one is recorded, and repeated."""
     warp, engine = import_warp(), import_mujoco_warp()
-    with warp.ScopedDevice(DEVICE):
+    with warp.ScopedDevice(PROCESSOR):
         batched = engine.put_model(model)
         data = engine.put_data(model, start, nworld=1, nconmax=MOST_CONTACTS, njmax=MOST_ROWS)
     batched.opt.warn_overflow = 0
@@ -50,7 +51,7 @@ def _world(model: Any, start: Any) -> tuple[Any, Callable[[], object]]:
             engine.step(batched, data)
             return
         if graph is None:
-            with warp.ScopedCapture(device=DEVICE) as capture:
+            with warp.ScopedCapture(device=PROCESSOR) as capture:
                 engine.step(batched, data)
             graph = capture.graph
         warp.capture_launch(graph)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from engines.interface.device import PROCESSOR
 from engines.interface.scene import (
     FINGER,
     FINGER_MASS,
@@ -22,7 +23,7 @@ from engines.interface.scene import (
     Vector,
 )
 from engines.newton.worlds import import_newton
-from engines.shared.warp_worlds import DEVICE, import_warp
+from engines.shared.warp_worlds import import_warp
 
 STEP = 1 / 240
 """Of Newton's own examples with rigid contacts [s]; a solver has no default."""
@@ -42,7 +43,7 @@ class _World:
 
     def __init__(self, builder: Any, setting: SceneSetting):
         newton = import_newton()
-        self.model = builder.finalize(device=DEVICE)
+        self.model = builder.finalize(device=PROCESSOR)
         options = {name: setting.changed(name) for name in ("iterations", "friction_anchor_beta")}
         options = {name: value for name, value in options.items() if value is not None}
         self._solver = newton.solvers.SolverSteel(self.model, **options, **_drives(setting))
@@ -69,7 +70,7 @@ class _World:
             self._advance()
             return
         if self._graph is None:
-            with warp.ScopedCapture(device=DEVICE) as capture:
+            with warp.ScopedCapture(device=PROCESSOR) as capture:
                 self._advance()
             self._graph = capture.graph
         warp.capture_launch(self._graph)

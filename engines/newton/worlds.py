@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from engines.interface.presets import Formulation, Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.units import Units
-from engines.shared.warp_worlds import DEVICE, WarpWorlds, import_warp
+from engines.shared.warp_worlds import WarpWorlds, import_warp
 from engines.shared.worlds import Rows
 from engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp.chain.mass_in_mass import Chain
@@ -74,7 +74,7 @@ class NewtonWorlds(WarpWorlds):
             slide = chain.add_joint_prismatic(-1, outer, axis=newton.Axis.X)
             chain.add_articulation([slide, self._add_inner(chain, outer, inner, cell)])
         copies.replicate(chain, len(self._chains))
-        model = copies.finalize(device=DEVICE)
+        model = copies.finalize(device=self._device)
         masses = np.swapaxes(self._numbers("outer_mass", "inner_mass"), 1, 2).ravel()
         model.body_mass.assign(masses)
         model.body_inv_mass.assign(1 / masses)

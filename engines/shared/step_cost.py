@@ -4,14 +4,19 @@ import math
 import timeit
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 
+from engines.interface.device import PROCESSOR, on_device
 from engines.interface.engine import NativeStepping
+from engines.interface.registry import engine
 from engines.interface.variant import Variant
+from engines.shared.warp_worlds import import_warp
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD as STEPS
+from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.schemes.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
@@ -21,7 +26,7 @@ SAMPLES = 7
 
 @dataclass(frozen=True)
 class StepCost:
-    """Seconds a step and lane of seven cells, on one core."""
+    """Seconds a step and lane of seven cells, on one core or on a graphics card."""
 
     variant: Variant
     """What was measured."""
@@ -33,6 +38,8 @@ class StepCost:
     bare: float
     """By the engine alone, from rest, in the tightest loop of its Python interface; NaN where it has none. Lanes
     that are advanced one after the other cost the same alone, and one of them is measured."""
+    device: str = PROCESSOR
+    """The processor, or the name of the card."""
 
     @property
     def ratio(self) -> float:
@@ -40,7 +47,7 @@ class StepCost:
         return self.advance / self.bare
 
 
-def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None) -> StepCost:
+def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None, device: str = PROCESSOR) -> StepCost:
     """Measure one variant at (0.3, 0.9) of figure 3, in a batch of equal lanes, as the suite runs engines.
 
     Parameters
@@ -51,11 +58,13 @@ def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None
         See `SAMPLES`.
     lanes
         Of the batch, at least 1; as many as the engine takes at best unless given.
+    device
+        On a card, the engine is timed alone: its motions, that adapters give, would have to leave the card.
 
     Raises
     ------
     ParameterError
-        If `samples` or `lanes` is not at least 1.
+        If `samples` or `lanes` is not at least 1, or the engine or this machine has no such device.
     EngineNotInstalled
         If the engine cannot be used on this machine.
     """
@@ -63,13 +72,18 @@ def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None
     chain = Chain.from_ratios(friction_ratio=0.3)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
     lanes = checked_count("lanes", variant.batch_lanes if lanes is None else lanes)
-    simulation = variant.build([lane] * lanes)
+    title = device_title(variant, device)
+    with on_device(device):
+        simulation = variant.build([lane] * lanes)
     try:
         start = State.at_rest(lanes, chain.cells)
         timed: dict[str, Callable[[], object]] = {
             "advance": lambda: simulation.advance(start, 0, STEPS),
             "run": lambda: simulation.run(start, 0, STEPS),
         }
+        if device != PROCESSOR:
+            simulation.advance(start, 0, 1)  # its load stays
+            timed.clear()
         taken = dict.fromkeys(timed, STEPS * lanes)
         bare = native_stepping(simulation)
         if bare is not None:
@@ -81,7 +95,24 @@ def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None
                 best[name] = min(best[name], timeit.timeit(act, number=1) / taken[name])
     finally:
         simulation.close()
-    return StepCost(variant, lanes, best["advance"], best["run"], best["bare"] if bare is not None else math.nan)
+    known = {name: best[name] if name in timed else math.nan for name in best}
+    return StepCost(variant, lanes, **known, device=title)
+
+
+def device_title(variant: Variant, device: str) -> str:
+    """Give the name of a device on which the steps of a variant can be timed here: that of the card.
+
+    Raises
+    ------
+    ParameterError
+        If the adapter does not take the device, or this machine has none.
+    """
+    checked_choice(f"device of {variant.engine}", device, engine(variant.engine).devices)
+    if device == PROCESSOR:
+        return device
+    if find_spec("warp") is None or not import_warp().is_cuda_available():
+        raise ParameterError(f"device = {device}: no graphics card that CUDA finds is here; allowed here: {PROCESSOR}")
+    return str(import_warp().get_device(device).name)
 
 
 def native_stepping(simulation: Simulation) -> NativeStepping | None:

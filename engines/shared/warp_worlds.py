@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from engines.interface.device import chosen_device
 from engines.shared.silence import silent_standard_error
 from engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.validation import FloatArray
-
-DEVICE = "cpu"
-"""The processor: a graphics card may be there, and is not needed."""
 
 
 class WarpWorlds(Worlds):
@@ -24,8 +22,8 @@ class WarpWorlds(Worlds):
     """
 
     def __init__(self, size: int, cells: int):
-        warp = import_warp()
-        with warp.ScopedDevice(DEVICE):
+        warp, self._device = import_warp(), chosen_device()
+        with warp.ScopedDevice(self._device):
             self._step = warp.zeros(1, dtype=int)
             self._loads = warp.zeros((CHUNK, size), dtype=float)
             self._pressing = warp.zeros((CHUNK, size, cells), dtype=float)
@@ -55,7 +53,7 @@ class WarpWorlds(Worlds):
         from engines.shared import warp_kernels as kernels
 
         warp = import_warp()
-        with warp.ScopedDevice(DEVICE):
+        with warp.ScopedDevice(self._device):
             self._set_forces()
             self._advance()
             self._read_forces()
@@ -68,6 +66,7 @@ class WarpWorlds(Worlds):
         launch = self._captured(self._advance)
         for _ in range(steps):
             launch()
+        import_warp().synchronize_device(self._device)
 
     @property
     def _force_columns(self) -> tuple[int, int]:
@@ -75,8 +74,8 @@ class WarpWorlds(Worlds):
         return friction, normal_force
 
     def _steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
-        self._loads.numpy()[: len(loads)] = loads
-        self._pressing.numpy()[: len(loads)] = pressing
+        self._loads[: len(loads)].assign(loads)
+        self._pressing[: len(loads)].assign(pressing)
         self._step.zero_()
         for _ in range(len(loads)):
             self.launch()
@@ -85,7 +84,7 @@ class WarpWorlds(Worlds):
     def _captured(self, steps: Callable[[], None]) -> Callable[[], None]:
         """Record what is launched as a graph; give the function that launches it again."""
         warp = import_warp()
-        with warp.ScopedDevice(DEVICE), warp.ScopedCapture(DEVICE) as capture:
+        with warp.ScopedDevice(self._device), warp.ScopedCapture(self._device) as capture:
             steps()
         return functools.partial(warp.capture_launch, capture.graph)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from engines.interface.device import CARD, PROCESSOR
 from reference_lcp.errors import ExitCode, ParameterError, checked_choice
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import announce_compilation, print_table, tracked, visible
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
 BATCH_SAMPLES = 3
 """Samples of a batch of each size: a large one takes as long as many steps of one chain do, and varies less."""
 
-MOST_LANES = 65536
-"""Of a batch: a period of so many chains of seven, recorded, is some 10 GB."""
+MOST_LANES = {PROCESSOR: 65536, CARD: 262144}
+"""Of a batch, by device: a period of 65,536 chains of seven, recorded, is some 10 GB, and a card's is not recorded."""
 
 RECORD = "record"
 """The scenario whose base follows a file."""
@@ -337,16 +338,18 @@ def measure_cost(
         list[int] | None,
         typer.Option(help="Measure time steps only, in a batch of N chains; may be repeated.", metavar="N"),
     ] = None,
+    device: Annotated[str, typer.Option(help="Where batches are: cpu, or cuda for a graphics card.")] = PROCESSOR,
 ) -> None:
     """Measure time steps and steady states of each variant, with one and two worker processes, and of the reference.
 
-    A step is measured in the adapter without a record (advance) and with one (run), and in the engine's own loop.
+    A step is measured in the adapter without a record (advance) and with one (run), and in the engine's own loop; on a
+    graphics card in the latter alone.
     Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
 
     Example: multibody-xval run cost --engine mujoco:joint
     """
     check_outs([out], TABLE_ENDINGS)
-    from engines.shared.step_cost import step_cost
+    from engines.shared.step_cost import device_title, step_cost
     from reference_lcp.validation import checked_count, checked_scalar
     from scenarios.studies.cost import COST_COLUMNS, STEP_COLUMNS, cost
     from scenarios.verdicts.steady_case import REFERENCE
@@ -354,10 +357,15 @@ def measure_cost(
     if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
         raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
     variants = engines.variants()
-    counts = [checked_count("lanes", count, 1, MOST_LANES) for count in lanes or ()]
+    checked_choice("device", device, list(MOST_LANES))
+    counts = [checked_count("lanes", count, 1, MOST_LANES[device]) for count in lanes or ()]
+    if device != PROCESSOR and not counts:
+        raise ParameterError(f"device = {device} without --lanes; allowed: with --lanes, which measure steps only")
+    for variant in variants:
+        device_title(variant, device)
     announce_compilation()
     if counts:
-        steps = _measured(variants, lambda each: [step_cost(each, BATCH_SAMPLES, count) for count in counts])
+        steps = _measured(variants, lambda each: [step_cost(each, BATCH_SAMPLES, count, device) for count in counts])
         _end(out, STEP_COLUMNS, STEP_COLUMNS, steps)
         return
     reference = cost(REFERENCE, seconds)

@@ -103,6 +103,7 @@ CostRow = tuple[Cost, Cost]
 
 STEP_COLUMNS: tuple[Column[StepCost], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
+    Column("device", lambda row: row.device),
     Column("lanes", lambda row: row.lanes),
     Column("advance [µs]", lambda row: 1e6 * row.advance, pattern="{:.3g}"),
     Column("run [µs]", lambda row: 1e6 * row.run, pattern="{:.3g}"),
