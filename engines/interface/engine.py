@@ -65,10 +65,10 @@ class Engine(ABC):
     """What builds scenes as its users write them, by the formulation of the friction; none is needed."""
     scene_models: ClassVar[Mapping[Formulation, Callable[[Any, SceneSetting], str]]] = {}
     """What writes such scenes as texts, of an engine whose users write models so."""
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR,)
-    """Where its steps can be timed; all else is done on the processor."""
     no_scenes: ClassVar[str] = "its adapter builds none"
     """Why there are no scenes of a formulation that is not in `scene_worlds`."""
+    devices: ClassVar[tuple[str, ...]] = (PROCESSOR,)
+    """Where its steps can be timed; all else is done on the processor."""
 
     @abstractmethod
     def version(self) -> str:

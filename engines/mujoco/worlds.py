@@ -47,7 +47,7 @@ class ModelsSimulation(WorldsSimulation):
             lifting = any(lane.preload is not None for lane in lanes)
             preset = preset.modulated() if lifting else preset
             compiled = partial(compiled_contacts, lifting=lifting, units_of=light_units, touch=TOUCH_IN_SINGLE)
-        once = {id(lane): compiled(lane, preset) for lane in {id(lane): lane for lane in lanes}.values()}
+        once = {key: compiled(lane, preset) for key, lane in {id(lane): lane for lane in lanes}.items()}
         return cls([once[id(lane)] for lane in lanes], new_worlds)
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:

@@ -57,13 +57,13 @@ def _batched_model(models: Sequence[Any]) -> Any:
     import mujoco_warp
     import warp
 
-    others = {id(model): model for model in models}.values()
+    distinct = {id(model): model for model in models}.values()
 
     def differs(name: str) -> bool:
         first = getattr(models[0], name, None)
         if not isinstance(first, np.ndarray):
             return False
-        return any(not np.array_equal(first, getattr(model, name)) for model in others)
+        return any(not np.array_equal(first, getattr(model, name)) for model in distinct)
 
     differing = {field.name for field in dataclasses.fields(mujoco_warp.Model) if differs(field.name)}
     names = sorted(differing | {"dof_frictionloss"})

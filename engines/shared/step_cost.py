@@ -34,10 +34,10 @@ class StepCost:
     """Of the batch."""
     advance: float
     run: float
-    """By the adapter: the end of a period only, and with every step recorded."""
+    """By the adapter: the end of a period only, and with every step recorded; NaN on a card."""
     bare: float
-    """By the engine alone, from rest, in the tightest loop of its Python interface; NaN where it has none. Lanes
-    that are advanced one after the other cost the same alone, and one of them is measured."""
+    """By the engine alone, from rest or a first step, in the tightest loop of its Python interface; NaN where it has
+    none. Lanes that are advanced one after the other cost the same alone, and one of them is measured."""
     device: str = PROCESSOR
     """The processor, or the name of the card."""
 
@@ -77,26 +77,25 @@ def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None
         simulation = variant.build([lane] * lanes)
     try:
         start = State.at_rest(lanes, chain.cells)
-        timed: dict[str, Callable[[], object]] = {
-            "advance": lambda: simulation.advance(start, 0, STEPS),
-            "run": lambda: simulation.run(start, 0, STEPS),
-        }
-        if device != PROCESSOR:
+        timed: dict[str, Callable[[], object]] = {}
+        if device == PROCESSOR:
+            timed["advance"] = lambda: simulation.advance(start, 0, STEPS)
+            timed["run"] = lambda: simulation.run(start, 0, STEPS)
+        else:
             simulation.advance(start, 0, 1)  # its load stays
-            timed.clear()
         taken = dict.fromkeys(timed, STEPS * lanes)
         bare = native_stepping(simulation)
         if bare is not None:
             timed["bare"] = lambda: bare.native_steps(STEPS)
             taken["bare"] = STEPS if isinstance(simulation, SequentialSimulation) else STEPS * lanes
-        best = dict.fromkeys(("advance", "run", "bare"), math.inf)
+        best: dict[str, float] = {}
         for _ in range(samples):
             for name, act in timed.items():
-                best[name] = min(best[name], timeit.timeit(act, number=1) / taken[name])
+                best[name] = min(best.get(name, math.inf), timeit.timeit(act, number=1) / taken[name])
     finally:
         simulation.close()
-    known = {name: best[name] if name in timed else math.nan for name in best}
-    return StepCost(variant, lanes, **known, device=title)
+    advance, run, least = (best.get(name, math.nan) for name in ("advance", "run", "bare"))
+    return StepCost(variant, lanes, advance, run, least, title)
 
 
 def device_title(variant: Variant, device: str) -> str:
