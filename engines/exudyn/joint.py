@@ -9,11 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from engines.exudyn.step_model import bristle_numbers, bristles_at, reduced_mass, zone_widths
+from engines.exudyn.step_model import (
+    bristle_numbers,
+    bristles_at,
+    harmonic_amplitudes,
+    reduced_mass,
+    zone_widths,
+)
 from engines.interface.presets import Preset
 from engines.shared.units import Units
-from reference_lcp.chain.drives import HarmonicBase, HarmonicForce
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel
@@ -186,7 +190,7 @@ class ExudynLane(LaneModel):
         from exudyn import advancedUtilities, itemInterface
 
         load = self._system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=0.0))
-        harmonic = _harmonic_amplitudes(self.lane)
+        harmonic = harmonic_amplitudes(self.lane)
         if harmonic is None:
             function = self._tabulated_load
         else:
@@ -203,7 +207,7 @@ class ExudynLane(LaneModel):
 
     def _tabulate_load(self, start: int, steps: int) -> None:
         """Compute a drive that is not harmonic at the ends of all substeps of a run, at once."""
-        if _harmonic_amplitudes(self.lane) is not None:
+        if harmonic_amplitudes(self.lane) is not None:
             return
         substeps = start * self._substeps + np.arange(steps * self._substeps + 1, dtype=np.float64)
         loads = self.lane.drive.load(self.lane.chain, substeps * (self.lane.time_step / self._substeps))
@@ -340,19 +344,6 @@ def bristles(lane: Lane, preset: Preset, units: Units) -> tuple[FloatArray, Floa
         return np.full(lane.chain.cells, stiffness), np.full(lane.chain.cells, damping)
     time_step, numbers = lane.time_step / units.time, (preset["bristle_phase"], preset["bristle_damping"])
     return bristle_numbers(units.scaled(lane.chain), time_step, preset["substeps"], *numbers)
-
-
-def _harmonic_amplitudes(lane: Lane) -> tuple[float, float, float] | None:
-    """Sine and cosine amplitude [N] and ω [rad/s] of the force on cell 1, ``None`` for other drives."""
-    drive: Any = lane.drive
-    if type(drive) is HarmonicForce:
-        return drive.amplitude, 0.0, drive.angular_frequency
-    if type(drive) is HarmonicBase:
-        chain: Chain = lane.chain
-        spring = float(chain.chain_stiffness[0]) * drive.amplitude
-        dashpot = float(chain.chain_damping[0]) * drive.amplitude * drive.angular_frequency
-        return spring, dashpot, drive.angular_frequency
-    return None
 
 
 @contextlib.contextmanager

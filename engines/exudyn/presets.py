@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from engines.exudyn.step_model import FAILS, bristle, disc, zone
-from engines.interface.law import NotModelled
+from engines.exudyn.step_model import bristle, disc, zone
 from engines.interface.presets import Option, Preset
 
 OPTIONS = {
@@ -82,7 +81,6 @@ REGULARISED_RECOMMENDED = replace(
         "friction is proportional to the slip velocity within a zone of 1e-5 m/s: a stuck contact creeps, "
         "whatever the time step"
     ),
-    law=lambda _: NotModelled(FAILS),
     split_tolerance=0.05,
     optional=True,
     varied={"frictionProportionalZone": (1e-4, 1e-6)},

@@ -17,7 +17,8 @@ stick, and the place of its foot.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import Preset
 from engines.shared.kernel_lane import KernelLane
 from engines.shared.units import Units
+from reference_lcp.chain.drives import HarmonicBase, HarmonicForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -48,40 +50,36 @@ iteration stops at a part of its first residual errs by at most that part of the
 
 STOPS = "Newton's iteration stops at the relative tolerance"
 
-FAILS = (
-    "the kick F h / m_red of a step is wider than two zones: Newton's iteration may run in a circle between both sides "
-    "of the zone, and where it fails Exudyn halves its steps, up to 0.03 displacement scales aside within a period"
-)
+SMALLEST_VELOCITY = 0.01
+"""What differences are at least taken from [m/s], in the units of a lane: Exudyn's minimumCoordinateSize."""
 
 
 def zone(preset: Preset) -> Law:
-    """Give the law of connectors with a zone."""
-    law = _zone_law(preset, ZONE, "φ = F clip(w / z, ±1), w at the end of a substep")
-    return replace(law, unmodelled_reason=lambda lane: _failure_of_newton(lane, preset))
+    """Give the law of connectors with a zone: a fixed one may be so narrow that Newton's iteration fails."""
+    iterated = "frictionProportionalZone" in preset.options
+    return _zone_law(preset, ZONE, "φ = F clip(w / z, ±1), w at the end of a substep", iterated)
 
 
-def disc(preset: Preset) -> Law | NotModelled:
-    """Give the law of discs whose zone is linear."""
-    if preset["useLinearProportionalZone"]:
-        correction = "w_d the slip velocity of the last of up to five corrections"
-        return _zone_law(preset, DISC, f"φ = F w / z if |w_d| ≤ z, else F sgn w_d, {correction}")
-    return NotModelled(
-        "friction s (2 − s) falls again beyond the zone, until the next correction cuts it off: the equations of a "
-        "step have several roots, and the path of Newton's iteration decides between them"
-    )
+def disc(preset: Preset) -> Law:
+    """Give the law of discs: friction that falls again leaves to Newton's iteration where it ends."""
+    parabolic = not preset["useLinearProportionalZone"]
+    friction = "F s (2 - |s|), s = w / z," if parabolic else "F w / z"
+    correction = "w_d the slip velocity of the last of up to five corrections"
+    return _zone_law(preset, DISC, f"φ = {friction} if |w_d| ≤ z, else F sgn w_d, {correction}", parabolic)
 
 
-def _zone_law(preset: Preset, kind: int, formula: str) -> Law:
+def _zone_law(preset: Preset, kind: int, formula: str, iterated: bool) -> Law:
     """Give the law of a zone of friction, with the width of the zone and the integrator."""
 
     def model(lane: Lane, constants: Mapping[str, float]) -> "GeneralisedAlphaLane":
         force = Units.in_steps(preset["units"], lane).force
         tolerance = preset["discontinuous_tolerance"] * force if kind == DISC else 0.0
-        widths = zone_widths(lane, preset, constants)
-        return GeneralisedAlphaLane(lane, preset, _rule(constants), kind, widths, tolerance=tolerance)
+        numbers = step_rule(constants), kind, zone_widths(lane, preset, constants)
+        return (NewtonLane if iterated else GeneralisedAlphaLane)(lane, preset, *numbers, tolerance=tolerance)
 
     width = "" if "frictionProportionalZone" in preset.options else "z = max(z_s s ω_r, z_k F h / m_red); "
-    return _law(preset, f"{formula}; {width}{_steps(preset)}", _constants(preset), model)
+    path = "by Newton's iteration, and substeps that are halved where it fails; " if iterated else ""
+    return _law(preset, f"{formula}; {width}{path}{_steps(preset)}", _constants(preset), model)
 
 
 def _law(
@@ -107,7 +105,7 @@ def bristle(preset: Preset) -> Law | NotModelled:
         else:
             phase_and_damping = constants["θ"], constants["ζ"]
             springs = bristle_numbers(lane.chain, lane.time_step, preset["substeps"], *phase_and_damping)
-        return BristleModelLane(lane, preset, _rule(constants), BRISTLE, *springs)
+        return BristleModelLane(lane, preset, step_rule(constants), BRISTLE, *springs)
 
     formula = (
         f"stick: φ = k_s (x − foot) + d_s w, {'' if given else 'k_s = m_red (θ / h)², d_s = 2 ζ √(k_s m_red), '}"
@@ -196,7 +194,7 @@ class GeneralisedAlphaLane(KernelLane):
         tolerance: float = 0.0,
     ):
         super().__init__(lane)
-        chain, substeps = lane.chain, preset["substeps"]
+        chain, substeps, self._preset = lane.chain, preset["substeps"], preset
         h = lane.time_step / substeps
         self._numbers = np.vstack([chain.friction_bound, first, np.broadcast_to(second, first.shape)])
         self._kind, self._tolerance, self._rule = kind, tolerance, (h, substeps, *rule)
@@ -244,6 +242,38 @@ class GeneralisedAlphaLane(KernelLane):
         return None
 
 
+class NewtonLane(GeneralisedAlphaLane):
+    """The same by Exudyn's own Newton iteration, whose path decides where equations have no solution, or several."""
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        from engines.exudyn.newton_kernel import advance, frictions
+
+        lane, (length, parts), parabolic = self.lane, self._rule[:2], self._kind == DISC
+        first = start * parts
+        loads = lane.drive.load(lane.chain, length * np.arange(first, first + steps * parts + 1, dtype=np.float64))
+        wave = np.array([*(harmonic_amplitudes(lane) or (0.0, 0.0, 0.0)), length * first])
+        slip = self._contacts_at(state, float(loads[0]))
+        motion = np.vstack([state.positions[0], state.velocities[0], slip.ravel()])
+        forces = frictions(slip[0], slip[0], self._numbers, parabolic)
+        accelerations = self._accelerations(motion, forces, float(loads[0]))
+        numbers = self._numbers, self._limits
+        advance(motion, accelerations, loads, wave, self._chain, np.array(self._rule), parabolic, *numbers, record)
+        return State(motion[:1], motion[1:2])
+
+    @cached_property
+    def _chain(self) -> FloatArray:
+        chain = self.lane.chain
+        return np.stack([chain.mass_matrix, chain.damping_matrix, chain.stiffness_matrix])
+
+    @cached_property
+    def _limits(self) -> FloatArray:
+        """Give the limits of the kernel."""
+        preset, units = self._preset, Units.in_steps(self._preset["units"], self.lane)
+        tolerances = preset["relative_tolerance"], preset["absolute_tolerance"] * units.force
+        smallest = SMALLEST_VELOCITY * units.velocity, self._tolerance, preset["smallest_step"] * preset["substeps"]
+        return np.array([*tolerances, *smallest])
+
+
 class BristleModelLane(GeneralisedAlphaLane):
     """Contacts keep the force of their slip and the place of their foot; states hold the deflection instead."""
 
@@ -282,7 +312,7 @@ def _integrator(preset: Preset) -> dict[str, Constant]:
     return {"ρ": Constant(SPECTRAL_RADIUS, "", "generalizedAlpha.spectralRadius, Exudyn's own")}
 
 
-def _rule(constants: Mapping[str, float]) -> tuple[float, ...]:
+def step_rule(constants: Mapping[str, float]) -> tuple[float, ...]:
     """Give the trapezoidal rule, or generalised alpha of spectral radius ρ (Chung and Hulbert, 1993)."""
     if "ρ" not in constants:
         return TRAPEZOIDAL
@@ -300,6 +330,14 @@ def _kick(lane: Lane, preset: Preset) -> FloatArray:
     return kick * lane.time_step / preset["substeps"]
 
 
-def _failure_of_newton(lane: Lane, preset: Preset) -> str | None:
-    """Say where Newton's iteration may fail: half a kick then leads from one side of the zone beyond the other."""
-    return FAILS if np.any(_kick(lane, preset) > 2 * zone_widths(lane, preset)) else None
+def harmonic_amplitudes(lane: Lane) -> tuple[float, float, float] | None:
+    """Sine and cosine amplitude [N] and ω [rad/s] of the force on cell 1, ``None`` for other drives."""
+    drive: Any = lane.drive
+    if type(drive) is HarmonicForce:
+        return drive.amplitude, 0.0, drive.angular_frequency
+    if type(drive) is HarmonicBase:
+        chain: Chain = lane.chain
+        spring = float(chain.chain_stiffness[0]) * drive.amplitude
+        dashpot = float(chain.chain_damping[0]) * drive.amplitude * drive.angular_frequency
+        return spring, dashpot, drive.angular_frequency
+    return None
