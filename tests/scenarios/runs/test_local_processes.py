@@ -12,7 +12,8 @@ import pytest
 from scenarios.runs import local_processes
 from scenarios.runs.local_processes import LocalExecutor, LocalWorker
 from scenarios.runs.result import LONGEST_REASON, Result
-from scenarios.runs.worker_template import PRINTED_BYTES, START_SECONDS
+from scenarios.runs.supervisor import PRINTED_BYTES
+from scenarios.runs.worker_template import START_SECONDS
 from tests.scenarios.runs.builders import ended, evaluated, eventually, running, statuses
 
 LIMIT = 8.0
