@@ -9,6 +9,7 @@ import pytest
 from hypothesis import settings
 
 from tests.installed import skip_absent
+from tests.kept_template import kept_templates
 from tests.package_index import empty_folder, installed_versions, offline, wheels  # noqa: F401 (fixtures)
 from tests.site import Site
 
@@ -21,6 +22,12 @@ if os.environ.get("CI"):
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip what needs an engine that is absent."""
     skip_absent(item)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kept_templates():
+    with kept_templates():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -11,11 +11,29 @@ def store(tmp_path):
         yield opened
 
 
+@pytest.fixture(scope="session")
+def faulty_folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("faulty")
+
+
 @pytest.fixture(scope="module")
-def faulty(install):
-    """Let this process, and those that it starts, see the faulty engines."""
-    with install("mutations").visible():
+def faulty(install, faulty_folder):
+    """Let this process, and those that it starts, see the faulty engines.
+
+    They note what they do in the same files in all tests, which then have the same template of workers.
+    """
+    with install("mutations").visible(), pytest.MonkeyPatch.context() as environment:
+        environment.setenv("FAULTY_CHILD", str(faulty_folder / "child"))
+        environment.setenv("FAULTY_PREPARED", str(faulty_folder / "prepared"))
         yield
+
+
+@pytest.fixture
+def notes(faulty, faulty_folder):
+    """Give the folder in which faulty engines note what they do, empty."""
+    for file in faulty_folder.iterdir():
+        file.unlink()
+    return faulty_folder
 
 
 @pytest.fixture

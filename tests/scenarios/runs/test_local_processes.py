@@ -89,13 +89,10 @@ def test_the_time_limit_holds_for_a_process_that_cannot_keep_it_itself(rows, nam
 
 
 @pytest.mark.parametrize("engine", ["faulty-forks", "faulty-daemon"])
-def test_an_engine_that_forks_or_starts_a_daemon_is_answered_once_and_leaves_no_process(
-    tmp_path, monkeypatch, engine
-) -> None:
+def test_an_engine_that_forks_or_starts_a_daemon_is_answered_once_and_leaves_no_process(notes, engine) -> None:
     """A daemon has a session of its own and no parent."""
-    monkeypatch.setenv("FAULTY_CHILD", str(tmp_path / "child"))
     assert set(statuses(asked(engine, ratios=(0.4, 0.5))).values()) == {"converged"}
-    assert not running(int((tmp_path / "child").read_text()))
+    assert not running(int((notes / "child").read_text()))
 
 
 def test_what_an_engine_prints_and_says_is_cut(capfd) -> None:

@@ -21,9 +21,8 @@ RATIOS = [0.4, 0.6, 0.7, 0.8, 0.9]
 
 
 @pytest.fixture
-def run(faulty, tmp_path: Path, monkeypatch, capsys):
+def run(notes, tmp_path: Path, monkeypatch, capsys):
     """Run points of an engine on two workers; gives their status and reason, and what a terminal is told."""
-    monkeypatch.setenv("FAULTY_PREPARED", str(tmp_path / "prepared"))
     terminal.say_in_terminal.cache_clear()
 
     def ran(engine: str, ratios=tuple(RATIOS)) -> tuple[list[tuple[str, str]], str]:
@@ -39,20 +38,20 @@ def times_prepared(folder: Path) -> int:
 
 
 @pytest.mark.slow  # waits for processes
-def test_preparation_that_takes_longer_than_a_task_may_is_not_counted_as_its_time_and_said_once(run, tmp_path) -> None:
+def test_preparation_that_takes_longer_than_a_task_may_is_not_counted_as_its_time_and_said_once(run, notes) -> None:
     points, told = run("faulty-slowly-ready")
     assert points == len(RATIOS) * [("converged", "")]
-    assert times_prepared(tmp_path) == 2  # each worker for itself
+    assert times_prepared(notes) == 2  # each worker for itself
     assert told.strip() == "Sound compiles its kernels: at most 60 s; what is made is kept for later runs"
 
 
 @pytest.mark.slow  # waits for processes
-def test_preparation_that_hangs_is_ended_at_its_own_limit_once_for_all_points(run, tmp_path) -> None:
+def test_preparation_that_hangs_is_ended_at_its_own_limit_once_for_all_points(run, notes) -> None:
     points, told = run("faulty-never-ready", RATIOS[:3])
     assert [status for status, _ in points] == 3 * ["blocked"]
     reason = "Sound compiles nothing: stopped at the time limit of 2 s, in prepare (unprepared.py:"
     assert all(text.startswith(reason) for _, text in points)
-    assert times_prepared(tmp_path) == 1
+    assert times_prepared(notes) == 1
     assert not told.strip()
 
 
@@ -63,18 +62,18 @@ def test_preparation_that_hangs_is_ended_at_its_own_limit_once_for_all_points(ru
         ("faulty-early", "Sound compiles its kernels: the worker process crashed: Segmentation fault, in "),
     ],
 )
-def test_preparation_that_fails_blocks_all_points_with_its_reason(run, tmp_path, engine, reason) -> None:
+def test_preparation_that_fails_blocks_all_points_with_its_reason(run, notes, engine, reason) -> None:
     points, _ = run(engine, RATIOS[:3])
     assert all(status == "blocked" and text.startswith(reason) for status, text in points)
-    assert times_prepared(tmp_path) == 1
+    assert times_prepared(notes) == 1
 
 
 @pytest.mark.slow  # waits for processes
-def test_points_whose_engine_could_not_be_prepared_are_run_again(run, tmp_path) -> None:
+def test_points_whose_engine_could_not_be_prepared_are_run_again(run, notes) -> None:
     """The machine is the cause, and may be another one by then; what the store holds does not keep them blocked."""
     for attempt in (1, 2):
         run("faulty-compiler", RATIOS[:1])
-        assert times_prepared(tmp_path) == attempt
+        assert times_prepared(notes) == attempt
 
 
 @pytest.mark.parametrize("fails", [False, True])

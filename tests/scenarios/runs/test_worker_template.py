@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.runs import worker_template
+from scenarios.runs import local_processes, worker_template
 from scenarios.runs.executor import KILLED
 from scenarios.runs.failures import ExecutorError
 from scenarios.runs.local_processes import LocalExecutor, LocalWorker
@@ -46,11 +46,18 @@ lost = pytest.mark.parametrize(
 """How a process is lost; what is stopped is waited for."""
 
 
+@pytest.fixture
+def own_template(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let executors start templates, which they end, in place of those that tests keep."""
+    monkeypatch.setattr(local_processes, "WorkerTemplate", WorkerTemplate)
+
+
 @pytest.fixture(scope="module")
 def shared() -> Iterator[LocalExecutor]:
     """One worker at a time, for tests that only look at a worker without a task so far."""
-    with pytest.MonkeyPatch.context() as environment, LocalExecutor(1) as executor:
-        environment.delenv("OPENBLAS_NUM_THREADS", raising=False)  # which the tests' own processes have
+    with pytest.MonkeyPatch.context() as patched, LocalExecutor(1) as executor:
+        patched.setattr(local_processes, "WorkerTemplate", WorkerTemplate)
+        patched.delenv("OPENBLAS_NUM_THREADS", raising=False)  # which the tests' own processes have
         executor._worker_for("reference")
         yield executor
 
@@ -67,6 +74,7 @@ def template_of(executor: LocalExecutor) -> subprocess.Popen[bytes]:
     return executor._template._process
 
 
+@pytest.mark.usefixtures("own_template")
 def test_workers_of_two_engines_are_forked_from_one_process_that_ends_with_them(executor) -> None:
     template = template_of(executor)
     assert run(executor, "mujoco").status == "converged"
@@ -76,6 +84,7 @@ def test_workers_of_two_engines_are_forked_from_one_process_that_ends_with_them(
     assert template.returncode == 0
 
 
+@pytest.mark.usefixtures("own_template")
 def test_workers_import_the_suite_whatever_has_the_names_of_its_packages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -89,6 +98,7 @@ def test_workers_import_the_suite_whatever_has_the_names_of_its_packages(
 
 
 @lost
+@pytest.mark.usefixtures("own_template")
 def test_template_that_is_lost_is_replaced_and_its_workers_go_on(executor, signalled) -> None:
     template = template_of(executor)
     executor._template._requests.settimeout(0.5)
@@ -179,6 +189,7 @@ def test_template_and_workers_have_one_thread_in_linear_algebra_too(shared) -> N
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("own_template")
 def test_processor_time_of_workers_counts_as_their_clients(executor) -> None:
     worker = float(said(executor, "(sum(range(2 * 10**7)), __import__('time').process_time())[1]"))
     assert worker > 2 * CLOCK_SECONDS
