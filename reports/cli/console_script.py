@@ -6,6 +6,7 @@ console script does not look there.
 
 import importlib
 import sys
+from functools import cache
 from typing import Annotated, Any
 
 import typer
@@ -63,6 +64,7 @@ class CommandsOnUse(HelpAlone):
         return name, loaded(name), rest
 
 
+@cache  # that of `run` takes longer to make than its help to print
 def loaded(name: str | None) -> Any:
     """Import a command of `COMMANDS`: one of its module, or the only one that this has."""
     module = importlib.import_module(f"reports.cli.{COMMANDS[str(name)][0]}")
