@@ -214,7 +214,7 @@ class SteppedWorld:
         rows = []
         for _ in range(steps):
             self.step()
-            rows.append(np.concatenate([np.ravel(part) for part in self.state()]))
+            rows.append(np.concatenate(tuple(self.state()), axis=None))
         return np.array(rows, dtype=np.float64)
 
 

@@ -25,11 +25,11 @@ class PointMass:
         self, task: SceneTask, *, friction: float = 1.0, normal: float = 1.0, creep: float = 0.0, fall: float = 0.0
     ):
         scene, self.step_size, self.creep = task.scene, task.time_step, creep
-        self.axes, self.load, self.bound, self.belt = np.eye(3), np.zeros(3), math.inf, 0.0
-        self.start = np.zeros(3)
+        self.axes, self.load, self.bound = np.eye(3), np.zeros(3), math.inf
+        self.start, self.belt = np.zeros(3), np.zeros(3)
         if isinstance(scene, ContactScene):
             self.axes = np.array([scene.downhill, (0.0, 1.0, 0.0), scene.normal])
-            self.start, self.belt = np.array(scene.places[-1]), scene.belt
+            self.start, self.belt = np.array(scene.places[-1]), np.array([scene.belt, 0.0, 0.0])
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
                 self.bound = friction * normal * scene.friction * GRAVITY * math.cos(scene.slope)
@@ -43,10 +43,9 @@ class PointMass:
         self.velocity, self.spin = self.axes @ velocity, spin
 
     def step(self) -> None:
-        carried = np.array([self.belt, 0.0, 0.0])
-        free = self.velocity - carried + self.step_size * self.load
-        speed = np.linalg.norm(free)
-        self.velocity = carried + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
+        free = self.velocity - self.belt + self.step_size * self.load
+        speed = math.sqrt(free @ free)
+        self.velocity = self.belt + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
         self.way = self.way + self.step_size * (self.velocity + self.creep)
         self.spin = max(0.0, self.spin - self.step_size * self.braking)
         self.angle += self.step_size * self.spin
