@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -23,16 +23,26 @@ from scenarios.catalogue.block.static_above_kinetic import (
     StaticAboveKinetic,
 )
 from scenarios.runs.transient import run_transients
-from scenarios.verdicts.finding import Verdict
+from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.scenarios.in_process import deviating, findings
+
+ONE_COEFFICIENT = Variant("mujoco")
 
 KILOGRAM = next(release for release in StaticAboveKinetic.cases if str(release) == "1 kg, 1.5")
 
 
-@pytest.fixture
-def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(StaticAboveKinetic, "cases", [KILOGRAM])
+@pytest.fixture(scope="module")
+def one_scale() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(StaticAboveKinetic, "cases", [KILOGRAM])
+        yield
+
+
+@pytest.fixture(scope="module")
+def judged(one_scale) -> list[Finding]:
+    """What the scenario finds of the reference, and of an engine with one coefficient."""
+    return findings(StaticAboveKinetic(), REFERENCE, ONE_COEFFICIENT)
 
 
 def jump_under_growing_load(release: Release) -> float:
@@ -64,10 +74,10 @@ def test_block_rests_where_it_has_jumped_to() -> None:
     assert np.ptp(slip[rested:]) < 1e-12
 
 
-def test_scheme_agrees(one_scale) -> None:
-    judged = findings(StaticAboveKinetic(), REFERENCE)
-    assert {finding.metric for finding in judged} == {BREAKAWAY, JUMP}
-    assert not deviating(judged)
+def test_scheme_agrees(judged) -> None:
+    of_scheme = [finding for finding in judged if finding.variant == REFERENCE]
+    assert {finding.metric for finding in of_scheme} == {BREAKAWAY, JUMP}
+    assert not deviating(of_scheme)
 
 
 @pytest.mark.slow
@@ -119,10 +129,10 @@ def with_kinetic(lane: Lane, factor: float) -> Lane:
     return dataclasses.replace(lane, chain=chain, static_ratio=lane.static_ratio / factor)
 
 
-def test_engine_with_one_coefficient_is_blocked_with_the_reason(one_scale) -> None:
-    judged = findings(StaticAboveKinetic(), Variant("mujoco"))
-    assert all(finding.comparison.verdict is Verdict.BLOCKED for finding in judged)
-    assert "static_ratio = 1.5: mujoco" in judged[0].comparison.reason
+def test_engine_with_one_coefficient_is_blocked_with_the_reason(judged) -> None:
+    of_engine = [finding.comparison for finding in judged if finding.variant == ONE_COEFFICIENT]
+    assert {comparison.verdict for comparison in of_engine} == {Verdict.BLOCKED}
+    assert "static_ratio = 1.5: mujoco" in of_engine[0].reason
 
 
 @pytest.mark.parametrize("ratio", [0.9, math.nan])

@@ -1,6 +1,7 @@
 """What deviates of a sweep: as the law of the variant predicts, or unmodelled, whatever a text says."""
 
 import dataclasses
+from collections.abc import Iterator
 
 import pytest
 
@@ -47,9 +48,16 @@ def deviating(result: ComparedSweep, variant: Variant = LAWFUL) -> list[Finding]
 
 
 @pytest.fixture(scope="module")
-def result() -> ComparedSweep:
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ResultStore]:
+    """What a sound engine, its law and the reference have been asked so far."""
+    with ResultStore(tmp_path_factory.mktemp("sound") / "results.sqlite") as store:
+        yield store
+
+
+@pytest.fixture(scope="module")
+def result(sound) -> ComparedSweep:
     """Of a sound engine."""
-    return compared(planned())
+    return compared(planned(), sound)
 
 
 @needs_mujoco
@@ -87,9 +95,9 @@ def test_an_edge_that_is_not_there_is_as_the_law_predicts_if_the_law_has_none_ei
 
 
 @needs_mujoco
-def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open() -> None:
+def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open(sound) -> None:
     given = GivenTolerance(transmittance_db=1e-3, baseline=REFERENCE)
-    result = compared(dataclasses.replace(planned(), tolerance=given))
+    result = compared(dataclasses.replace(planned(), tolerance=given), sound)
     wrong = deviating(result)
     assert wrong
     assert unmodelled(wrong) == []
@@ -110,10 +118,10 @@ def test_predictions_are_in_the_dataset_and_come_back_out_of_it(result) -> None:
 
 
 @needs_mujoco
-def test_laws_that_have_not_been_run_explain_nothing(tmp_path) -> None:
+def test_laws_that_have_not_been_run_explain_nothing(tmp_path, sound) -> None:
     sweep = planned()
-    with ResultStore(tmp_path / "all.sqlite") as store, ResultStore(tmp_path / "without.sqlite") as without:
-        running = evaluator(store)
+    with ResultStore(tmp_path / "without.sqlite") as without:
+        running = evaluator(sound)
         compare_sweep(sweep, running)
         kept = {task: result for task, result in running._results.items() if "@law" not in task.variant.engine}
         without.keep(list(kept.items()))
