@@ -9,7 +9,6 @@ import pytest
 from hypothesis import settings
 
 from tests.installed import skip_absent
-from tests.kept_template import kept_templates
 from tests.package_index import empty_folder, installed_versions, offline, wheels  # noqa: F401 (fixtures)
 from tests.site import Site
 
@@ -26,6 +25,8 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _kept_templates():
+    from tests.kept_template import kept_templates  # not where xdist only hands out tests
+
     with kept_templates():
         yield
 
