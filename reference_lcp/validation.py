@@ -67,12 +67,12 @@ def checked_array(
 
 
 def _plainly_allowed(array: FloatArray, requirement: str, largest: float) -> bool:
-    """Whether smallest and largest number show at once that all are allowed; most arguments are."""
+    """Whether the sum of squares, or smallest and largest number, show at once that all are allowed; most are."""
     if array.size == 0:
         return False
-    low, high = (float(array),) * 2 if array.ndim == 0 else (float(array.min()), float(array.max()))
     if requirement == "finite":
-        return -math.inf < low and high < math.inf
+        return math.isfinite(np.vdot(array, array))
+    low, high = (float(array),) * 2 if array.ndim == 0 else (float(array.min()), float(array.max()))
     return (1 / largest <= low and high <= largest) or (requirement == ">= 0" and low == 0 == high)
 
 

@@ -25,7 +25,7 @@ are released together.
 """
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -178,13 +178,18 @@ def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
     if step.normal_force is not None:
         normal = step.normal_force * dt
         bound = step.friction_coefficient * normal
-        matrix = np.block([[g_tt, identity], [-identity, zero]])
+        matrix = _square([[g_tt, identity], [-identity, zero]])
         return matrix, np.concatenate([c_t + g_tn @ normal - g_tt @ bound, 2 * bound])
     g_nn, g_nt = step.normal_directions.T @ to_normal, step.normal_directions.T @ to_tangential
     c_n = step.normal_directions.T @ (step.velocity + free * dt) * dt + step.normal_motion * dt + step.normal_gap
     mu = np.diag(step.friction_coefficient)
-    matrix = np.block([[g_nn - g_nt @ mu, g_nt, zero], [g_tn - g_tt @ mu, g_tt, identity], [2 * mu, -identity, zero]])
+    matrix = _square([[g_nn - g_nt @ mu, g_nt, zero], [g_tn - g_tt @ mu, g_tt, identity], [2 * mu, -identity, zero]])
     return matrix, np.concatenate([c_n, c_t * dt, np.zeros(step.contacts)])
+
+
+def _square(rows: Sequence[Sequence[FloatArray]]) -> FloatArray:
+    """Put square blocks together, as np.block does, in a fraction of its time."""
+    return np.concatenate([np.concatenate(row, axis=1) for row in rows])
 
 
 def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = None) -> ContactImpulses:
