@@ -4,6 +4,7 @@ Every session of pytest imports it where the suite is installed: the option has 
 projects have options too, and nothing of the suite is imported before it is used.
 """
 
+import re
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 
 OPTION = "--xval-engine"
 """Names an engine that is held to the contract."""
+
+CASE = re.compile(r"engines/contract/.*\[(.+?)(?:-joint|-contact|\])")
+"""The engine in a test's name: everything that a clause is run for begins with it."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -42,6 +46,19 @@ def pytest_configure(config: pytest.Config) -> None:
             raise pytest.UsageError(f"{OPTION}: {problem}") from problem
         if missing is not None:
             raise pytest.UsageError(f"{OPTION} {name}: {missing}")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Run all clauses for an engine in one worker: what it compiles, and the processes that it starts, serve all."""
+    if config.getoption("dist") != "loadscope":
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    scheduling = LoadScopeScheduling(config, log)
+    by_module = scheduling._split_scope
+    scheduling._split_scope = lambda name: case[1] if (case := CASE.search(name)) else by_module(name)
+    return scheduling
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

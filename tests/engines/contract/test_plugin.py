@@ -4,8 +4,10 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from xdist.remote import Producer
 
 from engines.contract import plugin
 from engines.interface.variant import Variant
@@ -85,3 +87,23 @@ def test_presets_that_take_part_where_they_are_named_are_slow_unless_their_engin
     assert mark.name == "slow"
     assert plugin._later_if_optional(recommended, ["mujoco"]) is recommended
     assert plugin._later_if_optional(tuned, []) is tuned
+
+
+@pytest.mark.parametrize(
+    ("name", "together"),
+    [
+        ("site-packages/engines/contract/test_agreement.py::test_pulse[mujoco-warp-joint-tuned]", "mujoco-warp"),
+        ("engines/contract/test_invariance.py::test_units[mujoco-warp-contact-default-micrometres]", "mujoco-warp"),
+        ("engines/contract/test_interface.py::test_unknown_preset[mujoco]", "mujoco"),
+        ("tests/engines/test_folders.py::test_imports[mujoco-joint]", "tests/engines/test_folders.py"),
+    ],
+)
+def test_one_worker_runs_all_clauses_for_an_engine(name: str, together: str) -> None:
+    settings = {"dist": "loadscope", "tx": ["2*popen"]}
+    config = SimpleNamespace(getoption=settings.get, getvalue=settings.get)
+    assert plugin.pytest_xdist_make_scheduler(config, Producer("test"))._split_scope(name) == together
+
+
+def test_tests_are_distributed_otherwise_where_that_is_asked_for() -> None:
+    config = SimpleNamespace(getoption={"dist": "load"}.get)
+    assert plugin.pytest_xdist_make_scheduler(config, None) is None
