@@ -83,7 +83,11 @@ class MJXWorlds(Worlds):
         return self._columns
 
     def _set(self, positions: FloatArray, velocities: FloatArray) -> None:
-        self._state = (self._filled(positions), self._filled(velocities), self._filled(np.zeros(velocities.shape)))
+        import jax
+
+        state = (self._filled(positions), self._filled(velocities), self._filled(np.zeros(velocities.shape)))
+        # Where steps leave theirs: for a state that is on no device yet, all would be compiled once more.
+        self._state = jax.device_put(state, jax.devices()[0])
 
     def _steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
         self._state, record = self._compiled.recorded_steps(

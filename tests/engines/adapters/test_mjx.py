@@ -17,6 +17,7 @@ from engines.interface.tolerances import CREEP
 from engines.isolated.versioned_engine import EnvironmentEngine, Requirement
 from engines.mjx import MJX
 from engines.mjx.worlds import SIZES
+from engines.shared.worlds import CHUNK
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -160,10 +161,10 @@ def test_the_line_search_of_its_contacts_gives_up() -> None:
 
 @in_its_environment
 def test_lanes_of_other_numbers_are_not_compiled_anew() -> None:
-    """Nor are other numbers of steps, or of lanes that fill the same batch; it is compiled where a lane is built."""
+    """Nor are more steps than are recorded at once, or other lanes that fill the same batch: to build them compiles."""
     simulation = PROBED.build([lane_of()] * 3)
     before = simulation._call(1, "compiled")
-    simulation.advance(random_state(3), 0, 10)
+    simulation.advance(random_state(3), 0, CHUNK + 10)
     other = PROBED.build(lanes_of_all_kinds())
     other.advance(random_state(5), 5, 33)
     assert other._call(1, "compiled") == before > 0
