@@ -6,6 +6,8 @@ distance of the two across.
 
 import warp as wp
 
+wp.set_module_options({"enable_backward": False})  # nothing is differentiated
+
 LEAST = wp.constant(1e-30)
 """Of an effort limit: Newton takes one of zero for no limit."""
 

@@ -2,6 +2,8 @@
 
 import warp as wp
 
+wp.set_module_options({"enable_backward": False})  # nothing is differentiated
+
 
 @wp.kernel
 def load(step: wp.array[int], loads: wp.array2d[float], ctrl: wp.array2d[float]) -> None:
