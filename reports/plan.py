@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from engines.interface.law import Law
 from engines.interface.presets import Formulation
 from engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
 from engines.shared.law_distance import stepped_by, unclaimed_reason
@@ -70,10 +71,10 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
 def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
     """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
 
-    A preview has none of these. Recommended presets are beside it where a model
-    has their steps: the others never settle, and take seconds a point.
+    A preview has none of these. Recommended presets are beside it where they settle by a model of their steps: the
+    others take seconds a point.
     """
-    recommended = tuple(own for own in recommended_variants() if beside and stepped_by(own) is not None)
+    recommended = tuple(own for own in recommended_variants() if beside and _settles(own))
     defaults = {variant.tuned for variant in settling if variant.preset_name == "default"}
     return Scope(
         beside=beside,
@@ -94,7 +95,7 @@ def stored_sweep(store: Path) -> Sweep:
 
 
 def _default_sweep(quick: bool) -> Sweep:
-    """Give the sweep of Figure 3 with all joints, tuned and default, whose laws say what they do at every point.
+    """Give the sweep of Figure 3 with all joints, tuned and default, which settle by laws that hold at every point.
 
     What no law predicts is unmodelled wherever it deviates, and the comparison would always fail.
     """
@@ -111,7 +112,7 @@ def _beside(planned: Sweep) -> tuple[Variant, ...]:
 def _siblings(planned: Sweep) -> tuple[Variant, ...]:
     """Give the presets of README and page of the engines and formulations of a sweep that are not in it.
 
-    Without a model of its steps a recommended preset may never settle, and take seconds a point.
+    A recommended preset that does not settle by a model of its steps takes seconds a point.
     """
     tuned = dict.fromkeys(own.tuned for own in planned.variants if own.engine != REFERENCE.engine)
     siblings = []
@@ -119,9 +120,7 @@ def _siblings(planned: Sweep) -> tuple[Variant, ...]:
         presets = variant.capabilities.presets[Formulation(variant.formulation)]
         siblings += [replace(variant, preset_name=name) for name in TITLES if name in presets]
     return tuple(
-        own
-        for own in siblings
-        if own not in planned.variants and (own.preset_name != "recommended" or stepped_by(own) is not None)
+        own for own in siblings if own not in planned.variants and (own.preset_name != "recommended" or _settles(own))
     )
 
 
@@ -133,7 +132,12 @@ def _predicted(planned: Sweep) -> tuple[Variant, ...]:
 
 def _law_holds(variant: Variant, lanes: Sequence[Lane]) -> bool:
     law = stepped_by(variant)
-    return law is not None and all(unclaimed_reason(law, lane) is None for lane in lanes)
+    return law is not None and _settles(variant) and all(unclaimed_reason(law, lane) is None for lane in lanes)
+
+
+def _settles(variant: Variant) -> bool:
+    law = stepped_by(variant)
+    return law.settles if isinstance(law, Law) else law is not None
 
 
 def _figure3(variants: list[Variant], quick: bool) -> Sweep:

@@ -17,6 +17,7 @@ stick, and the place of its foot.
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -79,7 +80,8 @@ def _zone_law(preset: Preset, kind: int, formula: str, iterated: bool) -> Law:
 
     width = "" if "frictionProportionalZone" in preset.options else "z = max(z_s s ω_r, z_k F h / m_red); "
     path = "by Newton's iteration, and substeps that are halved where it fails; " if iterated else ""
-    return _law(preset, f"{formula}; {width}{path}{_steps(preset)}", _constants(preset), model)
+    law = _law(preset, f"{formula}; {width}{path}{_steps(preset)}", _constants(preset), model)
+    return replace(law, settles=not iterated)
 
 
 def _law(

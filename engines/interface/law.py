@@ -72,6 +72,8 @@ class Law:
     """It holds where the faces of contacts are inclined to the row, too."""
     without_friction: str = ""
     """Why no constants make its friction Coulomb's: the law is then one of the chain's alone. Empty where some do."""
+    settles: bool = True
+    """A motion of it comes to a steady state wherever Coulomb's does, but for few points."""
     unmodelled_reason: Callable[[Lane], str | None] = lambda _: None
     """Says why it does not predict the engine in a lane with such a normal force; gives ``None`` where it does."""
 
