@@ -61,12 +61,17 @@ def zone(preset: Preset) -> Law:
     return _zone_law(preset, ZONE, "φ = F clip(w / z, ±1), w at the end of a substep", iterated)
 
 
-def disc(preset: Preset) -> Law:
-    """Give the law of discs: friction that falls again leaves to Newton's iteration where it ends."""
-    parabolic = not preset["useLinearProportionalZone"]
-    friction = "F s (2 - |s|), s = w / z," if parabolic else "F w / z"
+def disc(preset: Preset) -> Law | NotModelled:
+    """Give the law of discs whose zone is linear; friction that falls again leaves to the iteration where it ends."""
     correction = "w_d the slip velocity of the last of up to five corrections"
-    return _zone_law(preset, DISC, f"φ = {friction} if |w_d| ≤ z, else F sgn w_d, {correction}", parabolic)
+    if preset["useLinearProportionalZone"]:
+        return _zone_law(preset, DISC, f"φ = F w / z if |w_d| ≤ z, else F sgn w_d, {correction}", False)
+    formula = f"φ = F s (2 - |s|), s = w / z, if |w_d| ≤ z, else F sgn w_d, {correction}"
+    return NotModelled(
+        "friction s (2 − s) falls again beyond the zone, so that a step has several solutions: Newton's iteration, on "
+        "its way to one of them, magnifies last digits, and a model of it predicts most periods, but not all",
+        nearly=_zone_law(preset, DISC, formula, True),
+    )
 
 
 def _zone_law(preset: Preset, kind: int, formula: str, iterated: bool) -> Law:

@@ -120,3 +120,6 @@ class NotModelled:
 
     reason: str
     """What decides them instead, in a sentence."""
+    nearly: Law | None = None
+    """A model that predicts most steps: where its motion does not settle, and the engine's next period is its, the
+    engine is not searched any further."""

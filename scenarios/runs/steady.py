@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.engine import Engine, SteadyStateSolver
-from engines.interface.law import ROUND_OFF_PERIOD, Law
+from engines.interface.law import ROUND_OFF_PERIOD, Law, NotModelled
 from engines.interface.presets import FrictionLaw
 from engines.interface.registry import LAW_SUFFIX, law_of
 from engines.interface.variant import Variant
@@ -53,7 +53,7 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     law does not claim.
     """
     law = _supposed_law(variant)
-    if law is not None and stepped_by(variant) is None:
+    if law is not None and stepped_by(variant) is None and _nearly(variant) is None:
         return [_unchanged_orbit(variant.unchanged, lane, steps) for lane in lanes]
     found: list[PeriodicOrbit | None] = [None] * len(lanes)
     claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
@@ -74,16 +74,21 @@ def _unchanged_orbit(unchanged: Variant, lane: Lane, steps: int) -> PeriodicOrbi
 
 
 def _supposed_law(variant: Variant) -> Engine | Law | None:
-    """Give what a variant steps by, or what it would step by if its changed options did not matter.
+    """Give what a variant steps by, or nearly, or what it would step by if its changed options did not matter.
 
-    The second says of a motion that it does not settle, see `_unsettled`, which asks it of no bristle.
+    The others say of a motion that it does not settle, see `_unsettled`, which asks them of no bristle.
     """
     if not is_warm_started(variant):
         return None
     own, unchanged = stepped_by(variant), variant.preset.unchanged
-    if own is not None or unchanged is None or variant.capabilities.friction_law is FrictionLaw.BRISTLE:
+    if own is not None or variant.capabilities.friction_law is FrictionLaw.BRISTLE:
         return own
-    return law_of(unchanged)
+    return _nearly(variant) or (None if unchanged is None else law_of(unchanged))
+
+
+def _nearly(variant: Variant) -> Law | None:
+    stated = variant.preset.stated_law()
+    return stated.nearly if isinstance(stated, NotModelled) else None
 
 
 EULER = Variant("reference")
@@ -146,7 +151,8 @@ def _orbits(
 ) -> list[PeriodicOrbit]:
     """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise.
 
-    What does not settle by its law, or by that of the unchanged preset, is not searched from harmonic balance anew.
+    What does not settle by its law, or by that of the unchanged preset, is not searched from harmonic balance anew;
+    what nearly is its law has the last word only where the engine's next period is the model's.
     """
     tolerance = variant.capabilities.residual
     if variant.engine == EULER.engine:
@@ -157,9 +163,10 @@ def _orbits(
     orbits = _unsettled(simulation, variant, laws, steps)
     most = ENGINE_PERIODS if is_warm_started(variant) else DEFAULT_PERIODS
     groups, has_law = defaultdict(list), stepped_by(variant) is not None
+    nearly = _nearly(variant) is not None
     for lane, law in enumerate(laws):
         if lane not in orbits:
-            groups[has_law and law is not None, law is None or law.converged].append(lane)
+            groups[has_law and law is not None, nearly or law is None or law.converged].append(lane)
     for (from_law, settles), group in groups.items():
         ends = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
         part, begin = part_of(simulation, group), State.stack(ends) if from_law else None
