@@ -16,6 +16,7 @@ from typing import Any
 import numba
 import numpy as np
 
+from engines.exudyn.step_kernel import keep, zone_friction
 from engines.exudyn.step_model import DISC_CORRECTIONS
 
 ITERATIONS = 25
@@ -43,9 +44,9 @@ ROUND_OFF = 1e-9
 @numba.njit(cache=True, error_model="numpy")
 def friction_at(slip: Any, last: Any, bound: Any, zone: Any, parabolic: Any) -> Any:
     """Give φ of a connector; or of a disc, which is in its zone by the slip velocity of the last correction."""
-    part = slip / zone
     if not parabolic:
-        return bound * min(max(part, -1.0), 1.0)
+        return zone_friction(slip, bound, zone)
+    part = slip / zone
     if last == 0 or slip == 0:
         return 0.0
     return bound * part * (2 - abs(part)) if abs(last) <= zone else bound * np.sign(last)
@@ -260,16 +261,6 @@ def _load_at(place: Any, loads: Any, wave: Any, length: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _keep(motion: Any, last: Any, numbers: Any, parabolic: Any, row: Any) -> None:
-    """Write positions, velocities and friction."""
-    count = motion.shape[1]
-    for i in range(count):
-        row[i], row[count + i] = motion[0, i], motion[1, i]
-    for i in range(last.size):
-        row[2 * count + i] = -friction_at(last[i], last[i], numbers[0, i], numbers[1, i], parabolic)
-
-
-@numba.njit(cache=True, error_model="numpy")
 def advance(
     motion: Any,
     first: Any,
@@ -318,7 +309,7 @@ def advance(
             motion[0, i], motion[1, i], acceleration[i] = moved[0, i], moved[1, i], moved[2, i]
             algorithmic[i] = left[i] = used[i] + rule[4] * acceleration[i]
         if row < record.shape[0] and place >= (row + 1) * parts * (1 - ROUND_OFF):
-            _keep(motion, last, numbers, parabolic, record[row])
+            keep(motion, frictions(last, last, numbers, parabolic), record[row])
             row += 1
         if since >= RECOVERY_STEPS and iterations + corrections <= RECOVERY_ITERATIONS:
             part, since = min(1.0, 2 * part), 0

@@ -19,7 +19,7 @@ _UNKNOWN = 9.0
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _in_zone(slip: Any, bound: Any, width: Any) -> Any:
+def zone_friction(slip: Any, bound: Any, width: Any) -> Any:
     """Give φ of a zone."""
     return bound * min(max(slip / width, -1.0), 1.0)
 
@@ -114,7 +114,7 @@ def _correct_discs(
         error = 0.0
         for i in range(free.size):
             last[0, i] = _added(free, mobility, i, force)
-            error = max(error, abs(_in_zone(last[0, i], numbers[0, i], numbers[1, i]) + force[i]))
+            error = max(error, abs(zone_friction(last[0, i], numbers[0, i], numbers[1, i]) + force[i]))
         if error <= tolerance:
             return
 
@@ -181,7 +181,7 @@ def forces(motion: Any, contacts: Any, kind: Any, numbers: Any) -> Any:
         bound, first, second = numbers[0, i], numbers[1, i], numbers[2, i]
         elongation, slip = motion[0, cells + i] - motion[0, i], motion[1, cells + i] - motion[1, i]
         if kind != BRISTLE:
-            forces[i] = _in_zone(slip, bound, first)
+            forces[i] = zone_friction(slip, bound, first)
         elif forces[i] == 0 and bound > 0:
             forces[i] = first * (elongation - contacts[1, i]) + second * slip
     return forces
@@ -256,11 +256,11 @@ def advance(
             v[i] += speed * acceleration[i]
             algorithmic[i] += current_part * acceleration[i]
         if record.shape[0] > 0 and index % parts == 0:
-            _keep(motion, forces(motion, contacts, kind, numbers), record[index // parts - 1])
+            keep(motion, forces(motion, contacts, kind, numbers), record[index // parts - 1])
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _keep(motion: Any, friction: Any, row: Any) -> None:
+def keep(motion: Any, friction: Any, row: Any) -> None:
     """Write positions, velocities and friction of a step."""
     count = motion.shape[1]
     for i in range(count):
