@@ -1,9 +1,13 @@
 """The compiled substeps of Exudyn's steps as a model, and the equations of its contacts.
 
-`numbers`, shape (3, n), are μ λ_N, and `first` and `second` of `GeneralisedAlphaLane`. `workspace`, shape (n + 2, n),
-is kept from one substep to the next: the regime of every contact, the right-hand sides of the equations in it, and the
-inverse of their matrix. Arrays are handed on one by one: to unpack a tuple of them costs as much as the equations.
-Loops stand where expressions of arrays would take as long again to compile.
+`numbers`, shape (3, n), are μ λ_N, and `first` and `second` of `GeneralisedAlphaLane`.
+
+While no contact changes its regime, the end of a substep is linear in `state`, shape (4n + 2,): positions and
+velocities without the new accelerations, the load, and 1. `terms`, shape (4, n), are the regime: with elongations x and
+slip velocities w of the end, terms_0 λ + terms_1 x + terms_2 w + terms_3 = 0. `accelerations`, shape (5n + 2, m), holds
+in each row what a part of the state, or a force λ, makes of accelerations, and `shapes`, shape (2, n, 5n + 2), of x and
+w; `response`, shape (4n + 2, m), what a part of the state makes together with the forces that it makes. Rows are padded
+to m, a multiple of `WIDTH`. Loops stand where expressions of arrays would take as long again to compile.
 """
 
 from typing import Any
@@ -11,11 +15,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from engines.exudyn.step_model import BRISTLE, DISC, DISC_CORRECTIONS
+from engines.exudyn.step_model import BRISTLE, DISC_CORRECTIONS, ZONE
 from reference_lcp.schemes.linear_implicit_kernel import solve_contacts
-
-_UNKNOWN = 9.0
-"""What no regime is."""
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -25,142 +26,127 @@ def zone_friction(slip: Any, bound: Any, width: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _invert(matrix: Any, workspace: Any) -> None:
-    """Keep the inverse of the matrix of the equations."""
-    inverse = np.linalg.inv(matrix)
-    for i in range(matrix.shape[0]):
-        for j in range(matrix.shape[0]):
-            workspace[2 + i, j] = inverse[i, j]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _multiply(workspace: Any, force: Any) -> None:
-    """Give the forces: the inverse times the right-hand sides."""
-    cells = force.size
+def _respond(terms: Any, accelerations: Any, shapes: Any, response: Any) -> None:
+    """Make the response anew, after a change of `terms`."""
+    size, cells = response.shape[0], terms.shape[1]
+    matrix, rates = np.empty((cells, cells)), np.empty((cells, size))
     for i in range(cells):
-        total = 0.0
+        weight, spring, dashpot = terms[0, i], terms[1, i], terms[2, i]
+        for j in range(size):
+            rates[i, j] = spring * shapes[0, i, j] + dashpot * shapes[1, i, j]
+        rates[i, size - 1] += terms[3, i]
         for j in range(cells):
-            total += workspace[2 + i, j] * workspace[1, j]
-        force[i] = total
+            matrix[i, j] = spring * shapes[0, i, size + j] + dashpot * shapes[1, i, size + j]
+        matrix[i, i] += weight
+    pushes = np.dot(np.linalg.solve(matrix, rates).T, accelerations[size:])
+    for i in range(size):
+        for j in range(response.shape[1]):
+            response[i, j] = accelerations[i, j] - pushes[i, j]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _added(free: Any, matrix: Any, i: Any, force: Any) -> Any:
-    """Give an elongation or a slip velocity with the part of the forces."""
-    total = free[i]
-    for j in range(force.size):
-        total += matrix[i, j] * force[j]
-    return total
+def _end(state: Any, response: Any, place: Any, speed: Any, acceleration: Any, ends: Any) -> None:
+    """Give the accelerations of the end of a substep, and elongations and slip velocities there.
+
+    Four rows at a time take three quarters of the time. Elongations are added up as positions are, so that a foot
+    without friction is exactly there.
+    """
+    whole, cells = state.size - state.size % 4, ends.shape[1]
+    acceleration.fill(0.0)
+    for j in range(0, whole, 4):
+        a, b, c, d = state[j], state[j + 1], state[j + 2], state[j + 3]
+        for i in range(acceleration.size):
+            pair = a * response[j, i] + b * response[j + 1, i]
+            acceleration[i] += pair + (c * response[j + 2, i] + d * response[j + 3, i])
+    for j in range(whole, state.size):
+        for i in range(acceleration.size):
+            acceleration[i] += state[j] * response[j, i]
+    for i in range(cells):
+        outer, inner, v = acceleration[i], acceleration[cells + i], 2 * cells + i
+        ends[0, i] = (state[cells + i] + place * inner) - (state[i] + place * outer)
+        ends[1, i] = (state[v + cells] + speed * inner) - (state[v] + speed * outer)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _regime_holds(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> Any:
-    """Solve zones in the regime of the last substep, 0 in the zone and ±1 beyond, and say whether it still holds."""
-    cells = slip.size
-    if workspace[0, 0] == _UNKNOWN:
-        return False
-    for i in range(cells):
-        regime = workspace[0, i]
-        workspace[1, i] = regime * numbers[0, i] if regime != 0 else -slip[i]
-    _multiply(workspace, force)
-    for i in range(cells):
-        regime, bound = workspace[0, i], numbers[0, i]
-        if regime == 0:
-            if abs(force[i]) > bound:
+def _zones_hold(ends: Any, numbers: Any, terms: Any) -> Any:
+    """Say whether zones are in their regime at the end of a substep: inside, or beyond it on one side."""
+    for i in range(terms.shape[1]):
+        bound, width, slip = numbers[0, i], numbers[1, i], ends[1, i]
+        if terms[2, i] > 0:
+            if abs(slip) > width:
                 return False
-        elif bound > 0 and -regime * _added(slip, mobility, i, force) < numbers[1, i]:
+        elif terms[3, i] * slip < bound * width:
             return False
     return True
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _find_regime(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> None:
-    """Solve zones by sweeps, and keep the regime that they find, where the last one does not hold."""
-    bound, softness, none = numbers[0], np.empty(slip.size), np.zeros(slip.size)
-    for i in range(slip.size):
+def _find_zones(state: Any, slips: Any, numbers: Any, last: Any, terms: Any) -> None:
+    """Find the regime of zones by sweeps, from their friction at the `last` slip velocities that were tried."""
+    cells, bound = terms.shape[1], numbers[0]
+    free, force, softness, none = np.zeros(cells), np.empty(cells), np.empty(cells), np.zeros(cells)
+    for i in range(cells):
+        for j in range(state.size):
+            free[i] += slips[i, j] * state[j]
         softness[i] = numbers[1, i] / bound[i]
-    solve_contacts(slip, mobility, bound, (softness, none, none), force)
-    matrix = np.zeros(mobility.shape)
-    for i in range(slip.size):
-        workspace[0, i], matrix[i, i] = -1.0 if force[i] < 0 else 1.0, 1.0
-        if abs(force[i]) < bound[i]:
-            workspace[0, i] = 0.0
-            for j in range(slip.size):
-                matrix[i, j] = mobility[i, j]
-            matrix[i, i] += softness[i]
-    _invert(matrix, workspace)
+        force[i] = -zone_friction(last[i], bound[i], numbers[1, i])
+    solve_contacts(free, slips[:, state.size :], bound, (softness, none, none), force)
+    for i in range(cells):
+        inside = abs(force[i]) < bound[i]
+        terms[0, i], terms[2, i] = (softness[i], 1.0) if inside else (1.0, 0.0)
+        terms[3, i] = 0.0 if inside else -force[i]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _correct_discs(
-    free: Any, mobility: Any, last: Any, numbers: Any, tolerance: Any, workspace: Any, force: Any
-) -> None:
-    """Give λ of discs, which are in their zone, or not, by the slip velocity of the last correction.
+def _discs_change(contacts: Any, numbers: Any, terms: Any) -> Any:
+    """Let discs be in their zone, or not, by the slip velocity of the last correction, and say whether any has changed.
 
     In its zone a force is not cut off at the bound before the next correction.
     """
-    matrix = np.empty(mobility.shape)
-    for _ in range(DISC_CORRECTIONS):
-        for i in range(free.size):
-            bound, zone = numbers[0, i], numbers[1, i]
-            in_zone = last[0, i] != 0 and abs(last[0, i]) <= zone
-            rate = bound / zone if in_zone else 0.0
-            workspace[1, i] = -rate * free[i] if in_zone else -bound * np.sign(last[0, i])
-            for j in range(free.size):
-                matrix[i, j] = rate * mobility[i, j]
-            matrix[i, i] += 1.0
-        _invert(matrix, workspace)
-        _multiply(workspace, force)
-        error = 0.0
-        for i in range(free.size):
-            last[0, i] = _added(free, mobility, i, force)
-            error = max(error, abs(zone_friction(last[0, i], numbers[0, i], numbers[1, i]) + force[i]))
-        if error <= tolerance:
-            return
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _hold_bristles(
-    elongation: Any,
-    slip: Any,
-    compliance: Any,
-    mobility: Any,
-    contacts: Any,
-    numbers: Any,
-    workspace: Any,
-    force: Any,
-) -> None:
-    """Give λ of bristles in the states that they have at the start of the substep; a regime is 1 in stick, else 0."""
     changed = False
-    for i in range(slip.size):
-        stuck = 1.0 if contacts[0, i] == 0 and numbers[0, i] > 0 else 0.0
-        changed = changed or stuck != workspace[0, i]
-        held = numbers[1, i] * (elongation[i] - contacts[1, i]) + numbers[2, i] * slip[i]
-        workspace[0, i], workspace[1, i] = stuck, -held if stuck > 0 else -contacts[0, i]
-    if changed:
-        matrix = np.empty(mobility.shape)
-        for i in range(slip.size):
-            spring, dashpot = workspace[0, i] * numbers[1, i], workspace[0, i] * numbers[2, i]
-            for j in range(slip.size):
-                matrix[i, j] = spring * compliance[i, j] + dashpot * mobility[i, j]
-            matrix[i, i] += 1.0
-        _invert(matrix, workspace)
-    _multiply(workspace, force)
+    for i in range(terms.shape[1]):
+        bound, width, last = numbers[0, i], numbers[1, i], contacts[0, i]
+        inside = last != 0 and abs(last) <= width
+        rate, constant = (bound / width, 0.0) if inside else (0.0, bound * np.sign(last))
+        changed = changed or rate != terms[2, i] or constant != terms[3, i]
+        terms[2, i], terms[3, i] = rate, constant
+    return changed
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _correct_bristles(
-    free_elongation: Any, free_slip: Any, compliance: Any, mobility: Any, contacts: Any, numbers: Any, force: Any
-) -> None:
+def _correct_discs(ends: Any, contacts: Any, numbers: Any, terms: Any) -> Any:
+    """Let discs take the slip velocities of the end, and give the largest difference of friction there from λ."""
+    error = 0.0
+    for i in range(terms.shape[1]):
+        slip = contacts[0, i] = ends[1, i]
+        force = terms[2, i] * slip + terms[3, i]
+        error = max(error, abs(zone_friction(slip, numbers[0, i], numbers[1, i]) - force))
+    return error
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _bristles_change(contacts: Any, numbers: Any, terms: Any) -> Any:
+    """Let bristles be in the states that they have at the start of the substep, and say whether any has changed."""
+    changed = False
+    for i in range(contacts.shape[1]):
+        spring, dashpot, constant = 0.0, 0.0, contacts[0, i]
+        if constant == 0 and numbers[0, i] > 0:
+            spring, dashpot, constant = numbers[1, i], numbers[2, i], -numbers[1, i] * contacts[1, i]
+        changed = changed or spring != terms[1, i] or constant != terms[3, i]
+        terms[1, i], terms[2, i], terms[3, i] = spring, dashpot, constant
+    return changed
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _correct_bristles(ends: Any, contacts: Any, numbers: Any) -> None:
     """Change the states of bristles at the end of a substep; its forces stay as they were.
 
     A stuck one slips where its force has passed the bound, in the direction of the slip velocity, not of the force. A
     slipping one takes its foot along; where the velocity has reversed it sticks, with the force that it had.
     """
-    for i in range(force.size):
+    for i in range(contacts.shape[1]):
         bound, stiffness, damping = numbers[0, i], numbers[1, i], numbers[2, i]
-        elongation = _added(free_elongation, compliance, i, force)
-        slip = _added(free_slip, mobility, i, force)
+        elongation, slip = ends[0, i], ends[1, i]
         before, direction = contacts[0, i], np.sign(slip) * bound
         if before == 0 and bound > 0:
             passed = abs(stiffness * (elongation - contacts[1, i]) + damping * slip) > bound
@@ -188,75 +174,69 @@ def forces(motion: Any, contacts: Any, kind: Any, numbers: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _add_product(columns: Any, factors: Any, total: Any) -> None:
-    """Add Σ_j factors_j columns_j to `total`, in place; two columns at a time take three quarters of the time."""
-    for j in range(0, factors.size - 1, 2):
-        first, second = factors[j], factors[j + 1]
-        for i in range(total.size):
-            total[i] += first * columns[j, i] + second * columns[j + 1, i]
-    if factors.size % 2 == 1:
-        last = factors.size - 1
-        for i in range(total.size):
-            total[i] += factors[last] * columns[last, i]
+def _predict(motion: Any, acceleration: Any, algorithmic: Any, rule: Any) -> None:
+    """Take the part of a substep that its own accelerations have not."""
+    h, _, algorithmic_part, previous_part, _, beta, gamma = rule
+    for i in range(algorithmic.size):
+        before, after = algorithmic[i], algorithmic_part * algorithmic[i] + previous_part * acceleration[i]
+        motion[0, i] += h * motion[1, i] + h * h * ((0.5 - beta) * before + beta * after)
+        motion[1, i] += h * ((1 - gamma) * before + gamma * after)
+        algorithmic[i] = after
 
 
 @numba.njit(cache=True, error_model="numpy")
 def advance(
+    state: Any,
     motion: Any,
     contacts: Any,
-    first: Any,
+    acceleration: Any,
     loads: Any,
-    matrices: Any,
+    accelerations: Any,
+    shapes: Any,
     rule: Any,
     kind: Any,
     numbers: Any,
     tolerance: Any,
     record: Any,
 ) -> None:
-    """Advance motion and contacts in place, from the accelerations `first`.
+    """Advance the state, of which `motion` is a view, contacts and accelerations in place.
 
-    `record` is (steps, 5n), or has no rows when nothing is kept.
+    `record` is (steps, 5n), or has no rows when nothing is kept. What is called in the loop is handed few arrays: to
+    hand on ten of them takes as long as a substep.
     """
-    place_columns, speed_columns, load_column, response, coupling = matrices
-    h, parts, algorithmic_part, previous_part, current_part, beta, gamma = rule
-    q, v = motion[0], motion[1]
-    cells = coupling.shape[0]
-    place, speed = current_part * h * h * beta, current_part * h * gamma
-    compliance, mobility, workspace = np.empty((cells, cells)), np.empty((cells, cells)), np.empty((cells + 2, cells))
-    for i in range(cells):
-        workspace[0, i] = _UNKNOWN
-        for j in range(cells):
-            compliance[i, j], mobility[i, j] = place * coupling[i, j], speed * coupling[i, j]
-    acceleration = first.copy()
-    algorithmic = first.copy()
-    force, elongation, slip = np.zeros(cells), np.empty(cells), np.empty(cells)
+    cells, part = numbers.shape[1], rule[4]
+    place, speed = part * rule[0] * rule[0] * rule[5], part * rule[0] * rule[6]
+    terms, ends, response = np.zeros((4, cells)), np.empty((2, cells)), np.empty((state.size, acceleration.size))
+    algorithmic = acceleration[: 2 * cells].copy()
+    terms[0] = 1.0
+    _respond(terms, accelerations, shapes, response)
     for index in range(1, loads.size):
-        for i in range(2 * cells):
-            base = algorithmic_part * algorithmic[i] + previous_part * acceleration[i]
-            q[i] += h * v[i] + h * h * ((0.5 - beta) * algorithmic[i] + beta * base)
-            v[i] += h * ((1 - gamma) * algorithmic[i] + gamma * base)
-            algorithmic[i] = base
-            acceleration[i] = load_column[i] * loads[index]
-        _add_product(place_columns, q, acceleration)
-        _add_product(speed_columns, v, acceleration)
-        for i in range(cells):  # in the order of the step's end, so that a foot without friction is exactly there
-            outer, inner = acceleration[i], acceleration[cells + i]
-            elongation[i] = (q[cells + i] + place * inner) - (q[i] + place * outer)
-            slip[i] = (v[cells + i] + speed * inner) - (v[i] + speed * outer)
-        if kind == DISC:
-            _correct_discs(slip, mobility, contacts, numbers, tolerance, workspace, force)
+        _predict(motion, acceleration, algorithmic, rule)
+        state[4 * cells] = loads[index]
+        if kind == ZONE:
+            _end(state, response, place, speed, acceleration, ends)
+            if not _zones_hold(ends, numbers, terms):
+                _find_zones(state, shapes[1], numbers, ends[1], terms)
+                _respond(terms, accelerations, shapes, response)
+                _end(state, response, place, speed, acceleration, ends)
         elif kind == BRISTLE:
-            _hold_bristles(elongation, slip, compliance, mobility, contacts, numbers, workspace, force)
-            _correct_bristles(elongation, slip, compliance, mobility, contacts, numbers, force)
-        elif not _regime_holds(slip, mobility, numbers, workspace, force):
-            _find_regime(slip, mobility, numbers, workspace, force)
-        _add_product(response, force, acceleration)
+            if _bristles_change(contacts, numbers, terms):
+                _respond(terms, accelerations, shapes, response)
+            _end(state, response, place, speed, acceleration, ends)
+            _correct_bristles(ends, contacts, numbers)
+        else:
+            for _ in range(DISC_CORRECTIONS):
+                if _discs_change(contacts, numbers, terms):
+                    _respond(terms, accelerations, shapes, response)
+                _end(state, response, place, speed, acceleration, ends)
+                if _correct_discs(ends, contacts, numbers, terms) <= tolerance:
+                    break
         for i in range(2 * cells):
-            q[i] += place * acceleration[i]
-            v[i] += speed * acceleration[i]
-            algorithmic[i] += current_part * acceleration[i]
-        if record.shape[0] > 0 and index % parts == 0:
-            keep(motion, forces(motion, contacts, kind, numbers), record[index // parts - 1])
+            motion[0, i] += place * acceleration[i]
+            motion[1, i] += speed * acceleration[i]
+            algorithmic[i] += part * acceleration[i]
+        if record.shape[0] > 0 and index % rule[1] == 0:
+            keep(motion, forces(motion, contacts, kind, numbers), record[index // rule[1] - 1])
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -45,6 +45,9 @@ SPECTRAL_RADIUS = 0.9
 TRAPEZOIDAL = (0.0, 0.0, 1.0, 0.25, 0.5)
 """−α_m/(1−α_m), α_f/(1−α_m), c, β and γ of Newmark's rule."""
 
+WIDTH = 8
+"""Numbers that the widest vectors hold: rows of the kernel are padded to a multiple of it."""
+
 ACCELERATED = 10.0
 """Displacement scales that the accelerations of a period make, every one taken in one direction: a substep whose Newton
 iteration stops at a part of its first residual errs by at most that part of them."""
@@ -207,15 +210,13 @@ class GeneralisedAlphaLane(KernelLane):
         self._kind, self._tolerance, self._rule = kind, tolerance, (h, substeps, *rule)
         place, speed = rule[2] * h * h * rule[3], rule[2] * h * rule[4]
         inverse = np.linalg.inv(chain.mass_matrix + speed * chain.damping_matrix + place * chain.stiffness_matrix)
-        response = inverse @ chain.contact_directions
+        directions = chain.contact_directions.T
+        rows = -chain.stiffness_matrix @ inverse, -chain.damping_matrix @ inverse, inverse[:1], 0 * inverse[:1]
+        made = np.vstack([*rows, directions @ inverse])
+        at, moving = (np.eye(len(made), len(inverse), -before) for before in (0, len(inverse)))
         self._inverse_mass = np.linalg.inv(chain.mass_matrix)
-        self._matrices = (
-            np.ascontiguousarray(-(inverse @ chain.stiffness_matrix).T),
-            np.ascontiguousarray(-(inverse @ chain.damping_matrix).T),
-            np.ascontiguousarray(inverse[:, 0]),
-            np.ascontiguousarray(response.T),
-            chain.contact_directions.T @ response,
-        )
+        self._made = np.pad(made, ((0, 0), (0, -made.shape[1] % WIDTH)))
+        self._shapes = np.stack([directions @ (at + place * made).T, directions @ (moving + speed * made).T])
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
         """Run the kernel; a run begins with new accelerations, as Exudyn's do."""
@@ -224,11 +225,12 @@ class GeneralisedAlphaLane(KernelLane):
         lane, (length, parts) = self.lane, self._rule[:2]
         times = length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
         loads = lane.drive.load(lane.chain, times)
-        motion = np.vstack([state.positions[0], state.velocities[0]])
-        contacts = self._contacts_at(state, float(loads[0]))
+        whole = np.concatenate([state.positions[0], state.velocities[0], [0.0, 1.0]])
+        motion, contacts = whole[:-2].reshape(2, -1), self._contacts_at(state, float(loads[0]))
         first = self._accelerations(motion, forces(motion, contacts, self._kind, self._numbers), float(loads[0]))
-        rules = self._matrices, self._rule, self._kind, self._numbers, self._tolerance
-        advance(motion, contacts, first, loads, *rules, record)
+        accelerations = np.pad(first, (0, self._made.shape[1] - first.size))
+        rules = self._made, self._shapes, self._rule, self._kind, self._numbers, self._tolerance
+        advance(whole, motion, contacts, accelerations, loads, *rules, record)
         return State(motion[:1], motion[1:], self._internal_state(motion[0], contacts))
 
     def _accelerations(self, motion: FloatArray, forces: FloatArray, load: float) -> FloatArray:
