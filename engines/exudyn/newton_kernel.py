@@ -41,7 +41,7 @@ ROUND_OFF = 1e-9
 """Of a step, by which the end of a run, and of what sensors wait for, may be missed."""
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def friction_at(slip: Any, last: Any, bound: Any, zone: Any, parabolic: Any) -> Any:
     """Give φ of a connector; or of a disc, which is in its zone by the slip velocity of the last correction."""
     if not parabolic:
@@ -52,7 +52,7 @@ def friction_at(slip: Any, last: Any, bound: Any, zone: Any, parabolic: Any) -> 
     return bound * part * (2 - abs(part)) if abs(last) <= zone else bound * np.sign(last)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def frictions(slip: Any, last: Any, numbers: Any, parabolic: Any) -> Any:
     """Give φ of all contacts."""
     friction = np.empty(slip.size)
@@ -61,7 +61,7 @@ def frictions(slip: Any, last: Any, numbers: Any, parabolic: Any) -> Any:
     return friction
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _squares(values: Any) -> Any:
     """Give the sum of the squares."""
     total = 0.0
@@ -70,14 +70,14 @@ def _squares(values: Any) -> Any:
     return total
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _copy(values: Any, place: Any) -> None:
     """Copy a row."""
     for i in range(values.size):
         place[i] = values[i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _evaluate(
     motion: Any, chain: Any, load: Any, last: Any, numbers: Any, parabolic: Any, residual: Any, friction: Any
 ) -> Any:
@@ -94,6 +94,29 @@ def _evaluate(
         residual[i] -= friction[i]
         residual[cells + i] += friction[i]
     return _squares(residual)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _invert(matrix: Any, inverse: Any) -> None:
+    """Write the inverse, by elimination in place: LAPACK takes seconds to be compiled for."""
+    size = matrix.shape[0]
+    for i in range(size):
+        for j in range(size):
+            inverse[i, j] = 1.0 if i == j else 0.0
+    for k in range(size):
+        pivot = k
+        for i in range(k + 1, size):
+            pivot = i if abs(matrix[i, k]) > abs(matrix[pivot, k]) else pivot
+        scale = 1 / matrix[pivot, k]
+        for j in range(size):
+            matrix[pivot, j], matrix[k, j] = matrix[k, j], scale * matrix[pivot, j]
+            inverse[pivot, j], inverse[k, j] = inverse[k, j], scale * inverse[pivot, j]
+        for i in range(size):
+            factor = matrix[i, k]
+            if i != k and factor != 0:
+                for j in range(size):
+                    matrix[i, j] -= factor * matrix[k, j]
+                    inverse[i, j] -= factor * inverse[k, j]
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -132,7 +155,7 @@ def _make_matrix(
         _copy(inverse[i], newton[i])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _turning(friction: Any, before: Any, change: Any, scale: Any, newton: Any) -> Any:
     """Give the sum of the squares of the residuals of the discs' rotation, which friction acts on, too."""
     cells, total = friction.size, 0.0
@@ -196,7 +219,7 @@ def _iterate(
     return 0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _predict(motion: Any, algorithmic: Any, acceleration: Any, length: Any, rule: Any, begin: Any, base: Any) -> None:
     """Give the end of a step without acceleration, and what its algorithmic accelerations are then."""
     beta, gamma = rule[5], rule[6]
@@ -207,7 +230,7 @@ def _predict(motion: Any, algorithmic: Any, acceleration: Any, length: Any, rule
         begin[2, i], base[i] = 0.0, after
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _correct(velocity: Any, last: Any, numbers: Any, parabolic: Any) -> Any:
     """Let discs take the slip velocities that they have; give the largest change of friction, 0 of connectors."""
     error = 0.0
@@ -250,7 +273,7 @@ def _take(
     return iterations, corrections, begun_again
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _load_at(place: Any, loads: Any, wave: Any, length: Any) -> Any:
     """Give the load at a time, in substeps: of a harmonic drive, or between those of its substeps."""
     if wave[2] > 0:

@@ -7,7 +7,7 @@ velocities without the new accelerations, the load, and 1. `terms`, shape (4, n)
 slip velocities w of the end, terms_0 λ + terms_1 x + terms_2 w + terms_3 = 0. `accelerations`, shape (5n + 2, m), holds
 in each row what a part of the state, or a force λ, makes of accelerations, and `shapes`, shape (2, n, 5n + 2), of x and
 w; `response`, shape (4n + 2, m), what a part of the state makes together with the forces that it makes. Rows are padded
-to m, a multiple of `WIDTH`. Loops stand where expressions of arrays would take as long again to compile.
+to m columns. Loops stand where expressions of arrays would take as long again to compile.
 """
 
 from typing import Any
@@ -16,10 +16,10 @@ import numba
 import numpy as np
 
 from engines.exudyn.step_model import BRISTLE, DISC_CORRECTIONS, ZONE
-from reference_lcp.schemes.linear_implicit_kernel import solve_contacts
+from reference_lcp.schemes.linear_implicit_kernel import add_rows, solve_contacts
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def zone_friction(slip: Any, bound: Any, width: Any) -> Any:
     """Give φ of a zone."""
     return bound * min(max(slip / width, -1.0), 1.0)
@@ -27,47 +27,49 @@ def zone_friction(slip: Any, bound: Any, width: Any) -> Any:
 
 @numba.njit(cache=True, error_model="numpy")
 def _respond(terms: Any, accelerations: Any, shapes: Any, response: Any) -> None:
-    """Make the response anew, after a change of `terms`."""
+    """Make the response anew, after a change of `terms`.
+
+    By elimination without pivoting: all principal minors are positive, and LAPACK takes seconds to be compiled for.
+    """
     size, cells = response.shape[0], terms.shape[1]
-    matrix, rates = np.empty((cells, cells)), np.empty((cells, size))
+    rows = np.empty((cells, size + cells))
     for i in range(cells):
-        weight, spring, dashpot = terms[0, i], terms[1, i], terms[2, i]
-        for j in range(size):
-            rates[i, j] = spring * shapes[0, i, j] + dashpot * shapes[1, i, j]
-        rates[i, size - 1] += terms[3, i]
-        for j in range(cells):
-            matrix[i, j] = spring * shapes[0, i, size + j] + dashpot * shapes[1, i, size + j]
-        matrix[i, i] += weight
-    pushes = np.dot(np.linalg.solve(matrix, rates).T, accelerations[size:])
+        for j in range(size + cells):
+            rows[i, j] = terms[1, i] * shapes[0, i, j] + terms[2, i] * shapes[1, i, j]
+        rows[i, size + i] += terms[0, i]
+        rows[i, size - 1] += terms[3, i]
+    for k in range(cells):
+        for i in range(cells):
+            factor = rows[i, size + k] / rows[k, size + k]
+            if i != k and factor != 0:
+                for j in range(size + cells):
+                    rows[i, j] -= factor * rows[k, j]
     for i in range(size):
         for j in range(response.shape[1]):
-            response[i, j] = accelerations[i, j] - pushes[i, j]
+            response[i, j] = accelerations[i, j]
+        for k in range(cells):
+            force = rows[k, i] / rows[k, size + k]
+            for j in range(response.shape[1]):
+                response[i, j] -= force * accelerations[size + k, j]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _end(state: Any, response: Any, place: Any, speed: Any, acceleration: Any, ends: Any) -> None:
     """Give the accelerations of the end of a substep, and elongations and slip velocities there.
 
-    Four rows at a time take three quarters of the time. Elongations are added up as positions are, so that a foot
-    without friction is exactly there.
+    Elongations are added up as positions are, so that a foot without friction is exactly there.
     """
-    whole, cells = state.size - state.size % 4, ends.shape[1]
-    acceleration.fill(0.0)
-    for j in range(0, whole, 4):
-        a, b, c, d = state[j], state[j + 1], state[j + 2], state[j + 3]
-        for i in range(acceleration.size):
-            pair = a * response[j, i] + b * response[j + 1, i]
-            acceleration[i] += pair + (c * response[j + 2, i] + d * response[j + 3, i])
-    for j in range(whole, state.size):
-        for i in range(acceleration.size):
-            acceleration[i] += state[j] * response[j, i]
+    cells = ends.shape[1]
+    for i in range(acceleration.size):
+        acceleration[i] = 0.0
+    add_rows(state, response, acceleration)
     for i in range(cells):
         outer, inner, v = acceleration[i], acceleration[cells + i], 2 * cells + i
         ends[0, i] = (state[cells + i] + place * inner) - (state[i] + place * outer)
         ends[1, i] = (state[v + cells] + speed * inner) - (state[v] + speed * outer)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _zones_hold(ends: Any, numbers: Any, terms: Any) -> Any:
     """Say whether zones are in their regime at the end of a substep: inside, or beyond it on one side."""
     for i in range(terms.shape[1]):
@@ -84,20 +86,20 @@ def _zones_hold(ends: Any, numbers: Any, terms: Any) -> Any:
 def _find_zones(state: Any, slips: Any, numbers: Any, last: Any, terms: Any) -> None:
     """Find the regime of zones by sweeps, from their friction at the `last` slip velocities that were tried."""
     cells, bound = terms.shape[1], numbers[0]
-    free, force, softness, none = np.zeros(cells), np.empty(cells), np.empty(cells), np.zeros(cells)
+    free, force, law = np.zeros(cells), np.empty(cells), np.zeros((3, cells))
     for i in range(cells):
         for j in range(state.size):
             free[i] += slips[i, j] * state[j]
-        softness[i] = numbers[1, i] / bound[i]
+        law[0, i] = numbers[1, i] / bound[i]
         force[i] = -zone_friction(last[i], bound[i], numbers[1, i])
-    solve_contacts(free, slips[:, state.size :], bound, (softness, none, none), force)
+    solve_contacts(free, slips[:, state.size :], bound, law, force)
     for i in range(cells):
         inside = abs(force[i]) < bound[i]
-        terms[0, i], terms[2, i] = (softness[i], 1.0) if inside else (1.0, 0.0)
+        terms[0, i], terms[2, i] = (law[0, i], 1.0) if inside else (1.0, 0.0)
         terms[3, i] = 0.0 if inside else -force[i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _discs_change(contacts: Any, numbers: Any, terms: Any) -> Any:
     """Let discs be in their zone, or not, by the slip velocity of the last correction, and say whether any has changed.
 
@@ -113,7 +115,7 @@ def _discs_change(contacts: Any, numbers: Any, terms: Any) -> Any:
     return changed
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _correct_discs(ends: Any, contacts: Any, numbers: Any, terms: Any) -> Any:
     """Let discs take the slip velocities of the end, and give the largest difference of friction there from λ."""
     error = 0.0
@@ -124,7 +126,7 @@ def _correct_discs(ends: Any, contacts: Any, numbers: Any, terms: Any) -> Any:
     return error
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _bristles_change(contacts: Any, numbers: Any, terms: Any) -> Any:
     """Let bristles be in the states that they have at the start of the substep, and say whether any has changed."""
     changed = False
@@ -137,7 +139,7 @@ def _bristles_change(contacts: Any, numbers: Any, terms: Any) -> Any:
     return changed
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _correct_bristles(ends: Any, contacts: Any, numbers: Any) -> None:
     """Change the states of bristles at the end of a substep; its forces stay as they were.
 
@@ -158,7 +160,7 @@ def _correct_bristles(ends: Any, contacts: Any, numbers: Any) -> None:
             contacts[0, i], contacts[1, i] = direction, elongation
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def forces(motion: Any, contacts: Any, kind: Any, numbers: Any) -> Any:
     """Give φ of all contacts in a state."""
     cells = numbers.shape[1]
@@ -173,7 +175,7 @@ def forces(motion: Any, contacts: Any, kind: Any, numbers: Any) -> Any:
     return forces
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def _predict(motion: Any, acceleration: Any, algorithmic: Any, rule: Any) -> None:
     """Take the part of a substep that its own accelerations have not."""
     h, _, algorithmic_part, previous_part, _, beta, gamma = rule
@@ -239,7 +241,7 @@ def advance(
             keep(motion, forces(motion, contacts, kind, numbers), record[index // rule[1] - 1])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", forceinline=True)
 def keep(motion: Any, friction: Any, row: Any) -> None:
     """Write positions, velocities and friction of a step."""
     count = motion.shape[1]

@@ -31,6 +31,7 @@ from reference_lcp.chain.drives import HarmonicBase, HarmonicForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
+from reference_lcp.schemes.linear_implicit import padded_rows
 from reference_lcp.validation import FloatArray
 
 ZONE, DISC, BRISTLE = 0, 1, 2
@@ -44,9 +45,6 @@ SPECTRAL_RADIUS = 0.9
 
 TRAPEZOIDAL = (0.0, 0.0, 1.0, 0.25, 0.5)
 """−α_m/(1−α_m), α_f/(1−α_m), c, β and γ of Newmark's rule."""
-
-WIDTH = 8
-"""Numbers that the widest vectors hold: rows of the kernel are padded to a multiple of it."""
 
 ACCELERATED = 10.0
 """Displacement scales that the accelerations of a period make, every one taken in one direction: a substep whose Newton
@@ -215,7 +213,7 @@ class GeneralisedAlphaLane(KernelLane):
         made = np.vstack([*rows, directions @ inverse])
         at, moving = (np.eye(len(made), len(inverse), -before) for before in (0, len(inverse)))
         self._inverse_mass = np.linalg.inv(chain.mass_matrix)
-        self._made = np.pad(made, ((0, 0), (0, -made.shape[1] % WIDTH)))
+        self._made = padded_rows(made)
         self._shapes = np.stack([directions @ (at + place * made).T, directions @ (moving + speed * made).T])
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:

@@ -18,7 +18,8 @@ R = TypeVar("R")
 class Kernel(Generic[P, R]):
     """A function that numba compiles when it is first called, with the kernels that it calls.
 
-    Numba is imported then, and not with the adapter.
+    Numba is imported then, and not with the adapter. What a kernel calls becomes a part of it: a call counts references
+    to each array that it hands on, which takes longer than what most of them do.
     """
 
     def __init__(self, function: Callable[P, R]):
@@ -30,13 +31,16 @@ class Kernel(Generic[P, R]):
 
     @functools.cached_property
     def _compiled(self) -> Any:
+        return self._compile(inlined=False)
+
+    def _compile(self, *, inlined: bool) -> Any:
         import numba
 
         module = self._function.__globals__
         for name in self._function.__code__.co_names:
             if isinstance(called := module.get(name), Kernel):
-                module[name] = called._compiled
-        return numba.njit(cache=True, error_model="numpy")(self._function)
+                module[name] = called._compile(inlined=True)
+        return numba.njit(cache=True, error_model="numpy", forceinline=inlined)(self._function)
 
 
 @Kernel

@@ -12,6 +12,7 @@ equation (5) these are equation (7) with a given normal force, see `reference_lc
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,14 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray
+
+WIDTH = 8
+"""Numbers that the widest vectors hold: kernels have rows that are a multiple of it."""
+
+
+def padded_rows(rows: FloatArray) -> FloatArray:
+    """Give rows with zeros up to a multiple of `WIDTH`: what is left over of vectors takes longer than a whole one."""
+    return np.pad(rows, ((0, 0), (0, -rows.shape[1] % WIDTH)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,6 +187,14 @@ class LinearImplicitLane(LaneModel):
         """Give λ_N [N] of each step, shape (steps, n), from the friction and the preload; engines' laws override it."""
         return preload
 
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray, ...]:
+        """Give those of the kernel."""
+        step = self._step
+        made, response = padded_rows(np.hstack([step.state, step.load]).T), padded_rows(step.response.T)
+        response = np.pad(response, ((0, 0), (0, made.shape[1] - response.shape[1])))
+        return made, response, step.coupling, step.quadratic_drag
+
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
         """Run the kernel; gives positions and velocities at the end, shape (2, 2n)."""
         from reference_lcp.schemes.linear_implicit_kernel import advance  # numba is imported once something moves
@@ -189,9 +206,9 @@ class LinearImplicitLane(LaneModel):
             motion,
             lane.loads(start, steps + 1),
             np.ascontiguousarray(bounds),
-            (step.state, step.load, step.response, step.coupling, step.quadratic_drag),
+            *self._matrices,
             (step.length, step.end_weight),
-            (friction.compliance, friction.slope, friction.smoothing),
+            np.stack([friction.compliance, friction.slope, friction.smoothing]),
             record,
         )
         return motion

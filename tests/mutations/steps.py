@@ -84,13 +84,13 @@ def _advance(
     length, weight = numbers
     cells = coupling.shape[0]
     count = 2 * cells
-    none = np.zeros(cells)
+    none = np.zeros((3, cells))
     impulses, state = np.zeros(cells), np.empty(2 * count)
     state[:count], state[count:] = motion[1], motion[0]
     before = np.empty(count)
     for step in range(bounds.shape[0]):
         free = state_matrix @ state + load_matrix[:, 0] * loads[step] + load_matrix[:, 1] * loads[step + 1]
-        solve_contacts(free[count:], coupling, bounds[step], (none, none, none), impulses)
+        solve_contacts(free[count:], coupling, bounds[step], none, impulses)
         for i in range(cells):
             if abs(impulses[i]) >= bounds[step, i]:
                 impulses[i] *= slide[0] if impulses[i] > 0 else slide[1]
