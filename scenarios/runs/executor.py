@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from itertools import islice
 from typing import Any
 
 from engines.interface.variant import Variant
@@ -46,6 +47,9 @@ def batches_of(tasks: Iterable[Task]) -> Iterator[Batch]:
             yield groups.pop(key)
     yield from groups.values()
 
+
+MOST_PUT_OFF = 1000
+"""Batches that wait for the first one of their engine, and are looked past for one of another."""
 
 MOST_FAILURES = 3
 """Points at which an engine may end its process; after as many, its other points are not run any more."""
@@ -111,6 +115,7 @@ class WorkerExecutor(Executor):
                 self._wait(running)
                 for run in [run for run in running if run.done()]:
                     batch = running.pop(run)
+                    queue.begun.add(batch[0].variant)
                     try:
                         results = self._results(run)
                     except WorkerDied as death:
@@ -124,7 +129,7 @@ class WorkerExecutor(Executor):
 
     def _fill(self, queue: "BatchQueue", running: dict[Run, Batch]) -> Iterator[tuple[Batch, list[Result]]]:
         """Start batches in all free slots; gives back those that are not run any more, blocked."""
-        while len(running) < self._slots and (batch := queue.next()) is not None:
+        while len(running) < self._slots and (batch := queue.next(running.values())) is not None:
             reason = queue.blocked.get(batch[0].variant)
             if reason is None:
                 running[self._start(batch)] = batch
@@ -149,19 +154,37 @@ class WorkerExecutor(Executor):
 
 
 class BatchQueue:
-    """Batches that wait to be run, taken one by one and in order, and what becomes of those whose worker died."""
+    """Batches that wait to be run, taken one by one, and what becomes of those whose worker died."""
 
     def __init__(self, batches: Iterable[Batch]):
         self._batches = iter(batches)
+        self._put_off: deque[Batch] = deque()
         self._again: deque[Batch] = deque()
         self._second_chance: set[Task] = set()
         self._failures: Counter[Variant] = Counter()
         self.blocked: dict[Variant, str] = {}
         """Why a variant is not run any more: it has failed at `MOST_FAILURES` points, or could not be prepared."""
+        self.begun: set[Variant] = set()
+        """Variants of which a batch has ended."""
 
-    def next(self) -> Batch | None:
-        """Take the next batch, those that are run again first; ``None`` without any."""
-        return self._again.popleft() if self._again else next(self._batches, None)
+    def next(self, running: Collection[Batch]) -> Batch | None:
+        """Take the next batch, those that are run again first; ``None`` without any.
+
+        While the first batch of a variant runs, others of its engine are put off as long as there is anything else:
+        what it compiles they then find compiled.
+        """
+        if self._again:
+            return self._again.popleft()
+        beginning = {batch[0].variant.engine for batch in running if batch[0].variant not in self.begun}
+        for batch in self._put_off:
+            if batch[0].variant.engine not in beginning:
+                self._put_off.remove(batch)
+                return batch
+        for batch in islice(self._batches, MOST_PUT_OFF - len(self._put_off)):
+            if batch[0].variant.engine not in beginning:
+                return batch
+            self._put_off.append(batch)
+        return self._put_off.popleft() if self._put_off else None
 
     def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
         """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
