@@ -141,7 +141,7 @@ def searched(
     found = zip(simulation.lanes, trajectories, residuals, (search.periods + 1).tolist(), strict=True)
     orbits = [PeriodicOrbit(*one, orbit_status(one[2], tolerance)) for one in found]
     if longest_multiple > 1:
-        _search_repetitions(orbits, simulation, search, steps, tolerance, longest_multiple)
+        search_repetitions(orbits, simulation, starts, steps, tolerance, longest_multiple)
     return orbits
 
 
@@ -227,20 +227,26 @@ def _followed_from_rest(lane: Lane) -> tuple[State, int, bool]:
     return state, MOST_FROM_REST, False
 
 
-def _search_repetitions(
+def search_repetitions(
     orbits: list[PeriodicOrbit],
     simulation: Simulation,
-    search: FixedPointSearch,
+    starts: State,
     steps_per_period: int,
     tolerance: float,
-    longest: int,
+    longest: int = LONGEST_MULTIPLE,
+    leading: Simulation | None = None,
 ) -> None:
-    """Set the multiple of the orbits at the period limit, in place: after how many periods they repeat."""
+    """Set the multiple of the orbits at the period limit, in place: after how many periods they repeat.
+
+    `starts` are where their search has ended; `leading` as for `repetitions`.
+    """
     late = [lane for lane, orbit in enumerate(orbits) if orbit.status is OrbitStatus.PERIOD_LIMIT]
     if not late:
         return
-    part = simulation.subset(late)
-    multiples, states, distances = repetitions(part, search.starts(late), steps_per_period, tolerance, longest)
+    part, leading = simulation.subset(late), None if leading is None else leading.subset(late)
+    multiples, states, distances = repetitions(
+        part, starts.subset(late), steps_per_period, tolerance, longest, leading=leading
+    )
     for k, lane in enumerate(late):
         orbits[lane] = dataclasses.replace(orbits[lane], multiple=multiples[k])
         if multiples[k] == 1:
@@ -264,24 +270,33 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
 
 
 def repetitions(
-    simulation: Simulation, start: State, steps_per_period: int, tolerance: float, longest: int = LONGEST_MULTIPLE
+    simulation: Simulation,
+    start: State,
+    steps_per_period: int,
+    tolerance: float,
+    longest: int = LONGEST_MULTIPLE,
+    *,
+    leading: Simulation | None = None,
 ) -> tuple[list[int], State, FloatArray]:
     """Find after how many periods of the drive, `longest` at most, each lane's motion repeats to `tolerance`.
 
     The plain motion is followed for `SETTLING_PERIODS`, and x(t + mT) compared with x(t). The m that comes closest to a
     repetition is tried on its own, by a search of the m-fold map. Gives the smallest m of each lane, 0 where there is
     none; where its motion has settled; and |x(t + mT) − x(t)| from there, shape (lanes, longest).
+
+    `leading` is what takes the same steps in less time: it leads to where the simulation itself is looked at.
     """
     scales, end = StateScales(simulation.lanes, steps_per_period), start
+    leading = leading or simulation
     for _ in range(SETTLING_PERIODS):
-        end = simulation.advance(end, 0, steps_per_period)
+        end = leading.advance(end, 0, steps_per_period)
     distances = _distances(simulation, scales, end, steps_per_period, longest)
     multiples = [_smallest(row <= tolerance) for row in distances]
     for lane in [lane for lane, m in enumerate(multiples) if m == 0]:
         m = int(np.argmin(distances[lane])) + 1
         if distances[lane, m - 1] < HINT * distances[lane, 0]:
             alone, own = simulation.subset([lane]), scales.subset([lane])
-            search = FixedPointSearch(alone, own, m * steps_per_period, tolerance)
+            search = FixedPointSearch(leading.subset([lane]), own, m * steps_per_period, tolerance)
             search.run(end.subset([lane]), SEARCHED)
             if search.best_residual[0] <= tolerance:
                 repeated = _smallest(_distances(alone, own, search.starts([0]), steps_per_period, m)[0] <= tolerance)

@@ -3,9 +3,9 @@
 import math
 import time
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,14 +16,14 @@ from engines.interface.presets import FrictionLaw
 from engines.interface.registry import LAW_SUFFIX, law_of
 from engines.interface.variant import Variant
 from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
-from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.neighbours import orbits_from_balance, orbits_from_euler, residual_amplification
-from reference_lcp.steady.orbits import part_of, periodic_orbits, repetitions
+from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbits, repetitions, search_repetitions
 from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.runs.failures import NOT_FINITE, CheckedSimulation, check_trajectory, results_together
 from scenarios.runs.recorded import RecordedPeriod
@@ -152,7 +152,8 @@ def _orbits(
     """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise.
 
     What does not settle by its law, or by that of the unchanged preset, is not searched from harmonic balance anew;
-    what nearly is its law has the last word only where the engine's next period is the model's.
+    what nearly is its law has the last word only where the engine's next period is the model's. Bristles that find no
+    steady state are led by their law, which is theirs to round-off, to where they may repeat after several periods.
     """
     tolerance = variant.capabilities.residual
     if variant.engine == EULER.engine:
@@ -163,19 +164,31 @@ def _orbits(
     orbits = _unsettled(simulation, variant, laws, steps)
     most = ENGINE_PERIODS if is_warm_started(variant) else DEFAULT_PERIODS
     groups, has_law = defaultdict(list), stepped_by(variant) is not None
-    nearly = _nearly(variant) is not None
+    nearly, led = _nearly(variant) is not None, variant.capabilities.friction_law is FrictionLaw.BRISTLE and has_law
     for lane, law in enumerate(laws):
         if lane not in orbits:
             groups[has_law and law is not None, nearly or law is None or law.converged].append(lane)
     for (from_law, settles), group in groups.items():
         ends = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
         part, begin = part_of(simulation, group), State.stack(ends) if from_law else None
-        if from_law and settles:
-            found = periodic_orbits(part, steps, start=begin, tolerance=tolerance)
-        else:
-            found = orbits_from_euler(part, steps, tolerance=tolerance, start=begin, max_periods=most, anew=settles)
+        search: Callable[..., list[PeriodicOrbit]] = periodic_orbits
+        if not (from_law and settles):
+            search = partial(orbits_from_euler, max_periods=most, anew=settles)
+        longest = 1 if led and from_law else LONGEST_MULTIPLE
+        found = search(part, steps, tolerance=tolerance, start=begin, longest_multiple=longest)
+        if led and from_law:
+            _search_led_repetitions(found, part, variant, steps)
         orbits |= dict(zip(group, found, strict=True))
     return [orbits[lane] for lane in range(len(lanes))]
+
+
+def _search_led_repetitions(found: list[PeriodicOrbit], simulation: Simulation, variant: Variant, steps: int) -> None:
+    """Say in place after how many periods orbits repeat that have no steady state; their law leads there."""
+    law = stepped_by(variant)
+    assert law is not None, "only what has a law is led by it"
+    ends = State.stack([orbit.trajectory.end for orbit in found])
+    tolerance, leading = variant.capabilities.residual, law.build(simulation.lanes)
+    search_repetitions(found, simulation, ends, steps, tolerance, leading=leading)
 
 
 def _unsettled(

@@ -6,7 +6,7 @@ from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.steady.neighbours import NEWTON_PERIODS
-from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits
+from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits, repetitions
 from scenarios.runs.executor import run_batch
 from scenarios.runs.parameters import Modulation
 from scenarios.runs.result import Result, ResultStatus
@@ -83,11 +83,51 @@ def test_where_the_law_of_bristles_has_no_steady_state_the_engine_is_given_some_
     assert result.residual < 1e-2
 
 
+BRISTLES = "exudyn-bristle:joint:tuned"
+
+
+def repeats_after(friction: float, eta: float, leading: str = "") -> int:
+    """Periods after which tuned bristles repeat, led by the law of a variant, or by themselves without one."""
+    variant = Variant.parse(BRISTLES)
+    task = SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta)
+    lane, steps = task.lane()
+    (beside,) = law_orbits(variant, [lane], steps)
+    assert beside is not None
+    law = law_of(Variant.parse(leading).preset).build([lane]) if leading else None
+    engine, tolerance = variant.build([lane]), variant.capabilities.residual
+    (multiple,), _, _ = repetitions(engine, beside.trajectory.end, steps, tolerance, leading=law)
+    engine.close()
+    return multiple
+
+
+@pytest.mark.needs("exudyn-bristle")
+@pytest.mark.parametrize(
+    ("friction", "eta", "multiple"),
+    [
+        pytest.param(0.3, 1.2919, 2, id="every other period"),
+        pytest.param(0.6, 0.778888, 4, id="every fourth", marks=pytest.mark.slow),
+        pytest.param(0.3, 1.55, 0, id="never"),
+    ],
+)
+def test_bristles_led_by_their_law_repeat_where_they_do_by_themselves(friction, eta, multiple) -> None:
+    assert repeats_after(friction, eta, leading=BRISTLES) == repeats_after(friction, eta) == multiple
+
+
+@pytest.mark.needs("exudyn-bristle")
+def test_bristles_led_by_another_law_do_not_repeat_and_nothing_is_certified() -> None:
+    """Springs that are half as stiff again repeat every other period too, but elsewhere."""
+    assert repeats_after(0.3, 1.2919, leading=f"{BRISTLES}:bristle_phase=0.5") == 0
+
+
 UNSETTLED = pytest.mark.parametrize(
     "name",
     [
         pytest.param("mujoco:contact:default", marks=pytest.mark.needs("mujoco"), id="a law"),
-        pytest.param("exudyn-regularised:contact:default", marks=pytest.mark.needs("exudyn-regularised"), id="nearly"),
+        pytest.param(
+            "exudyn-regularised:contact:default",
+            marks=[pytest.mark.needs("exudyn-regularised"), pytest.mark.slow],
+            id="nearly",
+        ),
     ],
 )
 """Contacts whose friction never settles at a point, as their law says, or what nearly is their law."""
