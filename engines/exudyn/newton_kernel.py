@@ -97,29 +97,6 @@ def _evaluate(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _invert(matrix: Any, inverse: Any) -> None:
-    """Write the inverse, by elimination in place: LAPACK takes seconds to be compiled for."""
-    size = matrix.shape[0]
-    for i in range(size):
-        for j in range(size):
-            inverse[i, j] = 1.0 if i == j else 0.0
-    for k in range(size):
-        pivot = k
-        for i in range(k + 1, size):
-            pivot = i if abs(matrix[i, k]) > abs(matrix[pivot, k]) else pivot
-        scale = 1 / matrix[pivot, k]
-        for j in range(size):
-            matrix[pivot, j], matrix[k, j] = matrix[k, j], scale * matrix[pivot, j]
-            inverse[pivot, j], inverse[k, j] = inverse[k, j], scale * inverse[pivot, j]
-        for i in range(size):
-            factor = matrix[i, k]
-            if i != k and factor != 0:
-                for j in range(size):
-                    matrix[i, j] -= factor * matrix[k, j]
-                    inverse[i, j] -= factor * inverse[k, j]
-
-
-@numba.njit(cache=True, error_model="numpy")
 def _make_matrix(
     velocity: Any,
     friction: Any,

@@ -33,13 +33,17 @@ class Kernel(Generic[P, R]):
     def _compiled(self) -> Any:
         return self._compile(inlined=False)
 
+    @functools.cached_property
+    def _inlined(self) -> Any:
+        return self._compile(inlined=True)
+
     def _compile(self, *, inlined: bool) -> Any:
         import numba
 
         module = self._function.__globals__
         for name in self._function.__code__.co_names:
             if isinstance(called := module.get(name), Kernel):
-                module[name] = called._compile(inlined=True)
+                module[name] = called._inlined
         return numba.njit(cache=True, error_model="numpy", forceinline=inlined)(self._function)
 
 

@@ -188,12 +188,13 @@ class LinearImplicitLane(LaneModel):
         return preload
 
     @cached_property
-    def _matrices(self) -> tuple[FloatArray, ...]:
-        """Give those of the kernel."""
-        step = self._step
-        made, response = padded_rows(np.hstack([step.state, step.load]).T), padded_rows(step.response.T)
-        response = np.pad(response, ((0, 0), (0, made.shape[1] - response.shape[1])))
-        return made, response, step.coupling, step.quadratic_drag
+    def _constants(self) -> tuple[FloatArray | tuple[float, float], ...]:
+        """Give what the kernel is handed beside a motion."""
+        step, friction = self._step, self._friction
+        made = padded_rows(np.hstack([step.state, step.load]).T)
+        response = np.pad(step.response.T, ((0, 0), (0, made.shape[1] - len(step.response))))
+        law = np.stack([friction.compliance, friction.slope, friction.smoothing])
+        return made, response, step.coupling, step.quadratic_drag, (step.length, step.end_weight), law
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
         """Run the kernel; gives positions and velocities at the end, shape (2, 2n)."""
@@ -206,9 +207,7 @@ class LinearImplicitLane(LaneModel):
             motion,
             lane.loads(start, steps + 1),
             np.ascontiguousarray(bounds),
-            *self._matrices,
-            (step.length, step.end_weight),
-            np.stack([friction.compliance, friction.slope, friction.smoothing]),
+            *self._constants,
             record,
         )
         return motion

@@ -7,7 +7,7 @@ the attractor may be a cycle of m points of the map, a subharmonic response, or 
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, cast
@@ -234,18 +234,19 @@ def search_repetitions(
     steps_per_period: int,
     tolerance: float,
     longest: int = LONGEST_MULTIPLE,
-    leading: Simulation | None = None,
+    leading: Callable[[Sequence[Lane]], Simulation] | None = None,
 ) -> None:
     """Set the multiple of the orbits at the period limit, in place: after how many periods they repeat.
 
-    `starts` are where their search has ended; `leading` as for `repetitions`.
+    `starts` are where their search has ended; `leading` builds what leads them, see `repetitions`.
     """
     late = [lane for lane, orbit in enumerate(orbits) if orbit.status is OrbitStatus.PERIOD_LIMIT]
     if not late:
         return
-    part, leading = simulation.subset(late), None if leading is None else leading.subset(late)
+    part = simulation.subset(late)
+    led_by = None if leading is None else leading(part.lanes)
     multiples, states, distances = repetitions(
-        part, starts.subset(late), steps_per_period, tolerance, longest, leading=leading
+        part, starts.subset(late), steps_per_period, tolerance, longest, leading=led_by
     )
     for k, lane in enumerate(late):
         orbits[lane] = dataclasses.replace(orbits[lane], multiple=multiples[k])

@@ -115,7 +115,7 @@ class WorkerExecutor(Executor):
                 self._wait(running)
                 for run in [run for run in running if run.done()]:
                     batch = running.pop(run)
-                    queue.begun.add(batch[0].variant)
+                    queue.tried.add(batch[0].variant)
                     try:
                         results = self._results(run)
                     except WorkerDied as death:
@@ -164,7 +164,7 @@ class BatchQueue:
         self._failures: Counter[Variant] = Counter()
         self.blocked: dict[Variant, str] = {}
         """Why a variant is not run any more: it has failed at `MOST_FAILURES` points, or could not be prepared."""
-        self.begun: set[Variant] = set()
+        self.tried: set[Variant] = set()
         """Variants of which a batch has ended."""
 
     def next(self, running: Collection[Batch]) -> Batch | None:
@@ -175,7 +175,7 @@ class BatchQueue:
         """
         if self._again:
             return self._again.popleft()
-        beginning = {batch[0].variant.engine for batch in running if batch[0].variant not in self.begun}
+        beginning = {batch[0].variant.engine for batch in running if batch[0].variant not in self.tried}
         for batch in self._put_off:
             if batch[0].variant.engine not in beginning:
                 self._put_off.remove(batch)

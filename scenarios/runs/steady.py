@@ -16,7 +16,7 @@ from engines.interface.presets import FrictionLaw
 from engines.interface.registry import LAW_SUFFIX, law_of
 from engines.interface.variant import Variant
 from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
-from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
@@ -163,32 +163,25 @@ def _orbits(
     laws = law_orbits(variant, lanes, steps)
     orbits = _unsettled(simulation, variant, laws, steps)
     most = ENGINE_PERIODS if is_warm_started(variant) else DEFAULT_PERIODS
-    groups, has_law = defaultdict(list), stepped_by(variant) is not None
-    nearly, led = _nearly(variant) is not None, variant.capabilities.friction_law is FrictionLaw.BRISTLE and has_law
+    groups, own, nearly = defaultdict(list), stepped_by(variant), _nearly(variant) is not None
+    leads = variant.capabilities.friction_law is FrictionLaw.BRISTLE
     for lane, law in enumerate(laws):
         if lane not in orbits:
-            groups[has_law and law is not None, nearly or law is None or law.converged].append(lane)
+            groups[own is not None and law is not None, nearly or law is None or law.converged].append(lane)
     for (from_law, settles), group in groups.items():
         ends = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
         part, begin = part_of(simulation, group), State.stack(ends) if from_law else None
         search: Callable[..., list[PeriodicOrbit]] = periodic_orbits
         if not (from_law and settles):
             search = partial(orbits_from_euler, max_periods=most, anew=settles)
-        longest = 1 if led and from_law else LONGEST_MULTIPLE
+        leading = own if from_law and leads else None
+        longest = LONGEST_MULTIPLE if leading is None else 1
         found = search(part, steps, tolerance=tolerance, start=begin, longest_multiple=longest)
-        if led and from_law:
-            _search_led_repetitions(found, part, variant, steps)
+        if leading is not None:
+            reached = State.stack([orbit.trajectory.end for orbit in found])
+            search_repetitions(found, part, reached, steps, tolerance, leading=leading.build)
         orbits |= dict(zip(group, found, strict=True))
     return [orbits[lane] for lane in range(len(lanes))]
-
-
-def _search_led_repetitions(found: list[PeriodicOrbit], simulation: Simulation, variant: Variant, steps: int) -> None:
-    """Say in place after how many periods orbits repeat that have no steady state; their law leads there."""
-    law = stepped_by(variant)
-    assert law is not None, "only what has a law is led by it"
-    ends = State.stack([orbit.trajectory.end for orbit in found])
-    tolerance, leading = variant.capabilities.residual, law.build(simulation.lanes)
-    search_repetitions(found, simulation, ends, steps, tolerance, leading=leading)
 
 
 def _unsettled(
