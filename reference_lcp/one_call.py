@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import Drive, PeriodicDrive
+from reference_lcp.chain.linear_response import frictionless_response
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, PeriodicOrbit, Simulation, steps_per_period_for
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation, steps_per_period_for
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice
@@ -24,9 +25,10 @@ from reference_lcp.exact.exact_orbit import exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
+from reference_lcp.steady.attraction import attracts_all
 from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count
+from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count, checked_scalar
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -208,7 +210,7 @@ def exact_steady_state(
     tolerance: float = EXACT_RESIDUAL,
     max_periods: int = DEFAULT_PERIODS,
 ) -> SteadyState:
-    """Find the steady state of `chain` under `drive` by event-driven integration.
+    """Find the steady state of `chain` under `drive` by event-driven integration, without friction in closed form.
 
     Transmittance, stuck fractions and times of transitions carry no error of a time step or of
     sampling: what is left is round-off and the periodicity residual.
@@ -229,12 +231,29 @@ def exact_steady_state(
     ParameterError
         If an argument is outside its range, or the drive is not harmonic.
     """
+    checked_scalar("tolerance", tolerance, "> 0")
+    checked_count("max_periods", max_periods)
+    lane = Lane.periodic(chain, drive, steps_per_period)
+    if isinstance(drive, PeriodicDrive) and attracts_all(lane) and not chain.friction_bound.any():
+        return _frictionless(lane, drive)
     orbit, period = exact_orbit(
         chain, drive, steps_per_period=steps_per_period, tolerance=tolerance, max_periods=max_periods
     )
     ratio = period.complex_transmittance
     modes, travels = (period.stuck_fraction, period.transitions), np.array(period.travels)
     return SteadyState(orbit, decibel(abs(ratio)), cmath.phase(ratio), *modes, travels)
+
+
+def _frictionless(lane: Lane, drive: PeriodicDrive) -> SteadyState:
+    """Sample the harmonic response of a chain without friction; its residual is round-off."""
+    chain, times = lane.chain, lane.times(0, round(drive.period / lane.time_step))
+    amplitudes, scale = frictionless_response(chain, drive), drive.displacement_scale(chain)
+    motion = amplitudes * np.exp(1j * drive.angular_frequency * times)[:, None]
+    forces = np.zeros((times.size, chain.cells)), lane.preloads(0, times.size)
+    trajectory = Trajectory(times, motion.imag, (1j * drive.angular_frequency * motion).imag, *forces)
+    ratio, residual = amplitudes[chain.cells - 1] / scale, float(np.max(np.abs(motion[-1] - amplitudes))) / scale
+    orbit = PeriodicOrbit(lane, trajectory, residual, 1, OrbitStatus.CONVERGED)
+    return SteadyState(orbit, decibel(abs(ratio)), cmath.phase(ratio), np.zeros(chain.cells), [], np.empty(0))
 
 
 def simulate(

@@ -70,6 +70,21 @@ def test_linear_limits_are_those_of_the_direct_solution(ratio, friction, limit) 
     assert steady.transitions == []
 
 
+@pytest.mark.parametrize("force", [False, True])
+def test_a_chain_without_friction_moves_as_newtons_method_finds(force) -> None:
+    chain, drive = canonical(0.0, 0.62)
+    drive = HarmonicForce(2.0, drive.angular_frequency) if force else drive
+    steady, (orbit, _) = exact_steady_state(chain, drive), exact_orbit_module.exact_orbit(chain, drive)
+    for name in ("positions", "velocities", "friction", "normal_force"):
+        expected = getattr(orbit.trajectory, name)
+        assert getattr(steady.orbit.trajectory, name) == pytest.approx(expected, abs=1e-9 * np.max(expected, initial=0))
+    assert steady.orbit.residual <= 1e-13
+
+
+def test_nothing_passes_undamped_inner_masses_in_resonance() -> None:
+    assert exact_steady_state(*canonical(0.0, 1.0)).transmittance_db < -300
+
+
 @pytest.mark.parametrize("place", EXACT_DB)
 def test_canonical_transmittance(place) -> None:
     steady = exact_steady_state(*canonical(*place))
