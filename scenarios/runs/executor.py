@@ -170,18 +170,18 @@ class BatchQueue:
     def next(self, running: Collection[Batch]) -> Batch | None:
         """Take the next batch, those that are run again first; ``None`` without any.
 
-        While the first batch of a variant runs, others of its engine are put off as long as there is anything else:
+        While the first batch of a variant runs, others of its package are put off as long as there is anything else:
         what it compiles they then find compiled.
         """
         if self._again:
             return self._again.popleft()
-        beginning = {batch[0].variant.engine for batch in running if batch[0].variant not in self.tried}
+        beginning = {_package(batch) for batch in running if batch[0].variant not in self.tried}
         for batch in self._put_off:
-            if batch[0].variant.engine not in beginning:
+            if _package(batch) not in beginning:
                 self._put_off.remove(batch)
                 return batch
         for batch in islice(self._batches, MOST_PUT_OFF - len(self._put_off)):
-            if batch[0].variant.engine not in beginning:
+            if _package(batch) not in beginning:
                 return batch
             self._put_off.append(batch)
         return self._put_off.popleft() if self._put_off else None
@@ -209,3 +209,7 @@ class BatchQueue:
         self._again.extendleft([task] for task in reversed(batch))
         self._second_chance.update(batch if alone else ())
         return []
+
+
+def _package(batch: Batch) -> str:
+    return batch[0].variant.capabilities.package

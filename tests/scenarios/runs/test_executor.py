@@ -3,12 +3,16 @@
 from collections.abc import Collection
 from concurrent.futures import Future
 
+import pytest
+
 from engines.interface.variant import Variant
 from scenarios.runs.executor import Batch, Run, WorkerExecutor
 from scenarios.runs.result import Result
 from tests.scenarios.runs.builders import certified, steady
 
-FIRST, SAME_ENGINE, OTHER = (Variant.parse(name) for name in ("mujoco", "mujoco:joint:default", "pybullet"))
+FIRST, SAME_ENGINE, SAME_PACKAGE, OTHER = (
+    Variant.parse(name) for name in ("exudyn-bristle", "exudyn-bristle:joint:default", "exudyn-regularised", "pybullet")
+)
 
 
 class TwoWorkers(WorkerExecutor):
@@ -47,8 +51,9 @@ def test_what_was_put_off_comes_before_the_rest_once_its_engine_has_begun() -> N
     assert ran(FIRST, FIRST, OTHER, OTHER) == [(FIRST, OTHER), (OTHER, FIRST), (FIRST, OTHER), (OTHER,)]
 
 
-def test_another_variant_of_an_engine_waits_too_since_they_share_what_is_compiled() -> None:
-    assert ran(FIRST, SAME_ENGINE, OTHER)[0] == (FIRST, OTHER)
+@pytest.mark.parametrize("alike", [SAME_ENGINE, SAME_PACKAGE])
+def test_another_variant_of_a_package_waits_too_since_they_share_what_is_compiled(alike) -> None:
+    assert ran(FIRST, alike, OTHER)[0] == (FIRST, OTHER)
 
 
 def test_no_worker_is_idle_where_there_is_one_engine_alone() -> None:
