@@ -16,7 +16,7 @@ from scenarios.runs.parameters import ChainRatios, OperatingPoint
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies.claims import Conclusions, claims_sweep, compared_conclusions, evaluated_conclusions
+from scenarios.studies.claims import Conclusions, compared_conclusions, evaluated_conclusions, led_claims_sweep
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
@@ -205,7 +205,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     tasks = [*exact[:1], *tasks_of(sweep, list(sweep.grid_points()))]
     if _is_papers(sweep):
         tasks += headline_tasks(headline_sweep(_shown(sweep, scope)[::-1], sweep.excitation)).values()
-        tasks += claims_sweep(sweep, scope.claims).tasks() if scope.claims else ()
+        tasks += led_claims_sweep(sweep, scope.claims).tasks() if scope.claims else ()
     mapped = _map(sweep, scope)
     if mapped is not None:
         tasks += mapped.tasks()

@@ -7,7 +7,7 @@ the share of a stated range that it covers, which is always finite.
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from statistics import mean
@@ -15,12 +15,12 @@ from statistics import mean
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios
-from scenarios.sweeps.attenuation_band import BandDefinition, Edge
+from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, BandDefinition, Crossing, Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import refined_edges
 from scenarios.sweeps.point import GivesResults
 from scenarios.sweeps.refinement import Results, decided_db, for_the_band, refined
-from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.sweeps.sweep import Case, GridPoint, Sweep
 from scenarios.tables import Column
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
@@ -275,16 +275,71 @@ def claims_sweep(sweep: Sweep, variants: Sequence[Variant]) -> Sweep:
     return replace(sweep, variants=tuple(asked), axes=axes, frequencies=None, tolerance=None)
 
 
+def led_claims_sweep(sweep: Sweep, variants: Sequence[Variant]) -> Sweep:
+    """Give `claims_sweep` with the law of every variant that has one in its place."""
+    return claims_sweep(sweep, [variant.law or variant for variant in variants])
+
+
 def evaluated_conclusions(sweep: Sweep, variants: Sequence[Variant], evaluator: GivesResults) -> list[Conclusions]:
-    """Evaluate what the claims need, see `claims_sweep`, for the reference and then the variants."""
-    planned = claims_sweep(sweep, variants)
+    """Evaluate what the claims need, see `claims_sweep`, for the reference and then the variants.
+
+    Laws lead: their variants are evaluated themselves at `RESONATOR` and on both sides of every edge only, and where
+    one does not cross the threshold between them, on the whole grid.
+    """
+    asked = claims_sweep(sweep, variants).variants
+    results, edges = _curves(led_claims_sweep(sweep, asked), evaluator)
+    led = _confirmed(sweep, [variant for variant in asked if variant.law is not None], edges, evaluator)
+    for variant, at_resonator in led.items():
+        results |= {(variant, *place[1:]): own for place, own in results.items() if place[0] == variant.law}
+        results |= at_resonator
+        edges |= {(variant, *key[1:]): own for key, own in edges.items() if key[0] == variant.law}
+    rest = [variant for variant in asked if variant.law is not None and variant not in led]
+    if rest:
+        more = _curves(claims_sweep(sweep, rest), evaluator)
+        results, edges = results | more[0], edges | more[1]
+    ratios = {key: crossing.frequency_ratio for key, crossing in edges.items()}
+    return conclusions(asked, results, ratios, sweep.band)
+
+
+Crossings = dict[tuple[Variant, Case, Edge], Crossing]
+
+
+def _curves(planned: Sweep, evaluator: GivesResults) -> tuple[dict[GridPoint, Result], Crossings]:
+    """Evaluate the curves of a sweep and their edges; the lower one of a curve that lacks a result is NaN."""
     results = refined(planned, list(planned.grid_points()), for_the_band(planned), evaluator)
     found = refined_edges(planned, results, evaluator)
-    edges: dict[tuple[Variant, Case, Edge], float | None] = {
-        key: crossing.frequency_ratio for key, crossing in found.crossings.items()
+    return results, {**found.crossings, **{(*key, Edge.LOWER): Crossing(math.nan) for key in found.incomplete}}
+
+
+def _confirmed(
+    sweep: Sweep, variants: Sequence[Variant], edges: Crossings, evaluator: GivesResults
+) -> dict[Variant, dict[GridPoint, Result]]:
+    """Give the results at `RESONATOR` of the variants that cross the threshold where their laws do, at every case."""
+    cases = claims_sweep(sweep, ()).cases
+    sides = {variant: own for variant in variants if (own := _sides(variant, edges, cases))}
+    at_resonator = {variant: [(variant, case, RESONATOR) for case in cases] for variant in sides}
+    points = [point for variant, own in sides.items() for point in (*own, *at_resonator[variant])]
+    known = dict(zip(points, evaluator.evaluate([sweep.task(*point) for point in points]), strict=True))
+    return {
+        variant: {point: known[point] for point in at_resonator[variant]}
+        for variant, own in sides.items()
+        if all((decided_db(known[point]) - sweep.band.threshold_db) * sign > 0 for point, sign in own.items())
     }
-    edges |= {(*key, Edge.LOWER): math.nan for key in found.incomplete}
-    return conclusions(planned.variants, results, edges, planned.band)
+
+
+def _sides(variant: Variant, edges: Crossings, cases: Collection[Case]) -> dict[GridPoint, float]:
+    """Give points on both sides of every edge of a variant's law, and a number with the sign of the level there [dB].
+
+    None where its law lacks a lower edge, or an edge is not known.
+    """
+    own = {key[1:]: crossing for key, crossing in edges.items() if key[0] == variant.law}
+    if any((case, Edge.LOWER) not in own for case in cases) or any(math.isnan(edge.slope) for edge in own.values()):
+        return {}
+    return {
+        (variant, case, crossing.frequency_ratio + side * EDGE_RESOLUTION): side * crossing.slope
+        for (case, _), crossing in own.items()
+        for side in (-1, 1)
+    }
 
 
 PRESETS = {"default": "as installed", "recommended": "as recommended", "tuned": "tuned"}

@@ -28,7 +28,7 @@ from scenarios.runs.local_processes import LocalWorker
 from scenarios.runs.parameters import Excitation
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.accuracy import task_at
-from scenarios.studies.claims import claims_sweep
+from scenarios.studies.claims import led_claims_sweep
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS, headline_sweep, headline_tasks
 from scenarios.sweeps.compared import compare_sweep
@@ -349,7 +349,7 @@ def test_headline_and_claims_are_begun_with_the_grid_and_what_may_never_settle_i
     expected = expected_tasks(planned.sweep, planned.scope)
     headline = headline_tasks(headline_sweep((*planned.sweep.variants, *planned.scope.beside)))
     assert set(headline.values()) <= set(expected)
-    assert set(claims_sweep(planned.sweep, planned.scope.claims).tasks()) <= set(expected)
+    assert set(led_claims_sweep(planned.sweep, planned.scope.claims).tasks()) <= set(expected)
     unsettled = [number for number, task in enumerate(expected) if task.variant in planned.scope.beside]
     assert 2 * max(unsettled) < len(expected)
 

@@ -22,17 +22,22 @@ from scenarios.studies.claims import (
     Band,
     Conclusions,
     answers,
+    claims_sweep,
     evaluated_conclusions,
     sentence,
 )
 from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios, default_frequency_ratios, figure3
-from scenarios.sweeps.attenuation_band import BandDefinition
+from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, BandDefinition, Edge
+from scenarios.sweeps.edges import refined_edges
+from scenarios.sweeps.refinement import for_the_band, refined
 from scenarios.tables import markdown_lines, text_table
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator, rub_harder
 from tests.scenarios.runs.builders import certified
 
 ROOT = Path(__file__).parents[3]
+
+MUJOCO = Variant.parse("mujoco:joint:default")
 
 LOWER = {0.0: 0.8526, 0.1: 0.7532, 0.3: 0.6373, 0.6: 0.7560, 1.0: 0.9988, 5.0: 1.1726}
 STUCK = {0.0: 0.0, 0.1: 0.48, 0.3: 0.48, 0.6: 0.52, 1.0: 0.99, 5.0: 1.0}
@@ -99,6 +104,24 @@ def test_with_friction_30_percent_too_small_cells_do_not_lock(monkeypatch, refer
     assert [claim.answer for claim in wrong.claims] == [Answer.HOLDS, Answer.FAILS, Answer.HOLDS]
     start = "With MuJoCo tuned one would conclude, otherwise than with the reference, that cells do not lock at 1; its"
     assert sentence(wrong, right).startswith(start)
+
+
+@pytest.mark.parametrize("led", [True, False])
+def test_edges_are_an_engines_own_whether_it_obeys_its_law_or_not(monkeypatch, led: bool) -> None:
+    """Where it does not, its law leads it nowhere: it is evaluated on the whole grid."""
+    monkeypatch.setattr(claims, "FRICTION_RATIOS", (0.0, 0.3))
+    if not led:
+        rub_harder(monkeypatch, 0.7)
+    planned = claims_sweep(figure3(), [MUJOCO])
+    with opened_store(None) as store, evaluator(store) as running:
+        _, found = evaluated_conclusions(figure3(), [MUJOCO], running)
+        grid = [planned.task(*place) for place in planned.grid_points() if place[0] == MUJOCO]
+        assert (len(running.new_tasks(grid)) > len(grid) / 2) == led
+        results = refined(planned, list(planned.grid_points()), for_the_band(planned), running)
+        own = refined_edges(planned, results, running).crossings
+    for case in planned.cases:
+        lower = own[MUJOCO, case, Edge.LOWER].frequency_ratio
+        assert found.bands[case.friction_ratio].lower == pytest.approx(lower, abs=2 * EDGE_RESOLUTION)
 
 
 def test_points_of_claims_are_points_of_the_default_grid() -> None:
