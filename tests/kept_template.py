@@ -26,6 +26,9 @@ def kept_templates() -> Iterator[None]:
                 started[alike] = opened.enter_context(WorkerTemplate())
             return started[alike].fork()
 
+        def start(self) -> None:
+            """Start with the first worker."""
+
         def close(self) -> None:
             """Leave it to the next executor."""
 

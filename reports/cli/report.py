@@ -128,12 +128,15 @@ def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
 def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work: Work, *, run: bool) -> Written:
     """Write the report of a dataset, of which nothing is run, or of a sweep."""
     gc.set_threshold(*RARE_COLLECTIONS)
+    _check_proof(shown, run=run)
+    executor = work.executor()
+    if run and shown.data is None and not (store or out).exists():
+        executor.warm_up()  # while this process imports and plans
     from reports.plan import PROGRAM, planned_report
     from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
     from scenarios.runs.store import existing_store
     from scenarios.sweeps.dataset_reader import read_dataset
 
-    _check_proof(shown, run=run)
     if shown.data is not None:
         if shown.sweep or names or shown.quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
@@ -141,7 +144,6 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
         return write_dataset_report(read_dataset(shown.data), out, command, shown.data)
     kept = store or out / STORE
     planned = planned_report(names, shown.sweep, quick=shown.quick, stored_in=None if run else kept)
-    executor = work.executor()
     announce_compilation()
     if not run:
         existing_store(kept)

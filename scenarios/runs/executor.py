@@ -67,6 +67,9 @@ class Executor(Closing):
         Batches are taken one by one, when there is somewhere to run them. A batch may come back in parts.
         """
 
+    def warm_up(self) -> None:
+        """Start what all batches need, beside what comes before the first: nothing, unless said otherwise."""
+
     def close(self) -> None:
         """Free what is held: nothing, unless said otherwise."""
 

@@ -165,6 +165,12 @@ class LocalExecutor(WorkerExecutor):
         self._workers: list[LocalWorker] = []
         self._template: WorkerTemplate | None = None
 
+    def warm_up(self) -> None:
+        """Start the template of workers, which imports and compiles what they need; without them, nothing."""
+        if self._template is None and unavailable_reason() is None:
+            self._template = WorkerTemplate()
+            self._template.start()
+
     def run_for_client(self, batch: Batch, identity: str, limit: float) -> list[Result]:
         """Run a batch of a client on another machine, to which the identity belongs, or raise `WorkerDied`."""
         return self._worker_for(batch[0].variant.engine).run(batch, identity, limit).result()

@@ -17,8 +17,16 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO
 
+import numpy as np
+
 from engines.interface.variant import Variant
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.one_call import SteadyState
 from reference_lcp.process import ONE_THREAD
+from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
+from reference_lcp.steady.orbits import periodic_orbits
 from scenarios.runs.executor import run_batch
 from scenarios.runs.failures import ExecutorError
 from scenarios.runs.parameters import ChainRatios
@@ -76,9 +84,8 @@ class WorkerTemplate(Closing):
                 with suppress(OSError):  # it may have been killed since
                     return self._forked()
             self._end()
-            self._start()
+            self.start()
             forked = self._forked()
-            self._requests.settimeout(BEGIN_SECONDS)
         except BaseException as problem:  # after an interrupt, the reply would be taken for that of the next request
             self._end()
             if isinstance(problem, OSError):
@@ -100,7 +107,8 @@ class WorkerTemplate(Closing):
             self._process.wait()
             self._process = None
 
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Start its process, and do not wait for it."""
         self._requests, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._requests.settimeout(START_SECONDS)
         with far:
@@ -126,6 +134,7 @@ class WorkerTemplate(Closing):
                 reply = self._requests.recv(MESSAGE_BYTES)
             if not reply.isdigit():
                 raise OSError(reply.decode() or "the template of workers has ended")
+            self._requests.settimeout(BEGIN_SECONDS)
             supervisor = os.pidfd_open(int(reply))
             opened.pop_all()
             return connection, supervisor, crash_log
@@ -134,6 +143,7 @@ class WorkerTemplate(Closing):
 def fork_workers(descriptor: int) -> None:
     """Be a template until the client has gone; return in each worker when it has served."""
     prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # ends it even where it has been stopped
+    _compile_side_by_side()
     run_batch([WARM_UP])  # imports and loads what is compiled, and compiles what has not been kept
     gc.collect()
     gc.freeze()  # no collection in a worker touches, and so copies, the memory that it shares
@@ -142,6 +152,37 @@ def fork_workers(descriptor: int) -> None:
     os.setsid()
     supervise(connection)
     serve(connection, crash_log)
+
+
+class _Fading(LaneModel):
+    """A motion that halves in every period: the search of its steady state compiles the search, and no scheme."""
+
+    def __init__(self, lane: Lane):
+        self.lane = lane
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Halve the state, step by step."""
+        left = 0.5 ** (np.arange(1, steps + 1) / steps)[:, None]
+        forces = self.lane.preloads(start, steps)
+        return Trajectory(
+            self.lane.times(start, steps), left * state.positions, left * state.velocities, forces, forces
+        )
+
+
+def _compile_side_by_side() -> None:
+    """Compile the scheme here and the search of steady states in another process, where they have not been kept."""
+    lane, steps = WARM_UP.lane()
+    try:
+        search = os.fork()
+    except OSError:  # as many processes as there may be: all is compiled here
+        return
+    if search == 0:
+        prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        with suppress(BaseException):  # what is missing is compiled later
+            SteadyState.of(periodic_orbits(SequentialSimulation([_Fading(lane)]), steps)[0])
+        os._exit(0)
+    euler_simulation([lane]).run(State.at_rest(1, lane.chain.cells), 0, steps)
+    os.waitpid(search, 0)
 
 
 def _forked_on_request(requests: socket.socket) -> list[int]:

@@ -271,3 +271,32 @@ def test_template_that_is_stopped_ends_with_a_client_that_is_killed() -> None:
     client.kill()
     client.wait()
     assert ended(processes, END_SECONDS)
+
+
+@pytest.mark.usefixtures("own_template")
+def test_a_template_that_was_started_before_its_first_worker_is_not_started_again() -> None:
+    with LocalExecutor(1) as executor:
+        executor.warm_up()
+        process = executor._template._process
+        assert run(executor, "reference").converged
+        assert executor._template._process is process
+
+
+COMPILED_LATER = """
+from numba.core import event
+from scenarios.runs import worker_template
+if sys.argv[1:]:
+    worker_template._compile_side_by_side()
+with event.install_recorder("numba:compile") as compiled:
+    worker_template.run_batch([worker_template.WARM_UP])
+print(len(compiled.buffer))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("aside", [True, False])
+def test_two_processes_compile_all_that_a_worker_needs(tmp_path: Path, aside: bool) -> None:
+    command = [sys.executable, "-c", f"import sys{COMPILED_LATER}", *["aside"] * aside]
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert (int(ended.stdout) == 0) == aside
