@@ -18,6 +18,7 @@ from reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Wo
 
 if TYPE_CHECKING:
     from reports.write import Written
+    from scenarios.sweeps.sweep import Sweep
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
@@ -148,12 +149,29 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
     if not run:
         existing_store(kept)
     check_folder("--out", out, [kept, shown.sweep])
+    if run:
+        _print_proven(planned.sweep)
     with keeping(kept):
         return write_sweep_report(
             planned.sweep, out, planned.command + " --proof" * shown.proof,
             store=kept, run=run, scope=replace(planned.scope, proof=shown.proof), executor=executor,
             retry_blocked=work.retry_blocked, keep_old=work.keep_old,
         )  # fmt: skip
+
+
+def _print_proven(sweep: Sweep) -> None:
+    """Print what is proven of the grid before anything is run: how much of it the exact motion attenuates."""
+    from scenarios.verdicts.proven import proven_level
+    from scenarios.verdicts.steady_case import EXACT
+
+    counts = []
+    for case in sweep.cases:
+        proven = [proven_level(sweep.task(EXACT, case, eta)) for eta in sweep.frequency_ratios]
+        below = [level.transmittance_db < sweep.band.threshold_db for level in proven if level is not None]
+        if below:
+            counts.append(f"{sum(below)} of {len(below)} ({case})")
+    if counts:
+        print(f"proven: frequency ratios that the exact motion attenuates: {', '.join(counts)}", flush=True)
 
 
 def _check_proof(shown: Shown, *, run: bool) -> None:

@@ -124,7 +124,7 @@ def test_a_store_of_another_program_is_refused_and_left_alone(
     connection.close()
     before = foreign.read_bytes()
     assert run_command(app, ["--quick", "--out", str(tmp_path), "--store", str(foreign)]) == 2
-    assert "another program" in one_line(capsys)
+    assert "another program" in capsys.readouterr().err
     assert foreign.read_bytes() == before
 
 
@@ -316,6 +316,27 @@ frequency_ratio = [0.6, 0.9]
 [chain]
 cells = 2
 """
+
+
+@pytest.mark.usefixtures("no_computation")
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--quick"], "7 of 11 (friction 0), 11 of 12 (friction 0.3), 9 of 12 (friction 1)"),
+        (["--sweep", "{sweep}"], ""),
+    ],
+)
+def test_what_is_proven_of_the_grid_is_said_before_anything_is_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], said: str
+) -> None:
+    """Of two cells, nothing is."""
+    (tmp_path / "sweep.toml").write_text(TWO_CELLS)
+    arguments = [part.format(sweep=tmp_path / "sweep.toml") for part in options]
+    assert run_command(app, [*arguments, "--out", str(tmp_path / "out")]) == ExitCode.UNEXPECTED
+    start, _, counts = capsys.readouterr().out.strip().partition(": ")
+    assert (start, counts) == (
+        ("proven", f"frequency ratios that the exact motion attenuates: {said}") if said else ("", "")
+    )
 
 
 @pytest.mark.slow
