@@ -249,7 +249,7 @@ def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclu
     from scenarios.studies.figure3 import figure3
 
     evaluator.stage("the paper's claims")
-    return evaluated_conclusions(figure3(), variants, evaluator)
+    return evaluated_conclusions(figure3(variants), variants, evaluator)
 
 
 def print_claims(concluded: Sequence[Conclusions], bands: Sequence[WidestBand]) -> None:

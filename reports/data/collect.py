@@ -202,6 +202,8 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     One exact motion is the first, whose solver is compiled beside the first engine's law.
     """
     exact = exact_tasks(sweep.task(EXACT, case, eta) for case in sweep.cases for eta in sweep.frequency_ratios)
+    if scope.steps and _is_canonical(sweep):
+        exact = [*exact_step_tasks(sweep.excitation), *exact]
     tasks = [*exact[:1], *tasks_of(sweep, list(sweep.grid_points()))]
     if _is_papers(sweep):
         tasks += headline_tasks(headline_sweep(_shown(sweep, scope)[::-1], sweep.excitation)).values()
@@ -212,7 +214,6 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     if scope.steps and _is_canonical(sweep):
         steps = coarse_steps(scope.steps)
         tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, steps)]
-        tasks += exact_step_tasks(sweep.excitation)
     if _is_canonical(sweep):
         tasks += scale_tasks(scope.scaled)
     return list(dict.fromkeys([*tasks, *exact, *_recorded_tasks(sweep, scope.recorded_points).values()]))

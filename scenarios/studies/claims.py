@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from statistics import mean
 
+from engines.interface.presets import FrictionLaw
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios
@@ -275,25 +276,38 @@ def claims_sweep(sweep: Sweep, variants: Sequence[Variant]) -> Sweep:
     return replace(sweep, variants=tuple(asked), axes=axes, frequencies=None, tolerance=None)
 
 
+def leading_laws(sweep: Sweep, variants: Sequence[Variant]) -> dict[Variant, Variant]:
+    """Give the laws that lead: of variants whose curves the sweep does not hold; of no bristle: some never settle."""
+    planned = claims_sweep(sweep, ())
+    held = all(set(values) <= set(sweep.axes[name]) for name, values in planned.axes.items())
+    asked = [variant for variant in variants if not (held and variant in sweep.variants)]
+    return {
+        variant: law
+        for variant in asked
+        if (law := variant.law) is not None and variant.capabilities.friction_law is not FrictionLaw.BRISTLE
+    }
+
+
 def led_claims_sweep(sweep: Sweep, variants: Sequence[Variant]) -> Sweep:
-    """Give `claims_sweep` with the law of every variant that has one in its place."""
-    return claims_sweep(sweep, [variant.law or variant for variant in variants])
+    """Give `claims_sweep` with laws in the place of the variants that they lead."""
+    laws = leading_laws(sweep, variants)
+    return claims_sweep(sweep, [laws.get(variant, variant) for variant in variants])
 
 
 def evaluated_conclusions(sweep: Sweep, variants: Sequence[Variant], evaluator: GivesResults) -> list[Conclusions]:
     """Evaluate what the claims need, see `claims_sweep`, for the reference and then the variants.
 
-    Laws lead: their variants are evaluated themselves at `RESONATOR` and on both sides of every edge only, and where
-    one does not cross the threshold between them, on the whole grid.
+    Variants that are led by their laws are evaluated themselves at `RESONATOR` and on both sides of every edge only;
+    where one does not cross the threshold between them, on the whole grid.
     """
-    asked = claims_sweep(sweep, variants).variants
+    asked, laws = claims_sweep(sweep, variants).variants, leading_laws(sweep, variants)
     results, edges = _curves(led_claims_sweep(sweep, asked), evaluator)
-    led = _confirmed(sweep, [variant for variant in asked if variant.law is not None], edges, evaluator)
+    led = _confirmed(sweep, laws, edges, evaluator)
     for variant, at_resonator in led.items():
-        results |= {(variant, *place[1:]): own for place, own in results.items() if place[0] == variant.law}
+        results |= {(variant, *place[1:]): own for place, own in results.items() if place[0] == laws[variant]}
         results |= at_resonator
-        edges |= {(variant, *key[1:]): own for key, own in edges.items() if key[0] == variant.law}
-    rest = [variant for variant in asked if variant.law is not None and variant not in led]
+        edges |= {(variant, *key[1:]): own for key, own in edges.items() if key[0] == laws[variant]}
+    rest = [variant for variant in laws if variant not in led]
     if rest:
         more = _curves(claims_sweep(sweep, rest), evaluator)
         results, edges = results | more[0], edges | more[1]
@@ -312,11 +326,11 @@ def _curves(planned: Sweep, evaluator: GivesResults) -> tuple[dict[GridPoint, Re
 
 
 def _confirmed(
-    sweep: Sweep, variants: Sequence[Variant], edges: Crossings, evaluator: GivesResults
+    sweep: Sweep, laws: Mapping[Variant, Variant], edges: Crossings, evaluator: GivesResults
 ) -> dict[Variant, dict[GridPoint, Result]]:
     """Give the results at `RESONATOR` of the variants that cross the threshold where their laws do, at every case."""
     cases = claims_sweep(sweep, ()).cases
-    sides = {variant: own for variant in variants if (own := _sides(variant, edges, cases))}
+    sides = {variant: own for variant, law in laws.items() if (own := _sides(variant, law, edges, cases))}
     at_resonator = {variant: [(variant, case, RESONATOR) for case in cases] for variant in sides}
     points = [point for variant, own in sides.items() for point in (*own, *at_resonator[variant])]
     known = dict(zip(points, evaluator.evaluate([sweep.task(*point) for point in points]), strict=True))
@@ -327,12 +341,12 @@ def _confirmed(
     }
 
 
-def _sides(variant: Variant, edges: Crossings, cases: Collection[Case]) -> dict[GridPoint, float]:
+def _sides(variant: Variant, law: Variant, edges: Crossings, cases: Collection[Case]) -> dict[GridPoint, float]:
     """Give points on both sides of every edge of a variant's law, and a number with the sign of the level there [dB].
 
     None where its law lacks a lower edge, or an edge is not known.
     """
-    own = {key[1:]: crossing for key, crossing in edges.items() if key[0] == variant.law}
+    own = {key[1:]: crossing for key, crossing in edges.items() if key[0] == law}
     if any((case, Edge.LOWER) not in own for case in cases) or any(math.isnan(edge.slope) for edge in own.values()):
         return {}
     return {

@@ -65,6 +65,13 @@ def test_the_default_report_has_every_engine_as_installed_and_tuned_in_every_for
     assert (planned.scope.one_option, planned.scope.scenarios) == ((), ())
 
 
+def test_the_default_report_begins_with_an_exact_motion_that_compiles_its_solver() -> None:
+    """One without friction does not: others would be compiled for side by side, later."""
+    planned = planned_report([], None, quick=False, stored_in=None)
+    first = expected_tasks(planned.sweep, planned.scope)[0]
+    assert (str(first.variant), first.friction_ratio > 0) == ("reference:joint:exact", True)
+
+
 def test_the_default_report_shows_what_single_options_decide_and_five_scenarios() -> None:
     scope = planned_report([], None, quick=False, stored_in=None).scope
     assert {variant.engine for variant in scope.one_option} == {"mujoco", "pybullet", "exudyn-regularised"}

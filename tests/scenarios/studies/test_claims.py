@@ -124,6 +124,12 @@ def test_edges_are_an_engines_own_whether_it_obeys_its_law_or_not(monkeypatch, l
         assert found.bands[case.friction_ratio].lower == pytest.approx(lower, abs=2 * EDGE_RESOLUTION)
 
 
+def test_a_law_leads_where_curves_are_not_known_already_and_leads_no_bristle() -> None:
+    bristle = Variant.parse("exudyn-bristle:joint:recommended")
+    assert claims.leading_laws(figure3(), [MUJOCO, bristle]) == {MUJOCO: MUJOCO.law}
+    assert claims.leading_laws(figure3([MUJOCO]), [MUJOCO]) == {}
+
+
 def test_points_of_claims_are_points_of_the_default_grid() -> None:
     assert set(claim_frequency_ratios(ChainRatios())) <= set(default_frequency_ratios(ChainRatios()))
 
