@@ -277,14 +277,19 @@ def claims_sweep(sweep: Sweep, variants: Sequence[Variant]) -> Sweep:
 
 
 def leading_laws(sweep: Sweep, variants: Sequence[Variant]) -> dict[Variant, Variant]:
-    """Give the laws that lead: of variants whose curves the sweep does not hold; of no bristle: some never settle."""
+    """Give the laws that lead: of variants whose curves the sweep does not hold; of no bristle: some never settle.
+
+    The reference leads those that share its scheme.
+    """
     planned = claims_sweep(sweep, ())
     held = all(set(values) <= set(sweep.axes[name]) for name, values in planned.axes.items())
-    asked = [variant for variant in variants if not (held and variant in sweep.variants)]
+    known = {REFERENCE, *(sweep.variants if held else ())}
     return {
         variant: law
-        for variant in asked
-        if (law := variant.law) is not None and variant.capabilities.friction_law is not FrictionLaw.BRISTLE
+        for variant in variants
+        if (law := REFERENCE if variant.preset.shares_scheme else variant.law) is not None
+        and variant not in known
+        and variant.capabilities.friction_law is not FrictionLaw.BRISTLE
     }
 
 

@@ -126,7 +126,9 @@ def test_edges_are_an_engines_own_whether_it_obeys_its_law_or_not(monkeypatch, l
 
 def test_a_law_leads_where_curves_are_not_known_already_and_leads_no_bristle() -> None:
     bristle = Variant.parse("exudyn-bristle:joint:recommended")
-    assert claims.leading_laws(figure3(), [MUJOCO, bristle]) == {MUJOCO: MUJOCO.law}
+    shared = Variant.parse("pybullet:contact:recommended")
+    leading = claims.leading_laws(figure3(), [REFERENCE, MUJOCO, bristle, shared])
+    assert leading == {MUJOCO: MUJOCO.law, shared: REFERENCE}
     assert claims.leading_laws(figure3([MUJOCO]), [MUJOCO]) == {}
 
 
