@@ -133,19 +133,15 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
     """Write the report of a dataset, of which nothing is run, or of a sweep."""
     gc.set_threshold(*RARE_COLLECTIONS)
     _check_proof(shown, run=run)
-    executor = work.executor()
-    if run and shown.data is None and not (store or out).exists():
-        executor.warm_up()  # while this process imports and plans
-    from reports.plan import PROGRAM, planned_report
-    from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
-    from scenarios.runs.store import existing_store
-    from scenarios.sweeps.dataset_reader import read_dataset
-
     if shown.data is not None:
-        if shown.sweep or names or shown.quick:
-            raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-        command = shlex.join([*PROGRAM, "--data", str(shown.data)])
-        return write_dataset_report(read_dataset(shown.data), out, command, shown.data)
+        return _dataset_written(shown, names, out, shown.data)
+    executor = work.executor()
+    if run and not (store or out).exists():
+        executor.warm_up()  # while this process imports and plans
+    from reports.plan import planned_report
+    from reports.write import STORE, check_folder, write_sweep_report
+    from scenarios.runs.store import existing_store
+
     kept = store or out / STORE
     planned = planned_report(names, shown.sweep, quick=shown.quick, stored_in=None if run else kept)
     announce_compilation()
@@ -160,6 +156,16 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
             store=kept, run=run, scope=replace(planned.scope, proof=shown.proof), executor=executor,
             retry_blocked=work.retry_blocked, keep_old=work.keep_old,
         )  # fmt: skip
+
+
+def _dataset_written(shown: Shown, names: list[str], out: Path, file: Path) -> Written:
+    from reports.plan import PROGRAM
+    from reports.write import write_dataset_report
+    from scenarios.sweeps.dataset_reader import read_dataset
+
+    if shown.sweep or names or shown.quick:
+        raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
+    return write_dataset_report(read_dataset(file), out, shlex.join([*PROGRAM, "--data", str(file)]), file)
 
 
 def _print_proven(sweep: Sweep) -> None:
