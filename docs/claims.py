@@ -45,9 +45,9 @@ cells slip even then.
 ENGINES = """
 ## With each engine
 
-The numbers are lower edges $\\eta_r$ by friction ratio. A dash is an edge without a steady state on the way to it. Where
-a law predicts an engine, the law's curves lead: the engine runs on both sides of every edge, 2e-6 apart, and at
-$\\eta_r = 1$; on the whole grid where its edge is not between.
+The numbers are lower edges $\\eta_r$ by friction ratio. A dash is an edge without a steady state on the way to it.
+Where a law predicts an engine, the law's curves lead: the engine runs on both sides of every edge, 2e-6 apart, and
+at $\\eta_r = 1$; on the whole grid where its edge is not between.
 """
 
 LOWEST = """
