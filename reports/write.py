@@ -1,5 +1,6 @@
 """From a dataset, the file of a sweep, a store, or a sweep itself, to the folder of a report."""
 
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -26,9 +27,15 @@ from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.run import save_sweep, saved_sweeps
 from scenarios.sweeps.sweep import Sweep
+from scenarios.verdicts.proven import proven_level
+from scenarios.verdicts.steady_case import EXACT
 
 STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
+
+
+MOST_CASES = 9
+"""Cases of a sweep of which the first line says what is proven: more fill the screen."""
 
 
 class Written(NamedTuple):
@@ -88,10 +95,23 @@ def write_sweep_report(
             check_loses_nothing(folder, shown)
             return _written(shown, folder)
         save_sweep(stored, sweep)
+        _say_proven(sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants))
         evaluator = stack.enter_context(Evaluator(stored, executor, bars, retry_blocked=retry_blocked))
         report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)
+
+
+def _say_proven(sweep: Sweep) -> None:
+    """Say what is proven of the grid before anything is run: how much of it the exact motion attenuates."""
+    counts = []
+    for case in sweep.cases if len(sweep.cases) <= MOST_CASES else ():
+        proven = [proven_level(sweep.task(EXACT, case, eta)) for eta in sweep.frequency_ratios]
+        below = [level.transmittance_db < sweep.band.threshold_db for level in proven if level is not None]
+        if below:
+            counts.append(f"{sum(below)} of {len(below)} ({case})")
+    if counts:
+        print(f"proven: frequency ratios that the exact motion attenuates: {', '.join(counts)}", file=sys.stderr)
 
 
 def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None:

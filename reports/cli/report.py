@@ -18,7 +18,6 @@ from reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Wo
 
 if TYPE_CHECKING:
     from reports.write import Written
-    from scenarios.sweeps.sweep import Sweep
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
@@ -104,9 +103,6 @@ def report(
 MOST_ROWS = 9
 """Engines in the table at the end, the farthest from the truth first; one line more names how many are left out."""
 
-MOST_CASES = 9
-"""Cases of a sweep of which the first line says what is proven: more fill the screen."""
-
 
 def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
     """Print what each engine comes to, why the comparison fails, and the line that says whether it does."""
@@ -148,8 +144,6 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
     if not run:
         existing_store(kept)
     check_folder("--out", out, [kept, shown.sweep])
-    if run:
-        _print_proven(planned.sweep)
     with keeping(kept):
         return write_sweep_report(
             planned.sweep, out, planned.command + " --proof" * shown.proof,
@@ -166,21 +160,6 @@ def _dataset_written(shown: Shown, names: list[str], out: Path, file: Path) -> W
     if shown.sweep or names or shown.quick:
         raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
     return write_dataset_report(read_dataset(file), out, shlex.join([*PROGRAM, "--data", str(file)]), file)
-
-
-def _print_proven(sweep: Sweep) -> None:
-    """Print what is proven of the grid before anything is run: how much of it the exact motion attenuates."""
-    from scenarios.verdicts.proven import proven_level
-    from scenarios.verdicts.steady_case import EXACT
-
-    counts = []
-    for case in sweep.cases if len(sweep.cases) <= MOST_CASES else ():
-        proven = [proven_level(sweep.task(EXACT, case, eta)) for eta in sweep.frequency_ratios]
-        below = [level.transmittance_db < sweep.band.threshold_db for level in proven if level is not None]
-        if below:
-            counts.append(f"{sum(below)} of {len(below)} ({case})")
-    if counts:
-        print(f"proven: frequency ratios that the exact motion attenuates: {', '.join(counts)}", flush=True)
 
 
 def _check_proof(shown: Shown, *, run: bool) -> None:
