@@ -7,6 +7,9 @@ from typing import Any, Literal
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure as Canvas
@@ -24,6 +27,9 @@ PAGE_WIDTH = 7.2
 
 PIXELS = 150
 """Dots an inch of pictures of pixels."""
+
+CANVASES = {"png": FigureCanvasAgg, "svg": FigureCanvasSVG, "pdf": FigureCanvasPdf}
+"""What draws a figure into a file, by its ending."""
 
 SLANTED = 4
 """Written ticks below a panel beyond which they are slanted, not to overlap."""
@@ -63,15 +69,13 @@ def print_files(figure: Figure) -> dict[str, bytes]:
     """Draw once; give the figure as SVG and as PDF, by ending, and as PNG if it is dense."""
     with mpl.rc_context(PRINT_STYLE):
         canvas = drawn(figure)
-        files = {}
+        files, resolution = {}, canvas.dpi
+        _lay_out(canvas, PIXELS if figure.dense else resolution)
         if figure.dense:
-            files["png"] = _few_colours(_saved(canvas, "png", {"Software": None}))
-        else:
-            canvas.draw_without_rendering()
-        canvas.set_layout_engine("none")  # it is laid out; no file needs it again
-        svg = _saved(canvas, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type")))
+            files["png"] = _few_colours(_saved(canvas, "png", {"Software": None}, PIXELS))
+        svg = _saved(canvas, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type")), resolution)
         files["svg"] = b"\n".join(map(bytes.strip, svg.splitlines()))  # a tenth of it is indentation
-        files["pdf"] = _saved(canvas, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate")))
+        files["pdf"] = _saved(canvas, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate")), resolution)
         return files
 
 
@@ -195,9 +199,20 @@ def _corners(bars: Bars) -> Any:
     return np.stack([x, y]).T
 
 
-def _saved(canvas: Canvas, ending: str, metadata: dict[str, Any]) -> bytes:
+def _lay_out(canvas: Canvas, resolution: float) -> None:
+    """Lay a figure out at so many dots an inch; no file needs it again."""
+    canvas.dpi = resolution
+    layout = canvas.get_layout_engine()
+    if layout is not None:
+        layout.execute(canvas)
+        canvas.set_layout_engine("none")
+
+
+def _saved(canvas: Canvas, ending: str, metadata: dict[str, Any], resolution: float) -> bytes:
+    """Draw a figure that is laid out into a file, once: `Figure.savefig` draws it twice."""
+    canvas.dpi = resolution  # each file sets its own
     file = io.BytesIO()
-    canvas.savefig(file, format=ending, metadata=metadata, dpi=PIXELS if ending == "png" else "figure")
+    getattr(CANVASES[ending](canvas), f"print_{ending}")(file, metadata=metadata)
     return file.getvalue()
 
 

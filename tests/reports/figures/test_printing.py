@@ -1,12 +1,14 @@
 """Figures that several processes draw for print are those that one draws; one that fails says so when asked for."""
 
 import dataclasses
+import io
 
+import matplotlib as mpl
 import pytest
 
 from reports.data.report import Report
 from reports.drawing import printing
-from reports.drawing.matplotlib_backend import print_files
+from reports.drawing.matplotlib_backend import PIXELS, PRINT_STYLE, drawn, print_files
 from reports.drawing.printing import Printer
 from reports.page.render import sections
 
@@ -34,3 +36,21 @@ def test_a_figure_that_cannot_be_drawn_leaves_the_others(report: Report) -> None
         with pytest.raises(Exception, match=r"high|unsupported|type"):
             printer.files(broken)
         assert printer.files(figures[1]) == print_files(figures[1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dense", [True, False])
+def test_files_are_those_that_matplotlib_saves(report: Report, dense: bool) -> None:
+    every = [figure for section in sections(report) for figure in section.figures()]
+    figure = dataclasses.replace(next(one for one in every if one.name == "friction-map"), dense=dense)  # has pixels
+    files, saved = print_files(figure), io.BytesIO()
+    with mpl.rc_context(PRINT_STYLE):
+        canvas = drawn(figure)
+        if dense:
+            canvas.savefig(io.BytesIO(), format="png", dpi=PIXELS)
+        else:
+            canvas.draw_without_rendering()
+        canvas.set_layout_engine("none")
+        nameless = dict.fromkeys(("Creator", "Producer", "CreationDate"))
+        canvas.savefig(saved, format="pdf", metadata=nameless, dpi="figure")
+    assert saved.getvalue() == files["pdf"]
