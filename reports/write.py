@@ -33,7 +33,6 @@ from scenarios.verdicts.steady_case import EXACT
 STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
 
-
 MOST_CASES = 9
 """Cases of a sweep of which the first line says what is proven: more fill the screen."""
 

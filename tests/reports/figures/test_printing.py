@@ -43,7 +43,7 @@ def test_a_figure_that_cannot_be_drawn_leaves_the_others(report: Report) -> None
 def test_files_are_those_that_matplotlib_saves(report: Report, dense: bool) -> None:
     every = [figure for section in sections(report) for figure in section.figures()]
     figure = dataclasses.replace(next(one for one in every if one.name == "friction-map"), dense=dense)  # has pixels
-    files, saved = print_files(figure), io.BytesIO()
+    files, svg, pdf = print_files(figure), io.BytesIO(), io.BytesIO()
     with mpl.rc_context(PRINT_STYLE):
         canvas = drawn(figure)
         if dense:
@@ -51,6 +51,10 @@ def test_files_are_those_that_matplotlib_saves(report: Report, dense: bool) -> N
         else:
             canvas.draw_without_rendering()
         canvas.set_layout_engine("none")
-        nameless = dict.fromkeys(("Creator", "Producer", "CreationDate"))
-        canvas.savefig(saved, format="pdf", metadata=nameless, dpi="figure")
-    assert saved.getvalue() == files["pdf"]
+        for file, ending, names in (
+            (svg, "svg", ("Creator", "Date", "Format", "Type")),
+            (pdf, "pdf", ("Creator", "Producer", "CreationDate")),
+        ):
+            canvas.savefig(file, format=ending, metadata=dict.fromkeys(names), dpi="figure")
+    assert pdf.getvalue() == files["pdf"]
+    assert list(map(bytes.strip, svg.getvalue().splitlines())) == files["svg"].splitlines()
