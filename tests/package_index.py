@@ -59,7 +59,7 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def offline(wheels: Path) -> Iterator[pytest.MonkeyPatch]:
-    """No index but these wheels, in the modules that ask for it: histories ask the real one."""
+    """No index but these wheels, in the modules that ask for it."""
     with pytest.MonkeyPatch.context() as patch:
         settings = wheels / "uv.toml"
         settings.write_text(f"no-index = true\nfind-links = [{str(wheels)!r}]\n")

@@ -1,4 +1,4 @@
-"""``multibody-xval card``, ``site``, ``reproduce`` and ``animate``: what is shown of engines, or of one variant."""
+"""``multibody-xval card``, ``reproduce`` and ``animate``: what is shown of engines, or of one variant."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from engines.completion import complete_engine, complete_variant
-from reference_lcp.errors import ExitCode, ParameterError, checked_path
+from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import replacing
 from reference_lcp.terminal import visible
 from reports.cli.options import NAME_METAVAR, Engines, Limit, Settings, Store, Work, Workers, check_outs, opened
@@ -209,21 +209,3 @@ def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
 
     with opened(None) as store, Evaluator(store, Work(1, time_limit).executor()) as evaluator:
         return RecordedPeriod.of_result(evaluator.evaluate([task.recording(Recorded.PERIOD)])[0])
-
-
-@app.command()
-def site(
-    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder of histories and cards.")],
-    *,
-    out: Annotated[Path, typer.Option(help="Folder of the site.")] = Path("site"),
-) -> None:
-    """Write a static site of engines by version: an index, a page an engine, and a feed of what changed.
-
-    It is made of the files of `history --store` and of `card`.
-    Exit code 0: written; 2: wrong input; 3: the site could not be written; 130: interrupted.
-
-    Example: multibody-xval site results --out site
-    """
-    from reports.cards.site import engine_histories, write_site
-
-    print(visible(str(write_site(engine_histories(checked_path("RESULTS", results)), out)[0])))
