@@ -18,7 +18,6 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT
-from tests.junit import checked_junit
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / ".ci/engine_regression"
@@ -165,7 +164,6 @@ def test_a_comparison_fails_for_the_worse_and_shows_it(tmp_path, before, now, co
     assert script(tmp_path, "compare", ENGINE="mujoco") == code
     assert says in shown(tmp_path)
     assert run_step(f"{SCRIPT} compare", tmp_path, ENGINE="mujoco", STRICT="true").returncode == 1
-    checked_junit(tmp_path / "regression/changes.xml", tests=4, failures=2 if now is None else 1)
 
 
 @pytest.mark.parametrize("step", ["install", "before"])

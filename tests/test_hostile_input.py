@@ -85,7 +85,6 @@ LINES = (
     "engines --json",
     "scenarios",
     "example",
-    "store check sweep.sqlite --salvage good.sqlite",
     "sweep sweep.toml --store a.sqlite --out a.nc --workers 2 --time-limit 60",
     "sweep sweep.toml --no-run --out a.csv --store sweep.sqlite --scheduler tcp://127.0.0.1:1",
     "run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",

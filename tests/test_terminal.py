@@ -22,7 +22,6 @@ LINES = [
     "example",
     "sweep --help",
     "run all --help",
-    "store check --help",
     "compare --help",
     "animate --help",
 ]

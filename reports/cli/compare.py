@@ -75,8 +75,8 @@ def compare(
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write the changes here: a short comment for a pull request as .md, JUnit as .xml, in full as .json, "
-            "every point as .csv; may be repeated."
+            help="Write the changes here: a short comment for a pull request as .md, in full as .json, every point as "
+            ".csv; may be repeated."
         ),
     ] = None,
 ) -> None:

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from scenarios.runs.evaluator import Evaluator
     from scenarios.studies.claims import Conclusions
     from scenarios.studies.cost import CostRow
-    from scenarios.studies.widest_band import WidestBand
     from scenarios.tables import Column, Row
 
 BATCH_SAMPLES = 3
@@ -41,7 +40,7 @@ RECORD = "record"
 FIGURE3 = "figure3"
 """The scenario that answers the paper's claims."""
 
-ENDINGS, TABLE_ENDINGS = (".md", ".json", ".xml", ".csv"), (".md", ".csv")
+ENDINGS, TABLE_ENDINGS = (".md", ".json", ".csv"), (".md", ".csv")
 """Formats of verdicts, and of tables."""
 
 CHART_ENDINGS = (".svg", ".pdf", ".png")
@@ -88,8 +87,8 @@ class Verdicts:
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write the verdicts here: a short comment for a pull request as .md, JUnit as .xml, every number as "
-            ".json or .csv; may be repeated."
+            help="Write the verdicts here: a short comment for a pull request as .md, every number as .json or .csv; "
+            "may be repeated."
         ),
     ] = None
     run: Annotated[
@@ -136,23 +135,12 @@ def answer(
         bool,
         typer.Option(help="Also answer the paper's claims with every variant, by some 200 steady states each."),
     ] = True,
-    widest: Annotated[
-        list[float] | None,
-        typer.Option(
-            metavar="ZETA",
-            help="Also find, by the reference, the friction ratio of the lowest edge with this damping ratio; may be "
-            "repeated.",
-        ),
-    ] = None,
     verdicts: Verdicts,
     work: Work,
 ) -> None:
     """Run the scenario of the paper's figure, and others; then answer the claims of the paper."""
-    from reference_lcp.validation import checked_scalar
-
-    dampings = [checked_scalar("widest", value, ">= 0") for value in widest or ()]
     names = [str(context.info_name), *(checked_choice("scenario", name, list(DESCRIPTIONS)) for name in others or ())]
-    _judge(names, engines, verdicts, work, claims=claims, dampings=dampings)
+    _judge(names, engines, verdicts, work, claims=claims)
 
 
 def _add_scenarios() -> None:
@@ -182,7 +170,6 @@ def _judge(
     record: Path | None = None,
     *,
     claims: bool = False,
-    dampings: Sequence[float] = (),
 ) -> None:
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
@@ -191,7 +178,6 @@ def _judge(
     from scenarios.catalogue.registry import CATALOGUE
     from scenarios.catalogue.transient.record import Record
     from scenarios.catalogue.verdict_table import VERDICT_FORMATS
-    from scenarios.studies.widest_band import widest_band
     from scenarios.verdicts.finding import failures
 
     asked = list(CATALOGUE.values()) if ALL_SCENARIOS in names else [CATALOGUE[name] for name in dict.fromkeys(names)]
@@ -205,9 +191,8 @@ def _judge(
     with work.evaluator(verdicts.store, shown, run=verdicts.run) as evaluator:
         results = {each: run_with_predictions(each, own, evaluator) for each, own in variants.items()}
         concluded = _concluded(shown, evaluator) if claims else []
-        bands = [widest_band(damping, evaluator) for damping in dampings]
     print_results(results)
-    print_claims(concluded, bands)
+    print_claims(concluded)
     for out in outs:
         write_whole(out, VERDICT_FORMATS[out.suffix](results, engines.command(" ".join(names), options)))
     if any(failures(findings) for findings in results.values()):
@@ -252,11 +237,10 @@ def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclu
     return evaluated_conclusions(figure3(variants), variants, evaluator)
 
 
-def print_claims(concluded: Sequence[Conclusions], bands: Sequence[WidestBand]) -> None:
-    """Print the answers to the paper's claims, what decides them, and where bands begin lowest."""
+def print_claims(concluded: Sequence[Conclusions]) -> None:
+    """Print the answers to the paper's claims, and what decides them; nothing where there are none."""
     from scenarios import tables
     from scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
-    from scenarios.studies.widest_band import WIDEST_COLUMNS
 
     if concluded:
         print("\nThe paper's claims, and lower edges η_r by friction ratio:")
@@ -267,9 +251,6 @@ def print_claims(concluded: Sequence[Conclusions], bands: Sequence[WidestBand]) 
             print(visible(f"{claim.name}, {concluded[0].variant}: {claim.answer}; {claim.numbers}"))
         for own in concluded:
             print(visible(sentence(own, concluded[0])))
-    if bands:
-        print("\nWhere the band begins lowest, by the reference:")
-        tables.print_table(tables.text_table(WIDEST_COLUMNS, bands))
 
 
 @app.command()

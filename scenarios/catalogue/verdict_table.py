@@ -13,7 +13,6 @@ import pandas as pd
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
-from scenarios.junit import JUnitCase, junit_text
 from scenarios.runs.task import versions_of
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
 from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
@@ -298,29 +297,9 @@ def _content(results: Results, command: str) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _junit(results: Results) -> str:
-    """Give each number as a case; one about which nothing is known is skipped."""
-    cases = []
-    for scenario, own in results.items():
-        fails = {id(finding) for finding in failing(own)}
-        for finding in own:
-            verdict = finding.comparison.verdict
-            reason = f"{verdict}: {finding.comparison.reason}"
-            case = JUnitCase(
-                suite=f"{scenario.name}, {finding.variant}",
-                name=f"{finding.metric.name}, {finding.case}",
-                failure=reason if id(finding) in fails else "",
-                skipped=reason if verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE) else "",
-                output=reason + _law(finding, "\n"),
-            )
-            cases.append(case)
-    return junit_text("multibody-xval run", cases)
-
-
 VERDICT_FORMATS: dict[str, Callable[[Results, str], str]] = {
     ".md": verdict_document,
     ".json": lambda results, command: json_text(_content(results, command), indent=1),
-    ".xml": lambda results, _command: _junit(results),
     ".csv": lambda results, _command: csv_text(finding_table(results), missing=""),
 }
 """What is written of verdicts and the command that made them, by the ending of the file."""

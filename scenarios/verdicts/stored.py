@@ -77,7 +77,6 @@ def read_all(file: Path) -> dict[str, StoredResult]:
 
 def _rows(file: Path) -> Iterator[StoredResult]:
     with ResultStore(file) as store:
-        store.check_pages()
         for content, result in store.all_results():
             about = _read(file, content)
             yield StoredResult(about.task, about.format, about.version, about.options, result, about.sources)

@@ -1,21 +1,17 @@
 """A report made by hand: two friction ratios, one engine that runs and one that is not installed."""
 
 import dataclasses
-import json
 import math
 import os
 import pickle
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 import pytest
 from filelock import FileLock
 
-import reports
 from engines.interface.variant import Variant
 from reports import notebook
 from reports.data.report import Report
@@ -54,13 +50,6 @@ CONVERGED_ERROR = STEP_ERROR / 32
 """Of the converged reference [dB]: its step is so much finer."""
 OFF = (RUNS, 0.0, 0.9)
 """Where the engine that runs is wrong."""
-
-
-def schema_of(name: str) -> dict[str, Any]:
-    """Give the JSON Schema of an output, which is in the wheel."""
-    file = Path(reports.__file__).parent / "schemas" / f"{name}.schema.json"
-    schema: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    return schema
 
 
 def answer(variant: Variant, friction_ratio: float, frequency_ratio: float, refinement: float = 1.0) -> Result:

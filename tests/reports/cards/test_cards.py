@@ -5,7 +5,6 @@ import json
 import math
 from types import SimpleNamespace
 
-import jsonschema
 import pytest
 
 from engines.interface.variant import Variant
@@ -18,7 +17,6 @@ from reports.export.files import cards_beside
 from scenarios.runs.store import opened_store
 from scenarios.studies.work_precision import StepPoint
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Verdict
-from tests.reports.conftest import schema_of
 from tests.scenarios.in_process import evaluator, rub_harder
 
 SOFT = Variant("mujoco", "joint", "default")
@@ -79,9 +77,6 @@ def test_files_of_a_card_hold_it_in_full_and_lie_where_a_report_finds_them(tmp_p
         f"card-mujoco.{ending}" for ending in ("html", "md", "json", "bench.json", "badge.json")
     ]
     content = json.loads(files[2].read_text(encoding="utf-8"))
-    jsonschema.validate(content, schema_of("card"))
-    with pytest.raises(jsonschema.ValidationError, match="'error_db' was unexpected"):
-        jsonschema.validate({**content, "error_db": 14.7}, schema_of("card"))
     (variant,) = content["variants"]
     assert (variant["variant"], variant["largest_db"], variant["steps_to_goal"]) == (str(SOFT), 14.7321, 800)
     assert [row["value"] for row in variant["rows"]] == [5165.95, 0.8738, None]

@@ -8,7 +8,6 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from engines.interface import variant
@@ -25,7 +24,7 @@ from reports.export.changes import Regression, changes_markdown
 from scenarios.runs import task
 from scenarios.runs.result import Result
 from scenarios.runs.steady import run_steady_states
-from scenarios.runs.store import ResultStore, digest_of
+from scenarios.runs.store import ResultStore
 from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
 from scenarios.runs.transient_task import Block, BlockTask
 from scenarios.verdicts.proven import proven_level
@@ -33,8 +32,6 @@ from scenarios.verdicts.regression import StoreComparison, TruthDirection, chang
 from scenarios.verdicts.steady_case import CONVERGED, EXACT
 from scenarios.verdicts.stored import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
-from tests.junit import checked_junit
-from tests.reports.conftest import schema_of
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 
@@ -168,14 +165,11 @@ def results_of(file: Path) -> dict[str, str]:
 
 
 def write_results(file: Path, results: dict[str, str]) -> Path:
-    """Write contents and answers into a store, signed."""
+    """Write contents and answers into a store."""
     ResultStore(file).close()
     rows = [(key_of(content), content, answer) for content, answer in results.items()]
     with closing(sqlite3.connect(file)) as connection, connection:
-        connection.executemany(
-            "INSERT INTO answers VALUES (?, ?, ?, ?)",
-            [(*row, digest_of(*(text.encode() for text in row))) for row in rows],
-        )
+        connection.executemany("INSERT INTO answers VALUES (?, ?, ?)", rows)
     return file
 
 
@@ -327,21 +321,15 @@ def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, ca
 def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
     now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
     know_truth(now, -5.1)
-    outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "xml", "csv")]
+    outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "csv")]
     assert compared(before, now, *(word for out in outs for word in ("--out", out))) == ExitCode.FAILED
     content = json.loads(outs[1].read_text())
-    jsonschema.validate(content, schema_of("compare"))
-    with pytest.raises(jsonschema.ValidationError, match="'worse' is not one of"):
-        jsonschema.validate(
-            {**content, "changes": [content["changes"][0] | {"direction": "worse"}]}, schema_of("compare")
-        )
     assert (content["passes"], content["failing"], content["regressed"], content["points"]) == (False, 2, 2, 3)
     assert [own["fails"] for own in content["changes"]] == [True, True]
     document = outs[0].read_text()
     assert document.startswith("## Engine regression: fails\n\n3 points: 2 regressed; 2 fail.\n")
     assert "| softening | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, regressed |" in document
     assert "<details>" not in document
-    checked_junit(outs[2], failures=2, tests=3)
 
 
 def test_a_document_of_many_changes_folds_them_and_fits_a_comment() -> None:

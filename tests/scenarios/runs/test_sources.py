@@ -16,7 +16,7 @@ from engines.interface import registry
 from engines.interface.registry import engine
 from reference_lcp.process import ROOT
 from scenarios.runs import sources, task
-from scenarios.runs.store import ResultStore, digest_of, key_of
+from scenarios.runs.store import ResultStore, key_of
 from tests.scenarios.runs.builders import certified, steady
 
 OLD, NEW = certified(transmittance_db=1.0), certified(transmittance_db=2.0)
@@ -61,9 +61,7 @@ def test_a_store_of_before_there_were_digests_is_read_where_it_is_to_be(tmp_path
     text = json.dumps(content, separators=(",", ":"))
     with ResultStore(file) as store, closing(sqlite3.connect(file)) as connection, connection:
         assert store.find(steady()) is None
-        row = key_of(text), text, OLD.to_json()
-        digest = digest_of(*(each.encode() for each in row))
-        connection.execute("INSERT INTO answers VALUES (?, ?, ?, ?)", (*row, digest))
+        connection.execute("INSERT INTO answers VALUES (?, ?, ?)", (key_of(text), text, OLD.to_json()))
     with ResultStore(file) as store, ResultStore(file, keep_old=True) as keeping:
         assert store.find(steady()) is None
         assert keeping.find(steady()) == OLD
