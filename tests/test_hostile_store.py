@@ -113,7 +113,6 @@ MISFITS = {
     "run stopping-distance --engine mujoco": ('"finished"', "no series slip, slip_velocity, slid; allowed: "),
     "run free-decay --engine mujoco": ('"finished"', "no series rest, offsets, swing, energy; allowed: "),
     "run slope-hold --engine mujoco:contact:default": ('"finished"', "no series time, from the start, "),
-    "run repeat --engine mujoco": ('"finished"', "no series again, "),
     "run unit-cell --engine mujoco": ('"finished"', "status = finished; allowed: "),
     "run den-hartog --engine mujoco": ('"converged"', "stuck_fraction has 0 numbers; allowed: 1"),
     "run figure3 --engine mujoco": ('"converged"', "stuck_fraction has 0 numbers; allowed: 7"),

@@ -168,10 +168,6 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             f"limits: from that of a uniform pressure to μ m g s/√2, that of the corners; allowed: {EULER}",
         ),
         "arm-hold": Description("Does an arm whose hinges rub stay stretched out under gravity?", NO_MOTION),
-        "repeat": Description(
-            "Is a motion the same when it is run again, in another process, beside others, in another order?",
-            "the first motion, bit for bit",
-        ),
     }
 )
 """Descriptions by the names of the scenarios, in the order in which they are listed and run."""

@@ -10,7 +10,6 @@ from scenarios.catalogue.block.published import Published
 from scenarios.catalogue.block.static_above_kinetic import StaticAboveKinetic
 from scenarios.catalogue.block.static_hold import Ratchet, StaticHold
 from scenarios.catalogue.block.stopping_distance import StoppingDistance
-from scenarios.catalogue.repeat import Repeat
 from scenarios.catalogue.scenes.hold import Grip, HeavyOnLight, SlopeHold, StackHold
 from scenarios.catalogue.scenes.joints import ArmHold, JointHold
 from scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
@@ -68,7 +67,6 @@ SCENARIOS: tuple[Scenario, ...] = (
     Spin(),
     JointHold(),
     ArmHold(),
-    Repeat(),
 )
 
 CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})

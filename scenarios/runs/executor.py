@@ -9,7 +9,6 @@ from typing import Any
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
-from scenarios.runs.repeat import RepeatTask, run_repeats
 from scenarios.runs.result import Result
 from scenarios.runs.scene import SceneTask, run_scenes
 from scenarios.runs.scratch import Closing
@@ -32,8 +31,6 @@ def run_batch(batch: Sequence[Task]) -> list[Result]:
         run = run_transients
     elif isinstance(batch[0], SceneTask):
         run = run_scenes
-    elif isinstance(batch[0], RepeatTask):
-        run = run_repeats
     return run(batch)
 
 

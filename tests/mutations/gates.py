@@ -26,7 +26,6 @@ LEFT_OUT = {
     "filtered-noise": "it has the chain of ricker-pulse, and takes longer",
     "long-chain": "no error here depends on the number of cells, and it takes the longest",
     "inclined-steady-state": "it has the contacts of inclined-chain, and takes minutes",
-    "repeat": "it is about chance and processes, and tests/scenarios/catalogue/test_repeat.py has engines for it",
     **{
         name: "it has no chain, see the second table"
         for name, scenario in CATALOGUE.items()

@@ -66,7 +66,6 @@ def test_document_names_the_smallest_errors_and_what_passes() -> None:
     assert "| slope-hold | passes | passes | passes | detected | passes |" in text
     assert "| bound | bound of friction × (1 + s) | reference | 1 | 1e-07 | 1e-07 | 0.001 | – |  |  |" in text
     assert "| 0.001 | 0.1 | – |  | report |" in text
-    assert "tests/scenarios/catalogue/test_repeat.py has engines for it" in text
     assert "Passing these gates with the largest error: single." in text
     assert "Made by `python -m tests.mutations`." in text
 

@@ -21,7 +21,6 @@ from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs import store as store_file
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.recorded import ARRAYS
-from scenarios.runs.repeat import RepeatTask
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Recorded
@@ -233,7 +232,6 @@ def zeros(task) -> Result:
         (motion("slip"), "slip_velocity"),
         (motion("contact modes"), "slips"),
         (motion("decay"), "offsets"),
-        (RepeatTask(variant=Variant("reference")), "again"),
         (replace(CHAIN, recorded=Recorded.LAW), "distance"),
         (BOX, "along"),
         (BOX, "from the start"),
