@@ -156,7 +156,6 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
         "run accuracy --engine mujoco",
         "run laws --engine mujoco",
         "run work-precision --engine mujoco",
-        "run cost --engine mujoco --set noslip_iterations=3",
         "sweep named.toml",
     ],
 )

@@ -90,8 +90,7 @@ LINES = (
     "run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",
     "run record --record quake.csv --engine mujoco:joint --out a.json --store b.sqlite",
     "run all --no-run --store sweep.sqlite --out a.csv --engine reference:joint:tuned",
-    "run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1 --no-cost",
-    "run cost --engine mujoco --seconds 0.1 --out a.md",
+    "run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1",
     "report --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
     "report --sweep sweep.toml --out report --no-run",
     "report --data sweep.nc --out report",
@@ -131,8 +130,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
     for name in ("bench.bench", "bench.bench_cells", "against_exact.convergence", "against_exact.coverage"):
         monkeypatch.setattr(f"reference_lcp.studies.{name}", planned)
-    for name in ("scenarios.studies.cost.cost", "engines.shared.step_cost.step_cost"):
-        monkeypatch.setattr(name, planned)
     monkeypatch.setattr(Evaluator, "close", lambda _: None)
     return tmp_path
 

@@ -57,7 +57,6 @@ COMMAND_LINES = [
     ("run accuracy --engine a:b:c:d", r"has 4 parts; allowed: ENGINE"),
     ("run accuracy --engine mujoco --set sweeps=3", r"option 'sweeps' cannot be set in mujoco:joint:tuned; "),
     ("run laws --engine mujoco --set cone=flat", r"cone = 'flat' of .*; allowed: elliptic or pyramidal"),
-    ("run cost --set iterations=3", r"--set iterations=3 beside 0 --engine; allowed: one, or --engine NAME:"),
     ("report --engine mujoco --engine dart --set a=3", r"--set a=3 beside 2 --engine; allowed: one"),
     ("report --engine mujoco:all --set cone=elliptic", r"sets cone=elliptic in several variants; allowed: in one"),
     ("run accuracy --out table.doc", r"ending '.doc'; allowed: .md or .csv"),
@@ -68,12 +67,6 @@ COMMAND_LINES = [
     ("run unit-cell --engine mujocko", r"engine = 'mujocko' is unknown"),
     ("run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
     ("run figure3 --no-run", r"--store"),
-    ("run cost --seconds 0", r"seconds = 0.*> 0"),
-    ("run cost --lanes 0", r"lanes = 0.*>= 1"),
-    ("run cost --lanes 64 --lanes 70000", r"lanes = 70000.*1 to 65536"),
-    ("run cost --lanes 64 --device gpu", r"device = 'gpu' is unknown; allowed: cpu, cuda"),
-    ("run cost --device cuda", r"device = cuda without --lanes; allowed: with --lanes"),
-    ("run cost --engine mujoco --lanes 64 --device cuda", r"device of mujoco = 'cuda'.*allowed: cpu"),
     ("compare a.sqlite b.sqlite", r"a.sqlite"),
     ("compare --engine mujoco", r"0 stores and 1 --engine; allowed: two stores, or two --engine"),
     ("compare other.sqlite --engine mujoco --engine mujoco", r"1 stores and 2 --engine; allowed: two stores, or two"),
@@ -223,9 +216,3 @@ def test_sweep_of_ten_million_points_says_its_size_and_asks_for_a_yes(folder, ca
     assert run_command(app, [name, *arguments]) == ExitCode.WRONG_INPUT
     assert re.search(r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points", capsys.readouterr().err)
     assert files_in(folder) == before
-
-
-def test_misspelt_engine_is_refused_before_the_reference_is_measured(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("scenarios.studies.cost.cost", lambda *_: pytest.fail("something was measured"))
-    assert run_command(app, ["run", "cost", "--engine", "mujocko"]) == ExitCode.WRONG_INPUT
-    assert "engine = 'mujocko' is unknown" in capsys.readouterr().err

@@ -39,7 +39,6 @@ ONTO_WHAT_IS_USED = [
     "run unit-cell --engine reference --store fresh.csv --out fresh.csv",
     "run record --engine reference --record record.csv --out record.csv",
     "run accuracy --engine reference --store kept.csv --out kept.csv",
-    "run cost --engine reference --out kept.csv",
     "run work-precision --engine reference --store kept.csv --out kept.csv",
     "compare kept.csv hard.csv --out kept.csv",
     "compare kept.csv hard.csv --out link.csv",

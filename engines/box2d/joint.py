@@ -6,7 +6,6 @@ import importlib
 import math
 import warnings
 from abc import abstractmethod
-from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
@@ -40,11 +39,6 @@ class Box2DLane(ExplicitForcesLane):
         self._iterations = preset["velocityIterations"], preset["positionIterations"]
         # Where bodies are across the motion, and the forces on them there.
         self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
-
-    def _native_step(self) -> Callable[[], object]:
-        world, _ = self._new_world(np.zeros(4 * self._chain.cells))
-        world.SetAllowSleeping(False)
-        return functools.partial(world.Step, self._time_step, *self._iterations)
 
     @abstractmethod
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:

@@ -1,8 +1,6 @@
 """DART's contact formulation: in every cell a box, or a sphere, the inner mass, pressed on a plate, the outer one."""
 
 import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -41,14 +39,6 @@ class DartContactLane(PressedLane):
         super().__init__(lane, preset)
         self._rubbing = self._chain.friction_bound > 0
         self._sine, self._cosine = math.sin(lane.inclination), math.cos(lane.inclination)
-
-    def _native_step(self) -> Callable[[], object]:
-        # Under constant forces that are set once: at rest, without any, contacts have nothing to do.
-        world, skeletons = self._new_world()
-        pressing = np.where(self._rubbing, -self._chain.normal_force, 0.0)
-        for skeleton, bound, normal_load in zip(skeletons, self._chain.friction_bound, pressing, strict=True):
-            skeleton.setForces([0.0, bound / 2, normal_load])
-        return partial(world.step, False)
 
     def _begin(self, motion: FloatArray) -> Step:
         self._world, skeletons = self._new_world()

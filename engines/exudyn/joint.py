@@ -80,11 +80,6 @@ class ExudynLane(LaneModel):
         velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
         return self._units.state(position[None], velocity[None], self._friction_state())
 
-    def native_steps(self, steps: int) -> None:
-        """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
-        rest = np.zeros(2 * self._chain.cells)
-        self._solve(rest, rest, 0, steps, record=False)
-
     def close(self) -> None:
         """Empty the system; Python frees the rest with the last reference."""
         self._container.Reset()

@@ -106,10 +106,9 @@ class Scene:
         self._scene.step()
         return np.concatenate([self._chain.get_dofs_position(), self._chain.get_dofs_velocity()], axis=1)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of Genesis alone."""
-        for _ in range(steps):
-            self._scene.step()
+    def step_freely(self) -> None:
+        """Take a step without new forces."""
+        self._scene.step()
 
     def friction(self, forces: FloatArray) -> FloatArray:
         """Give the friction on the inner masses in the step that was taken under these forces."""

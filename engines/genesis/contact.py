@@ -74,7 +74,7 @@ class ContactSimulation(GenesisSimulation):
         scene.set_contact_constraints(self._constraints(np.ones(self._rubs.size)))
         # The edges of a pyramid are the softer, the smaller the coefficient.
         scene.set_coefficients(self._of_chains("friction_coefficient"))
-        scene.native_steps(1)
+        scene.step_freely()
         pressed, given = np.where(self._rubs, scene.normal_force(), 1.0), self._of_chains("normal_force")
         hardness, coefficients = self._hardness(pressed)
         _check_coefficients(coefficients[:, self._rubs])

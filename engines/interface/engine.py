@@ -8,7 +8,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.changed_options import changed_preset
-from engines.interface.device import PROCESSOR
 from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
 from engines.interface.reproducer import Reproducer
 from engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
@@ -27,18 +26,6 @@ VERSIONS = "engines.isolated.versioned_engine"
 
 STEPS_PER_PERIOD = 400
 """Of the lane by which engines are prepared; those that compile do so whatever its numbers are."""
-
-
-@runtime_checkable
-class NativeStepping(Protocol):
-    """A simulation, or the model of one lane, that can be stepped without the adapter, to measure the engine alone."""
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, of every lane: nothing is loaded, set or read in between.
-
-        They start from rest, or from a motion or under constant forces that keep contacts active.
-        """
-        ...
 
 
 @runtime_checkable
@@ -67,8 +54,6 @@ class Engine(ABC):
     """What writes such scenes as texts, of an engine whose users write models so."""
     no_scenes: ClassVar[str] = "its adapter builds none"
     """Why there are no scenes of a formulation that is not in `scene_worlds`."""
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR,)
-    """Where its steps can be timed; all else is done on the processor."""
 
     @abstractmethod
     def version(self) -> str:

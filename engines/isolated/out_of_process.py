@@ -91,10 +91,6 @@ class OutOfProcessLane(LaneModel):
         rows = self._rows(state, start, steps, record=False)
         return self._units.state(rows["position"], rows["velocity"], self._internal_state(rows))
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
-        self._request("native_steps", checked_count("steps", steps), steps=steps)
-
     def close(self) -> None:
         """Let the worker drop the chain; another use builds it again."""
         self._built.close()

@@ -66,11 +66,5 @@ class EngineLane:
     def call(self, pickled: Any) -> dict[str, Any]:
         """Call a method of the simulation, of a pickled name and arguments; gives what it gives."""
         name, *arguments = pickle.loads(pickled.tobytes())
-        called = self._native_steps if name == "native_steps" else getattr(self._simulation, name)
-        value = called(*arguments)
+        value = getattr(self._simulation, name)(*arguments)
         return {"pickled": np.frombuffer(pickle.dumps(value), np.uint8)}
-
-    def _native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone: of the simulation, or of the model of each lane where these step alone."""
-        for each in getattr(self._simulation, "models", [self._simulation]):
-            each.native_steps(steps)

@@ -149,10 +149,6 @@ class EnvironmentSimulation(Simulation):
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         return self._call(steps, "advance", state, start, steps)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
-        self._call(steps, "native_steps", steps)
-
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "EnvironmentSimulation":
         """Give the lanes of these indices, built anew."""
         return EnvironmentSimulation(self._process, [self.lanes[lane] for lane in lanes], *self._options)

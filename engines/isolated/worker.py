@@ -4,7 +4,7 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
 
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
 - ``EngineLane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
-  arrays with one row a step (position and velocity alone where nothing is recorded), and ``native_steps(steps)``.
+  arrays with one row a step (position and velocity alone where nothing is recorded).
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
   ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that
   runs an adapter of the suite has ``call(pickled)`` instead, see `engines.isolated.server`; one that is a scene has
@@ -108,10 +108,6 @@ class Service:
 
     def _follow(self, request: Message) -> Message:
         return {"rows": self._lanes[int(request["number"])].follow(int(request["steps"]), request["launch"])}
-
-    def _native_steps(self, request: Message) -> Message:
-        self._lanes[int(request["number"])].native_steps(int(request["steps"]))
-        return {}
 
 
 def _end_at(seconds: float) -> None:

@@ -62,13 +62,6 @@ class MuJoCoSimulation(LanesOfJoints):
         """Give the lanes of these indices; they share the models."""
         return type(self)([self._compiled[lane] for lane in lanes])
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of MuJoCo's own loop on the model of one lane after the other, from rest."""
-        import mujoco
-
-        for model in self._models:
-            mujoco.mj_step(model, mujoco.MjData(model), steps)
-
     def _rollout(self, state: State, start: int, steps: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Set the state and take `steps` steps, with the load of each step as its control."""
         checked_count("steps", steps)

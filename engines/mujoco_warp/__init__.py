@@ -2,7 +2,6 @@
 
 from typing import ClassVar
 
-from engines.interface.device import CARD, PROCESSOR
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from engines.interface.reproducer import Reproducer
 from engines.interface.tolerances import SINGLE_RESIDUAL
@@ -81,7 +80,6 @@ class MuJoCoWarp(PipEngine):
         ),
     }
 
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR, CARD)
     scene_step: ClassVar[float] = STEP
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 

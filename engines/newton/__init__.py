@@ -2,7 +2,6 @@
 
 from typing import ClassVar
 
-from engines.interface.device import CARD, PROCESSOR
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from engines.interface.tolerances import SINGLE_RESIDUAL
 from engines.newton.presets import (
@@ -69,7 +68,6 @@ class Newton(PipEngine):
         ),
     }
 
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR, CARD)
     scene_step: ClassVar[float] = STEP
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.device import PROCESSOR
 from engines.interface.scene import (
     FINGER,
     FINGER_MASS,
@@ -23,7 +22,7 @@ from engines.interface.scene import (
     Vector,
 )
 from engines.newton.worlds import import_newton
-from engines.shared.warp_worlds import import_warp
+from engines.shared.warp_worlds import PROCESSOR, import_warp
 
 STEP = 1 / 240
 """Of Newton's own examples with rigid contacts [s]; a solver has no default."""

@@ -51,16 +51,6 @@ class EngineLane:
             model.modulate(normal_load)
         return model.run(loads, across)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
-        model = self._new_model(None, None, False)
-        model.set_rubbing(steps)
-        step, time_step, before = model.world.step, model.time_step, model.before_step
-        for _ in range(steps):
-            if before is not None:
-                before()
-            step(time_step)
-
 
 class JointModel:
     """Outer masses that slide in the world, on each an inner one whose slider has a motor of target velocity zero."""
@@ -88,8 +78,7 @@ class JointModel:
         # A joint ends with its last reference.
         self._guides = list(self._sprung()) if self._has_springs else [self._slider(*pair) for pair in sliding]
         self._add_friction()
-        if position is not None:
-            self._set_state(position.tolist(), velocity.tolist())
+        self._set_state(position.tolist(), velocity.tolist())
 
     def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
@@ -175,12 +164,6 @@ class JointModel:
         for body, (aside, height), place, speed in zip(self._bodies, self._places(), position, velocity):
             body.setPosition((x * place, aside + y * place, height))
             body.setLinearVel((x * speed, y * speed, 0.0))
-
-    def set_rubbing(self, steps: int) -> None:
-        """Give inner masses the velocity that friction alone would stop in half of so many steps."""
-        mass = self._given["mass"].reshape(2, -1)
-        speed = self._bound * np.sum(1 / mass, axis=0) * self.time_step * steps / 2
-        self._set_state([0.0] * len(self._bodies), [0.0] * self._cells + speed.tolist())
 
     def _slider(self, body: Any, base: Any) -> Any:
         slider = ode.SliderJoint(self.world)
@@ -310,11 +293,6 @@ class ContactModel(JointModel):
             find_contacts()
 
         self.before_step = before
-
-    def set_rubbing(self, steps: int) -> None:
-        """Press inner masses on their plates by gravity, the one force that lasts: ODE clears others in a step."""
-        super().set_rubbing(steps)
-        self.world.setGravity((0.0, 0.0, -float(np.mean(self._given["normal"] / self._given["mass"][self._cells :]))))
 
     def _named(self, measured: Any) -> dict[str, Any]:
         friction, normal = np.split(measured, 2, axis=1)

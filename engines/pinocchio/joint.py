@@ -24,22 +24,6 @@ class PinocchioJointLane(ExplicitForcesLane):
         self._forces *= self._time_step
         self._force_unit = self._units.force / self._time_step
 
-    def _native_step(self) -> Callable[[], object]:
-        from pinocchio import aba, integrate
-
-        model, data, impulses_for = self._solver()
-        chain, still = self._chain, np.zeros(2 * self._chain.cells)
-        # Friction has work to do, in the same state again and again.
-        gap = chain.friction_bound * self._time_step * (1 / chain.outer_mass + 1 / chain.inner_mass) / 2
-
-        def step() -> None:
-            aba(model, data, still, still, still)
-            impulses_for(gap)
-            aba(model, data, still, still, still)
-            integrate(model, still, still)
-
-        return step
-
     def _begin(self, motion: FloatArray) -> Step:
         import pinocchio
 

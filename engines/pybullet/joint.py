@@ -3,7 +3,6 @@
 import functools
 import importlib
 import sys
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -61,11 +60,6 @@ class PyBulletLane(ExplicitForcesLane):
     def __init__(self, lane: Lane, preset: Preset, connection: Connection):
         super().__init__(lane, preset)
         self._connection = connection
-
-    def _native_step(self) -> Callable[[], object]:
-        self._across = np.zeros((2, self._chain.cells))
-        self._begin(np.zeros(4 * self._chain.cells))
-        return functools.partial(import_pybullet().stepSimulation, physicsClientId=self._connection.client)
 
     def close(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""

@@ -1,6 +1,5 @@
 """Rapier's own dry friction of joints, which only its loader of MJCF files sets: one multibody, a slide a mass."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -47,10 +46,6 @@ class RapierNativeLane(ExplicitForcesLane):
         check_mass_ratio([lane], LARGEST_MASS_RATIO, "a multibody of Rapier")
         super().__init__(lane, preset)
         self._file = model_of(self._chain)
-
-    def _native_step(self) -> Callable[[], object]:
-        world, _, _ = self._new_world()
-        return world.step
 
     def _begin(self, motion: FloatArray) -> Step:
         world, bodies, multibody = self._new_world()

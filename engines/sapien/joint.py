@@ -3,7 +3,6 @@
 import functools
 import importlib
 import warnings
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -54,9 +53,6 @@ class SapienJointLane(SapienLane):
     def __init__(self, lane: Lane, preset: Preset):
         self.coordinates = CarriedCoordinates.of_chain(lane.chain)
         super().__init__(lane, preset)
-
-    def _native_step(self) -> Callable[[], object]:
-        return self._new_articulation()[0].step
 
     def _begin(self, motion: FloatArray) -> Step:
         self._system, articulation = self._new_articulation()

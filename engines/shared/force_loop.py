@@ -93,16 +93,6 @@ class ExplicitForcesLane(LaneModel):
         end, internal_state = self._state(motion[None]), self._internal_state()
         return end if internal_state is None else replace(end, internal_state=internal_state[None])
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        step = self._native_step()
-        for _ in range(steps):
-            step()
-
-    @abstractmethod
-    def _native_step(self) -> Callable[[], object]:
-        """Give what takes one step of the engine alone, from rest or where friction has work to do."""
-
     @abstractmethod
     def _begin(self, motion: FloatArray) -> Step:
         """Give the bodies this motion; the step that is returned writes the new one into the same array."""

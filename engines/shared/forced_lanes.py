@@ -21,8 +21,7 @@ class ForcedLanes(LanesInUnits, ABC):
     """Lanes of one scene, each in units of its own, under forces that are computed at the start of each step.
 
     A motion of all lanes, a row each, holds coordinates, then their velocities. The scene of an engine has
-    ``set_motion(coordinates, velocities)``, ``step(forces)``, which gives the motion after it, ``native_steps(steps)``
-    and ``close()``.
+    ``set_motion(coordinates, velocities)``, ``step(forces)``, which gives the motion after it, and ``close()``.
     """
 
     def __init__(
@@ -88,10 +87,6 @@ class ForcedLanes(LanesInUnits, ABC):
         for motion, _, _ in self._steps(state, start, steps):
             end = motion
         return State.stack([self._state(index, end[index : index + 1]) for index in range(len(self.lanes))])
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, from where the lanes are; see `NativeStepping`."""
-        self._scene.native_steps(steps)
 
     def close(self) -> None:
         """Free the scene."""

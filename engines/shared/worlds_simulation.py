@@ -8,7 +8,6 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.engine import NativeStepping
 from engines.shared.coordinates import absolute_coordinates, joint_coordinates
 from engines.shared.units import Units
 from engines.shared.worlds import CHUNK, Rows, Worlds
@@ -110,11 +109,6 @@ class LaneAlone(LaneModel):
         """Advance as `run` does, and keep the end only."""
         return self._simulation.advance(state, start, steps)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        assert isinstance(self._simulation, NativeStepping)
-        self._simulation.native_steps(steps)
-
     def close(self) -> None:
         """Free what the simulation holds."""
         self._simulation.close()
@@ -160,10 +154,6 @@ class WorldsSimulation(LanesOfJoints, ABC):
     @abstractmethod
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices."""
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        self._worlds.native_steps(steps)
 
     def _chunks(self, state: State, start: int, steps: int) -> Iterator[Rows]:
         """Set the state, and give the rows of `steps` steps, some at a time."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,14 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from engines.interface.device import CARD, PROCESSOR
-from reference_lcp.errors import ExitCode, ParameterError, checked_choice
+from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import announce_compilation, print_table, tracked, visible
+from reference_lcp.terminal import print_table, tracked, visible
 from reports.cli.options import Engines, Store, Work, check_outs, grouped
 from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.runs import TIME_LIMIT
-from scenarios.studies import COST_SECONDS
 
 if TYPE_CHECKING:
     from engines.interface.variant import Variant
@@ -25,14 +21,7 @@ if TYPE_CHECKING:
     from scenarios.catalogue.verdict_table import Results
     from scenarios.runs.evaluator import Evaluator
     from scenarios.studies.claims import Conclusions
-    from scenarios.studies.cost import CostRow
     from scenarios.tables import Column, Row
-
-BATCH_SAMPLES = 3
-"""Samples of a batch of each size: a large one takes as long as many steps of one chain do, and varies less."""
-
-MOST_LANES = {PROCESSOR: 65536, CARD: 262144}
-"""Of a batch, by device: a period of 65,536 chains of seven, recorded, is some 10 GB, and a card's is not recorded."""
 
 RECORD = "record"
 """The scenario whose base follows a file."""
@@ -50,7 +39,6 @@ TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Mark
 EXPERIMENTS = {
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
-    "cost": "What do a step and a steady state cost in each engine, and how much faster are two workers?",
     "proofs": "What is the exact transmittance at every point of the standard grids, proven?",
     "work-precision": "How large is each engine's error to the proven truth, over the time of a simulated second?",
     "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
@@ -260,9 +248,6 @@ def accuracy(
     *,
     store: Store = None,
     out: TableFile = None,
-    cost: Annotated[
-        bool, typer.Option(help="Also measure the time of a step, at the end, with nothing else running.")
-    ] = True,
     work: Work,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
@@ -272,7 +257,6 @@ def accuracy(
 
     Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
     """
-    from engines.shared.step_cost import step_cost
     from scenarios.studies import accuracy as study
     from scenarios.verdicts.steady_case import EXACT
 
@@ -280,9 +264,8 @@ def accuracy(
     check_outs([out], TABLE_ENDINGS, store)
     expected = [*study.exact_tasks().values(), *(task for each in variants for task in study.accuracy_tasks(each))]
     with work.evaluator(store, [EXACT, *variants], expected) as evaluator:
-        measured = study.accuracies(variants, evaluator)
-    rows = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
-    remarks = [study.remark(row) for row in measured if row.certified < row.points]
+        rows = study.accuracies(variants, evaluator)
+    remarks = [study.remark(row) for row in rows if row.certified < row.points]
     columns = study.ACCURACY_COLUMNS, study.PRINTED_COLUMNS
     _end(out, *columns, rows, lambda: study.accuracy_document(rows, engines.command("accuracy")), remarks)
 
@@ -306,57 +289,6 @@ def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: 
     _end(out, LAW_COLUMNS, LAW_COLUMNS, rows, lambda: law_document(rows, engines.command("laws")))
 
 
-@app.command(name="cost")
-@grouped
-def measure_cost(
-    engines: Engines,
-    *,
-    out: TableFile = None,
-    seconds: Annotated[
-        float, typer.Option(help="Intended length of a measurement of steady states, in seconds; each row has two.")
-    ] = COST_SECONDS,
-    lanes: Annotated[
-        list[int] | None,
-        typer.Option(help="Measure time steps only, in a batch of N chains; may be repeated.", metavar="N"),
-    ] = None,
-    device: Annotated[str, typer.Option(help="Where batches are: cpu, or cuda for a graphics card.")] = PROCESSOR,
-) -> None:
-    """Measure time steps and steady states of each variant, with one and two worker processes, and of the reference.
-
-    A step is measured in the adapter without a record (advance) and with one (run), and in the engine's own loop; on a
-    graphics card in the latter alone.
-    Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
-
-    Example: multibody-xval run cost --engine mujoco:joint
-    """
-    check_outs([out], TABLE_ENDINGS)
-    from engines.shared.step_cost import device_title, step_cost
-    from reference_lcp.validation import checked_count, checked_scalar
-    from scenarios.studies.cost import COST_COLUMNS, STEP_COLUMNS, cost
-    from scenarios.verdicts.steady_case import REFERENCE
-
-    if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
-        raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
-    variants = engines.variants()
-    checked_choice("device", device, list(MOST_LANES))
-    counts = [checked_count("lanes", count, 1, MOST_LANES[device]) for count in lanes or ()]
-    if device != PROCESSOR and not counts:
-        raise ParameterError(f"device = {device} without --lanes; allowed: with --lanes, which measure steps only")
-    for variant in variants:
-        device_title(variant, device)
-    announce_compilation()
-    if counts:
-        steps = _measured(variants, lambda each: [step_cost(each, BATCH_SAMPLES, count, device) for count in counts])
-        _end(out, STEP_COLUMNS, STEP_COLUMNS, steps)
-        return
-    reference = cost(REFERENCE, seconds)
-
-    def beside_the_reference(variant: Variant) -> list[CostRow]:
-        return [(reference if variant == REFERENCE else cost(variant, seconds), reference)]
-
-    _end(out, COST_COLUMNS, COST_COLUMNS, _measured(variants, beside_the_reference))
-
-
 @app.command()
 @grouped
 def work_precision(
@@ -378,9 +310,8 @@ def work_precision(
 ) -> None:
     """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
 
-    Steady states a second of the reference stand beside those of harmonic balance. All times are measured at the end,
-    with nothing else of the suite running, and none is of --store; a step is one of a single chain. Batches of many
-    worlds: run cost --lanes.
+    Steady states a second of the reference stand beside those of harmonic balance. The time of an engine is that of
+    the searches for its steady states over the time that they simulate; one of --store is that of the earlier run.
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
     130: interrupted.
 
@@ -400,8 +331,8 @@ def work_precision(
     sweep = figure3([variant for variant in engines.variants() if variant != EXACT])
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     with work.evaluator(store, sweep.variants) as evaluator:
-        studied = study.step_study(sweep.variants, evaluator, steps=counts)
-    points, methods = study.timed_now(studied), bench_points(SIX_POINTS)
+        points = study.step_study(sweep.variants, evaluator, steps=counts)
+    methods = bench_points(SIX_POINTS)
     command = engines.command("work-precision", [f"--steps={count}" for count in steps or ()])
     _end(None, study.WORK_COLUMNS, study.PRINTED_COLUMNS, points, remarks=study.remarks(points))
     print_table(text_table(study.METHOD_COLUMNS, methods))
@@ -518,15 +449,3 @@ def _write_charts(outs: Sequence[Path], figure: Figure) -> None:
     files = print_files(replace(figure, dense=True))  # in pixels too
     for out in outs:
         write_whole(out, files[out.suffix[1:]])
-
-
-def _measured(variants: Sequence[Variant], measure: Callable[[Variant], Sequence[Row]]) -> list[Row]:
-    """Measure one variant after the other, with progress on the way; those that are missing are named."""
-    rows: list[Row] = []
-    for variant in tracked(variants, "variants"):
-        missing = variant.unavailable_reason
-        if missing is not None:
-            print(visible(f"{variant}: {missing}"), file=sys.stderr)
-        else:
-            rows.extend(measure(variant))
-    return rows

@@ -111,8 +111,8 @@ class ResultStore(Closing):
     """Results by the hash of their tasks; every result is on disk when `keep` returns.
 
     A file that is no store of this suite, has another layout, is damaged or cannot be written is refused, and left as
-    it is. Results of other sources of the suite are taken where they are to be (`keep_old`), and counted. One that stays
-    locked, or cannot be read or written any more, is a `RunError`.
+    it is. Results of other sources of the suite are taken where they are to be (`keep_old`), and counted. One that
+    stays locked, or cannot be read or written any more, is a `RunError`.
     """
 
     def __init__(self, file: Path, *, keep_old: bool = False):

@@ -3,13 +3,12 @@
 import math
 import platform
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from statistics import median
 from typing import Any
 
 from engines.interface.variant import Variant
-from engines.shared.step_cost import step_cost
 from reference_lcp.studies.bench import HARMONIC_BALANCE
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
@@ -30,7 +29,7 @@ USUAL_STEPS = (50, 100, 200, 400, 800)
 """Steps a period that take an engine seconds to a minute."""
 
 TIMED_POINT = OperatingPoint(0.3, 0.9)
-"""One of the six, at which `step_cost` times a step; its frequency is the median of theirs."""
+"""One of the six; its frequency is the median of theirs."""
 
 STILL_FALLS = 0.9
 """Error after twice the steps over the error before: 1/2 for a first-order scheme, 1 where the law itself is off."""
@@ -125,17 +124,6 @@ def thrifty_step_study(
     return sorted(known, key=lambda point: (variants.index(point.variant), point.steps_per_period))
 
 
-def timed_now(points: Sequence[StepPoint]) -> list[StepPoint]:
-    """Take the time of a step of one chain alone, measured here and now, for that of a search.
-
-    A search may have been on another machine, imports its engine, and begins near its steady state: the fewer its
-    steps, the larger the part of its time that is none of theirs.
-    """
-    certified = dict.fromkeys(point.variant for point in points if point.certified)
-    times = {variant: step_cost(variant, lanes=1).advance for variant in certified}
-    return [replace(point, step_seconds=times.get(point.variant, math.nan), seconds=math.nan) for point in points]
-
-
 def coarse_steps(steps: Iterable[int]) -> list[int]:
     """Give the numbers of steps at which every variant is simulated."""
     return [number for number in steps if number not in FINEST_STEPS]
@@ -215,10 +203,9 @@ STEP_COLUMNS: tuple[Column[StepPoint], ...] = (
 """For programs, in full; times are those of the search."""
 
 WORK_COLUMNS: tuple[Column[StepPoint], ...] = (
-    *(column for column in STEP_COLUMNS if column.key != "steady_state_s"),
+    *STEP_COLUMNS,
     Column("simulated_second_s", lambda point: point.simulated_second),
 )
-"""Likewise, of points that are `timed_now`."""
 
 PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("variant", lambda point: str(point.variant), "engine:formulation:preset"),
@@ -242,11 +229,10 @@ What does accuracy cost? Every variant is simulated at six stick–slip points, 
 
 - *error*: the largest of the transmittance, to the proven truth;
 - *ms a second*: wall-clock time of a simulated second of the chain of seven cells (friction ratio 0.3, frequency ratio
-  0.9), alone on one core: that of a step, the fastest of seven periods of 400 without a record, over its length;
+  0.9): the search for a steady state with all its work, over the steps that it simulated; the median of the points.
+  Other workers of the same run, and the machine, change it;
 - *error × time*: of a scheme of first order nearly the same at every step; the less, the better;
 - *certified*: points whose steady state repeats to the engine's residual.
-
-Batches of many worlds: `multibody-xval run cost --lanes`; steady states of engines: `multibody-xval run cost`.
 """
 
 METHOD_LEGEND = """\

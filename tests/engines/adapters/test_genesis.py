@@ -169,16 +169,6 @@ def test_lanes_of_one_scene_or_several_move_as_each_alone(formulation: str, pres
 
 
 @in_its_environment
-@every_preset
-def test_engine_steps_alone_whether_lanes_share_a_scene_or_not(formulation: str, preset: str) -> None:
-    """Which is how its own loop is timed; a run afterwards is what it was."""
-    simulation, state = ENGINE.build([lane_of(), lane_of()], formulation, preset), random_state(2)
-    before = simulation.run(state, 0, 5)[1]
-    simulation.native_steps(3)
-    assert_same_bits(simulation.run(state, 0, 5)[1], before)
-
-
-@in_its_environment
 @pytest.mark.parametrize("formulation", ["joint", "contact"])
 def test_lane_that_diverges_stops_and_leaves_the_others_alone(formulation: str) -> None:
     """At numbers that are not finite Genesis would end all environments of a scene."""

@@ -19,9 +19,6 @@ class Ballistic(Worlds):
     def __init__(self):
         self.loads, self.pressing = [], []
 
-    def native_steps(self, steps):
-        raise AssertionError("nobody asks for these")
-
     def _set(self, positions, velocities):
         self._state = positions, velocities
 

@@ -25,9 +25,7 @@ from scenarios.catalogue.verdict_table import (
     verdict_document,
     verdict_table,
 )
-from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies import cost as cost_study
 from scenarios.studies.claims import Band, Conclusions, answers
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
@@ -100,7 +98,7 @@ def run(monkeypatch):
 def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(capsys) -> None:
     assert run_command(app, ["run"]) == 0
     printed = capsys.readouterr().out
-    for name in (*CATALOGUE, "accuracy", "cost", "work-precision"):
+    for name in (*CATALOGUE, "accuracy", "work-precision"):
         assert name in printed
 
 
@@ -233,38 +231,6 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not evaluated so far"}
 
 
-def test_cost_of_a_step_is_shared_by_the_lanes_of_a_batch(tmp_path: Path) -> None:
-    out = tmp_path / "batches.csv"
-    lanes = [f"--lanes={count}" for count in (1, 16)]
-    assert run_command(app, ["run", "cost", "--engine", "reference:joint:tuned", *lanes, "--out", str(out)]) == 0
-    with out.open() as file:
-        alone, shared = csv.DictReader(file)
-    assert (alone["lanes"], shared["lanes"]) == ("1", "16")
-    # Without a kernel of its own for many chains, each would cost what one costs: here it is a tenth.
-    assert 0 < float(shared["advance [µs]"]) < float(alone["advance [µs]"])
-
-
-@pytest.mark.slow
-def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(cost_study, "executor_for", lambda _workers: InProcessExecutor())
-    out = tmp_path / "cost.csv"
-    assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
-    row = {
-        name: value for name, value in next(csv.DictReader(out.read_text().splitlines())).items() if name != "variant"
-    }
-    cost = {name: float(value) for name, value in row.items()}
-    assert min(cost.values()) > 0
-    assert cost["advance / bare"] == pytest.approx(cost["advance [µs]"] / cost["bare [µs]"])
-    assert cost["cell-step [ns]"] == pytest.approx(1000 * cost["advance [µs]"] / 7)
-    assert cost["speed-up"] == pytest.approx(cost["point [ms]"] / cost["two workers [ms]"])
-    assert cost["certified"] == cost["points"] >= 4
-    # a point takes its periods' steps, and no engine's step is as cheap as the reference's in SIMD lanes
-    assert cost["point [ms]"] > 0.5e-3 * cost["periods"] * 400 * cost["advance [µs]"]
-    assert cost["step / reference"] > 1
-
-
 @pytest.mark.slow
 def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install, tmp_path: Path) -> None:
     out = tmp_path / "verdicts.json"
@@ -282,7 +248,7 @@ def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install
 def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None:
     """First order; below 0.01 dB at the six points, an error that the converged preset does not have."""
     out = tmp_path / "accuracy.csv"
-    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out), "--no-cost"]) == 0
+    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out)]) == 0
     tuned, converged = csv.DictReader(out.read_text().splitlines())
     assert float(tuned["points_400_db"]) < 0.01
     assert 0.8 < float(tuned["order"]) < 1.3
@@ -292,7 +258,7 @@ def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None
 
 @pytest.mark.slow
 def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, capsys) -> None:
-    """Its error falls with the step, and a simulated second takes twice the time with twice the steps."""
+    """Its error falls with the step."""
     outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]
     options = [*(f"--out={out}" for out in outs), "--steps=200", "--steps=100", "--workers=1"]
     assert run_command(app, ["run", "work-precision", "--engine", "reference", *options]) == 0
@@ -300,7 +266,7 @@ def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, 
     assert [row["steps_per_period"] for row in rows] == ["100", "200"]
     errors, seconds = ([float(row[name]) for row in rows] for name in ("largest_error_db", "simulated_second_s"))
     assert 0 < errors[1] < 0.6 * errors[0]
-    assert seconds[1] == pytest.approx(2 * seconds[0]), "one time of a step"
+    assert min(seconds) > 0
     assert "| harmonic balance |" in outs[1].read_text()
     assert "harmonic balance" in capsys.readouterr().out
     assert outs[2].read_bytes().startswith(b"<?xml")

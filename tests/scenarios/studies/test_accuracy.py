@@ -90,12 +90,12 @@ def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None
     nothing = accuracy_of(
         VARIANT, dict.fromkeys(answers, Result.blocked("gone")), dict.fromkeys(ACCURACY_POINTS, EXACT)
     )
-    assert all(column.text((nothing, None)) for column in ACCURACY_COLUMNS)
-    assert "–" in accuracy_document([(nothing, None)], "command")
+    assert all(column.text(nothing) for column in ACCURACY_COLUMNS)
+    assert "–" in accuracy_document([nothing], "command")
 
 
 def test_tables_hold_every_column_and_name_the_command_and_the_versions() -> None:
-    rows = [(accuracy(transmittance_db=-3.25), None)]
+    rows = [accuracy(transmittance_db=-3.25)]
     document = accuracy_document(rows, "multibody-xval run accuracy")
     assert "| mujoco | joint | tuned | 0.250 | 0.250 | 0.250 |" in document
     assert "`multibody-xval run accuracy`" in document

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from engines.interface.variant import Variant
-from engines.shared.step_cost import StepCost
 from reference_lcp import Chain, exact_steady_state
 from reference_lcp.defaults import EXACT_RESIDUAL
 from scenarios.runs.evaluator import Evaluator, StoredResults
@@ -22,7 +21,6 @@ from scenarios.studies.work_precision import (
     FINEST_STEPS,
     PRINTED_COLUMNS,
     STUDY_STEPS,
-    WORK_COLUMNS,
     StepPoint,
     balance_error,
     coarse_steps,
@@ -32,9 +30,8 @@ from scenarios.studies.work_precision import (
     step_study,
     step_tasks,
     thrifty_step_study,
-    timed_now,
 )
-from scenarios.tables import full_table, text_table
+from scenarios.tables import text_table
 from scenarios.verdicts.proven import proven_level
 from tests.scenarios.runs.builders import certified
 
@@ -181,28 +178,6 @@ def test_a_simulated_second_takes_the_time_of_all_its_steps(steps: int) -> None:
 def test_steps_that_the_highest_mode_needs_are_paid_for() -> None:
     asked = 2e-6 * 16 * drive_frequency()
     assert point(16, 0.1, step_seconds=2e-6).simulated_second > 1.5 * asked
-
-
-def test_times_are_those_of_steps_that_are_measured_now_whatever_a_store_says(monkeypatch) -> None:
-    """Nothing is measured of an engine that finds no steady state: it may not even be here."""
-    lost = Variant("mujoco")
-    measured: list[tuple[Variant, int]] = []
-
-    def cost(variant: Variant, lanes: int) -> StepCost:
-        measured.append((variant, lanes))
-        return StepCost(variant, lanes, advance=3e-6, run=5e-6, bare=1e-6)
-
-    monkeypatch.setattr("scenarios.studies.work_precision.step_cost", cost)
-    stored = [point(50, 0.8, step_seconds=7.0), point(400, 0.1, step_seconds=9.0)]
-    absent = point(50, math.nan, variant=lost, step_seconds=math.nan, certified=0)
-    *timed, untimed = timed_now([*stored, absent])
-    assert measured == [(REFERENCE, 1)]
-    assert [own.step_seconds for own in timed] == [3e-6, 3e-6]
-    assert math.isnan(untimed.simulated_second)
-    assert all(math.isnan(own.seconds) for own in timed), "the time of a search that a store may have"
-    table = full_table(WORK_COLUMNS, timed)
-    assert list(table["simulated_second_s"]) == [pytest.approx(3e-6 * n * drive_frequency()) for n in (50, 400)]
-    assert "steady_state_s" not in table
 
 
 def test_a_printed_row_is_error_times_time_of_its_point() -> None:
