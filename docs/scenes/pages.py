@@ -4,6 +4,7 @@ The documentation calls `write` before it is built; what it writes is not kept.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -13,7 +14,6 @@ from engines.interface.variant import FOR_THE_CHAIN, Variant
 from reports.page.sections.scenes import heat_map
 from reports.reproducers.recipe import has_recipe, recipe_text
 from scenarios.catalogue.scenes.table import printed_number
-from scenarios.studies.one_option import tuned_options
 
 FOLDER = Path(__file__).parent
 
@@ -36,7 +36,8 @@ def _reaches(name: str) -> Iterator[str]:
     for formulation in registry.registered_engine(name).capabilities.presets:
         tuned = Variant(name, str(formulation))
         kinds: dict[str, list[str]] = {}
-        for option in tuned_options(name, formulation):
+        changed = tuned.preset.changed_from(replace(tuned, preset_name="default").preset)
+        for option in (name for name in tuned.preset.engine_options if name in changed):
             kinds.setdefault(tuned.reach(option), []).append(f"`{option}`")
         texts = [f"*{kind}* {', '.join(own)}" for kind, own in kinds.items()]
         yield f"- {formulation}: {'; '.join(texts) or 'nothing'}."

@@ -141,7 +141,7 @@ class Preset:
     """Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
     not 1 as Coulomb's law has it, and nothing else but this is another."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    """Options that decide much, with other values of theirs: reports show the error over them, at a few points."""
+    """Options that a recipe changes, with other values of theirs: `run recipes` measures them too."""
     unchanged: "Preset | None" = None
     """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()

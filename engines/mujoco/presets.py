@@ -95,7 +95,6 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    varied={"noslip_iterations": (0, 2)},
 )
 
 JOINT_DEFAULT = Preset(
@@ -194,7 +193,6 @@ CONTACT_TUNED = Preset(
         "solreffriction": Option(HARDEST_STOPS[0], (0.0, 0.0), HARDEST_STOPS[1]),
     },
     modulated_residual_slip_compliance=1e-4,
-    varied={"noslip_iterations": (0, 2)},
 )
 
 CONTACT_NEWTON = Preset(

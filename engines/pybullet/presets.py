@@ -84,7 +84,6 @@ JOINT_DEFAULT = Preset(
     law=damped_joints,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    varied={"linearDamping": (0.0, 0.01, 0.02)},
 )
 
 CONTACT_OPTIONS = {

@@ -62,7 +62,6 @@ JOINT_NATIVE = Preset(
     {name: change for name, change in TUNED.items() if name != "can_sleep"},
     shares_scheme=True,
     optional=True,
-    varied={"num_solver_iterations": (4,)},
 )
 
 CONTACT_TUNED = Preset(

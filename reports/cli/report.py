@@ -114,10 +114,10 @@ def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
     report = written.report
     if verbose and report.result.findings:
         tables.print_table(verdict_table(report.result.findings))
-    rows = [(row.variant.title, " → ".join(row.texts), row.decides) for row in report.headlines]
+    rows = [(row.variant.title, " → ".join(row.texts)) for row in report.headlines]
     shown = rows if verbose else rows[:MOST_ROWS]
     if rows:
-        print_table(("largest error [dB]", " → ".join(TITLES.values()), "what decides it"), shown)
+        print_table(("largest error [dB]", " → ".join(TITLES.values())), shown)
     if len(shown) < len(rows):
         print(f"and {len(rows) - len(shown)} more, with --verbose")
     for line in (*engine_failures(report.result.findings), *report.failures):

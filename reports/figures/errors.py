@@ -1,4 +1,4 @@
-"""Errors to the truth: engines as installed and tuned, over cases and frequency, over the step, over one option."""
+"""Errors to the truth: engines as installed and tuned, over cases and frequency, over the step."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,8 +14,7 @@ from reports.data.points import by_variant
 from reports.data.variants import Errors
 from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Rule, Series
 from reports.drawing.style import DASHED, DOTTED, Style, style_of
-from reports.formatting import ratio, signed
-from scenarios.studies.scale import ScalePoint
+from reports.formatting import signed
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.truths import WRONG_DB
@@ -289,85 +288,3 @@ def _first_order(drawn: Curves) -> list[Series]:
     start = float(np.median(_shown(point for point in ends if point.steps_per_period == first)))
     line = Style("#888888", dash=DOTTED, width=0.7)
     return [Series([first, last], [start, start * first / last], line, "first order")]
-
-
-def scale_figure(points: Sequence[ScalePoint]) -> Figure:
-    """Draw a panel an engine and formulation: the error of its presets over the frequency of the drive."""
-    panels: dict[str, dict[str, list[ScalePoint]]] = {}
-    for point in points:
-        preset = NAMED.get(point.variant.preset_name, "other presets")
-        panels.setdefault(point.variant.tuned.title, {}).setdefault(preset, []).append(point)
-    known = [point.error_db for point in points if not math.isnan(point.error_db)]
-    size = Axis(range=(0.5 * max(min(known), SMALLEST_DB), 2 * max(known)), scale="log")
-    hertz = Axis(scale="log", ticks={point.hertz: f"{point.hertz:.2g}" for point in points})
-    return Figure(
-        "scale",
-        "Error of transmittance to the exact motion over the frequency of the drive, of one chain with softer and "
-        "stiffer springs: all ratios are the same",
-        [
-            # the smaller marks above the larger ones
-            Panel(hertz, size, [_scaled(title, own[title]) for title in sorted(own, reverse=True)], name)
-            for name, own in panels.items()
-        ],
-        height=2.9,
-        pixels=380,
-        columns=len(panels),
-        legend_columns=3,
-        x_label="frequency of the drive [Hz]",
-        y_label="error to the exact motion [dB]",
-        wide=True,
-    )
-
-
-def _scaled(title: str, points: Sequence[ScalePoint]) -> Series:
-    hertz, sizes = [point.hertz for point in points], [point.error_db for point in points]
-    return Series(hertz, sizes, PRESETS[title], title, "lines+markers", "%{y:.3g} dB at %{x:.3g} Hz")
-
-
-LARGEST = Style("#D55E00", "circle", 5.0)
-MEDIAN = Style("#0072B2", "square", 4.2, dash=DASHED)
-CREEP = Style("#009E73", "diamond", 3.6, dash=DOTTED)
-
-SMALLEST_CREEP = 1e-10
-"""Likewise of creep: round-off over a period."""
-
-
-def option_figure(number: int, curve: pd.DataFrame) -> Figure:
-    """Draw a curve, the `number`-th of the report: errors, and beside them the creep if anything sticks."""
-    title, option = curve["curve"][0], curve["option"][0]
-    values, notes, axis = list(curve["value"]), list(curve["variant"]), _option_axis(option, list(curve["value"]))
-
-    def series(column: str, smallest: float, style: Style, unit: str) -> Series:
-        name, hover = column.replace("_error_db", " error").replace("_", " "), f"%{{text}}\n%{{y:.3g}} {unit}"
-        return Series(values, curve[column].clip(lower=smallest), style, name, "lines+markers", hover, notes)
-
-    errors: list[Mark] = [
-        Rule("y", WRONG_DB, LIMIT),
-        series("largest_error_db", SMALLEST_DB, LARGEST, "dB"),
-        series("median_error_db", SMALLEST_DB, MEDIAN, "dB"),
-    ]
-    panels = [Panel(axis, Axis("error to truth [dB]", scale="log"), errors)]
-    if (curve["largest_creep"] > SMALLEST_CREEP).any():
-        creep = series("largest_creep", SMALLEST_CREEP, CREEP, "ω U0")
-        panels.append(Panel(axis, Axis("creep within sticks / (ω U0) [-]", scale="log"), [creep]))
-    return Figure(
-        f"option-{number}-{option}",
-        f"{title}: error to the truth over {option}, all else equal; dashed: {ratio(WRONG_DB)} dB, from "
-        "which on a variant is wrong",
-        panels,
-        height=2.2 * len(panels) + 0.5,
-        pixels=250 * len(panels) + 60,
-        legend_columns=3,
-        dense=True,
-    )
-
-
-def _option_axis(option: str, values: Sequence[float]) -> Axis:
-    """Give the axis of an option: by powers where its values span a decade; to scale about zero."""
-    sizes = [abs(value) for value in values if value]
-    ticks = {value: ratio(value) for value in values}
-    if max(sizes) < 10 * min(sizes):
-        return Axis(option, ticks=ticks)
-    if min(values) > 0:
-        return Axis(option, scale="log", ticks=ticks)
-    return Axis(option, scale="asinh", linear=min(sizes), ticks=ticks)

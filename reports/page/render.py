@@ -24,7 +24,7 @@ FIGURES = "figures"
 
 TABLES = (
     "errors.csv", "headline.csv", "transmittance.csv", "band_edges.csv", "transitions.csv", "work_precision.csv",
-    "options.csv", "scale.csv", "catalogue.csv", "report.json", "report.nc",
+    "catalogue.csv", "report.json", "report.nc",
 )  # fmt: skip
 """Files of numbers beside the page."""
 

@@ -1,7 +1,7 @@
 """Sections of reports, one class and one template each."""
 
 from reports.page.sections.claims import Claims
-from reports.page.sections.errors import ErrorMaps, OptionCurves, ScaleCurves, WorkPrecision
+from reports.page.sections.errors import ErrorMaps, WorkPrecision
 from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
 from reports.page.sections.scenes import Scenes
 from reports.page.sections.summary import Provenance, Summary
@@ -9,7 +9,7 @@ from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoi
 
 FIRST_SECTIONS = (
     Summary, Claims, Transmittance, Scenes, ErrorMaps, FrictionMapSection, BandEdges, StickSlip, Versions, Catalogue,
-    ScaleCurves, WorkPrecision, OptionCurves, Verdicts, DeviationsSection, OpenPoints,
+    WorkPrecision, Verdicts, DeviationsSection, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)
 """Sections of every report, in order; those of other packages stand between."""

@@ -1,6 +1,5 @@
-"""Where the error is, how it depends on the scale, what accuracy costs, and what single options decide."""
+"""Where the error is, and what accuracy costs."""
 
-import math
 from functools import cached_property
 from typing import Any
 
@@ -17,13 +16,10 @@ from reports.figures.errors import (
     curves,
     error_map_figure,
     error_maps,
-    option_figure,
-    scale_figure,
     unsteady,
     work_precision_figure,
 )
 from reports.page.section import Section
-from scenarios.studies.scale import SCALE_POINT, STEPS, ScalePoint
 from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
 from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
@@ -66,28 +62,6 @@ class ErrorMaps(Section):
         return unsteady(self.report.points)
 
 
-class ScaleCurves(Section):
-    """The error of defaults over the frequency of the drive in Hz."""
-
-    title = "Scale: error over frequency in Hz"
-    template = "scale"
-    numbers = "scale.csv"
-
-    @property
-    def shown(self) -> bool:
-        return not all(math.isnan(point.error_db) for point in self.report.scale)
-
-    def figures(self) -> list[Figure]:
-        return [scale_figure(self.report.scale)]
-
-    def context(self) -> dict[str, Any]:
-        defaults: dict[str, list[ScalePoint]] = {}
-        for point in self.report.scale:
-            if point.variant.preset_name == "default":
-                defaults.setdefault(point.variant.title, []).append(point)
-        return {"defaults": defaults, "point": SCALE_POINT, "steps": STEPS}
-
-
 class WorkPrecision(Section):
     """Two diagrams and their numbers."""
 
@@ -124,24 +98,3 @@ class WorkPrecision(Section):
             "finest": FINEST_STEPS[0],
             "absent": absent,
         }
-
-
-class OptionCurves(Section):
-    """Defaults with one option each, and a diagram an option in which variants differ, and in nothing else."""
-
-    title = "One option at a time"
-    template = "option_curves"
-    numbers = "options.csv"
-
-    @property
-    def shown(self) -> bool:
-        return bool(self.report.option_curves or self.report.single_options)
-
-    def figures(self) -> list[Figure]:
-        return [option_figure(number, curve) for number, curve in enumerate(self.report.option_curves, 1)]
-
-    def context(self) -> dict[str, Any]:
-        singles = self.report.single_options
-        defaults = dict.fromkeys(single.default.variant for single in singles)
-        groups = {variant: [own for own in singles if own.default.variant == variant] for variant in defaults}
-        return {"groups": groups, "points": len({point.place[1:] for point in self.report.headline})}

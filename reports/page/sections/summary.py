@@ -75,7 +75,6 @@ class Summary(Section):
             "drive": drive_description(sweep),
             "mass": float(chain.outer_mass[0]),
             "stiffness": float(chain.chain_stiffness[0]),
-            "hertz": f"{chain.resonator_frequency / (2 * math.pi):.2g}" if self.report.scale else "",
         }
 
 

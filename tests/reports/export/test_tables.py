@@ -35,8 +35,6 @@ COLUMNS = {
         "law_left_phase_deg,law_allowed_phase_deg,law_distance,law_period_bound,reason"
     ),
     "catalogue.csv": "scenario,engine,formulation,preset,unmodelled,modelled,inconclusive,blocked,agrees",
-    "options.csv": ("engine,formulation,preset,option,value,largest_error_db,median_error_db,largest_creep,creep_um_s"),
-    "scale.csv": "engine,formulation,preset,frequency_hz,error_db",
     "work_precision.csv": (
         "engine,formulation,preset,steps_per_period,largest_error_db,step_s,steady_state_s,points_certified,"
         "points_evaluated,reason"

@@ -1,13 +1,11 @@
 """A section of another package stands in the report; one that fails leaves the others standing."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from engines.interface.variant import Variant
 from reports.data.report import Report
 from reports.drawing.figure import Axis, Figure, Panel, Series
 from reports.drawing.style import Style
@@ -15,7 +13,6 @@ from reports.page import section as parts
 from reports.page.render import page, sections
 from reports.page.section import ENTRY_POINT_GROUP, Section
 from reports.page.sections import OpenPoints
-from scenarios.studies.scale import ScalePoint
 
 TEMPLATE = "<p>{{ count }} points & {{ name }}</p>{{ figure('residuals') }}"
 
@@ -102,15 +99,3 @@ def test_two_figures_of_one_name_are_refused(report: Report) -> None:
 
     with pytest.raises(ValueError, match="two figures are called 'same'"):
         page("A page", [Twice(report)])
-
-
-@pytest.mark.slow
-def test_the_scale_stands_where_it_is_known_and_the_summary_names_it(report: Report) -> None:
-    mujoco = Variant("mujoco", "joint", "default")
-    assert "scale" not in {part.template for part in sections(report)}
-    known = tuple(ScalePoint(mujoco, hertz, error) for hertz, error in ((0.8, 1.1), (80.0, 32.0)))
-    scaled = replace(report, scale=known)
-    html = page("", [part for part in sections(scaled) if part.template in ("summary", "scale")]).html
-    assert "1.1 dB at 0.8 Hz, 32 dB at 80 Hz" in html
-    assert "is 5 Hz" in html
-    assert "is 5 Hz" not in page("", sections(report)).html
