@@ -122,7 +122,7 @@ def measured() -> dict[tuple[str, str, str], str]:
     for line in ACCURACY.splitlines():
         row = [cell.strip() for cell in line.strip("|").split("|")]
         if len(row) > 6 and row[1] in {"joint", "contact"} and row[0] != "reference":
-            known, points = map(int, row[-3].split("/"))
+            known, points = map(int, row[-1].split("/"))
             error = SimpleNamespace(size=float(row[5]), points_known=known, points=points, blocked=False)
             cells[row[0], row[1], row[2]] = error_text(error)
     return cells

@@ -41,7 +41,7 @@ Pair = Annotated[
     ),
 ]
 
-ENDINGS = (".md", ".json", ".xml", ".csv")
+ENDINGS = (".md", ".json", ".csv")
 """Formats of the changes."""
 
 
