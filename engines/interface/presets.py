@@ -114,8 +114,6 @@ class Preset:
     stick_margin: float = STICK_MARGIN
     """Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
     friction of a sliding contact only tends to its bound."""
-    passes_bound: str = ""
-    """Why its friction may pass μ λ_N, where its law lets it; empty where it may not."""
     normal_force: NormalForce = NormalForce.CONSTANT
     """How the normal force may change in time."""
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
@@ -124,8 +122,6 @@ class Preset:
     """`residual_slip_compliance` where it does."""
     batch_lanes: int | None = None
     """Lanes that one simulation takes at best, where that is another number than the engine's."""
-    versions: str = ""
-    """Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this."""
     optional: bool = False
     """It takes part where it is named, and not where all presets of an engine are meant."""
     turns: bool = False
@@ -184,12 +180,6 @@ class Preset:
     def pressed(self, lane: Lane) -> Lane:
         """Give a lane as it is built: where masses are free across the row, a constant force presses them together."""
         return replace(lane, preload=CONSTANT) if self.is_free and lane.preload is None else lane
-
-    def takes(self, version: str) -> bool:
-        """Tell whether a version of the engine has what it sets."""
-        from packaging.specifiers import SpecifierSet
-
-        return not self.versions or SpecifierSet(self.versions).contains(version, prereleases=True)
 
     def stated_law(self) -> Law | NotModelled | None:
         """Give the model of its steps, or the reason why there is none; ``None`` where it states neither."""

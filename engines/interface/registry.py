@@ -98,7 +98,6 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             normal_force=_normal_force(law),
             modulated_options={},
             batch_lanes=None,
-            versions="",
             inclines=law.inclines,
             static_friction=False,
         )

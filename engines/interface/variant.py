@@ -114,7 +114,7 @@ class Variant:
     @property
     def unavailable_reason(self) -> str | None:
         """Give the reason why it cannot be used here; ``None`` if it can."""
-        return engine(self.engine).unavailable_reason_of(self.preset)
+        return engine(self.engine).unavailable_reason()
 
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""

@@ -76,14 +76,10 @@ class MuJoCoSimulation(LanesOfJoints):
         qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         qpos[:] = self._checked("positions", state.positions, self._length)
         qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        self._set_internal_state(state, start)
+        self._set_heights(state, qpos, qvel)
         self._batch.bind("qacc_warmstart")[:] = 0
         with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
-
-    def _set_internal_state(self, state: State, start: int) -> None:
-        """Set what a state holds besides: gaps and their rates."""
-        self._set_heights(state, self._batch.bind("qpos"), self._batch.bind("qvel"))
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
