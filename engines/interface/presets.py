@@ -126,13 +126,8 @@ class Preset:
     """It takes part where it is named, and not where all presets of an engine are meant."""
     turns: bool = False
     """The row may have any direction in the plane of the contacts."""
-    inclines: bool = False
-    """The faces of contacts may be inclined to the row."""
     static_friction: bool = False
     """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
-    inclined_law: "Callable[[Preset], Law] | None" = None
-    """As `law`, where contacts are inclined to the row and other steps are taken there than the preset otherwise
-    states."""
     turned_bound: Callable[[Lane, float], float] | None = None
     """Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
     not 1 as Coulomb's law has it, and nothing else but this is another."""
@@ -200,14 +195,12 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: its direction, inclination or forces.
+        """Say why a lane cannot be represented by what has this name: its direction or forces.
 
         ``None`` if it can.
         """
         if lane.direction and not self.turns:
             return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
-        if lane.inclination and not self.inclines:
-            return f"inclination = {lane.inclination:g}: {name} cannot incline its contacts to the row; allowed: 0"
         if lane.static_ratio != 1 and not self.static_friction:
             return f"static_ratio = {lane.static_ratio:g}: {name} cannot set static friction of its own; allowed: 1"
         if lane.preload is None or self.represents(NormalForce.of(lane)):

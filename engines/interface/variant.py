@@ -128,13 +128,6 @@ class Variant:
         return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property
-    def inclined_law(self) -> Self | None:
-        """Give the same of its steps where contacts are inclined to the row; ``None`` where they have no model."""
-        if self.preset.inclined_law is None:
-            return self.law
-        return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
-
-    @property
     def tuned(self) -> Self:
         """Give the tuned preset of the same formulation; its title names engine and formulation alone."""
         return replace(self, preset_name="tuned")

@@ -2,7 +2,6 @@
 
 import contextlib
 import importlib.util
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
@@ -48,7 +47,7 @@ class MuJoCoSimulation(LanesOfJoints):
                 self._friction(index, record),
                 self._normal_force(index, record, start, steps),
                 None if end is None else end[index],
-                self._gaps(record["qpos"][index], lane) * units.length if self._opens else None,
+                self._gaps(record["qpos"][index]) * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -111,12 +110,8 @@ class MuJoCoSimulation(LanesOfJoints):
         return coordinates
 
     def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
-        """λ_T on the inner masses along the faces, shape (steps, n), from the forces of joints."""
-        force, inclination = record["qfrc_constraint"][index] * self._units[index].force, self.lanes[index].inclination
-        along = force[:, 1 :: self._joints]
-        if not inclination:
-            return along
-        return math.cos(inclination) * along + math.sin(inclination) * force[:, 3 :: self._joints]
+        """λ_T on the inner masses, shape (steps, n), from the forces of joints."""
+        return record["qfrc_constraint"][index][:, 1 :: self._joints] * self._units[index].force
 
     def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
         """λ_N as the sensors of the contacts measured it, if there are any."""

@@ -242,7 +242,6 @@ def zeros(task) -> Result:
     [
         (motion("response"), "response"),
         (motion("slip"), "slip_velocity"),
-        (motion("contact modes"), "slips"),
         (motion("decay"), "offsets"),
         (RepeatTask(variant=Variant("reference")), "again"),
         (replace(CHAIN, recorded=Recorded.LAW), "distance"),
