@@ -79,9 +79,7 @@ LINES = (
     "reference --mass-ratio 1 --stiffness-ratio 1 --damping-ratio 0.01 --inner-damping-ratio 0 --error-bar",
     "reference --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --json",
     "reference --plot period.png --solver exact --cells 2",
-    "reference bench --cells --json",
-    "reference convergence --plot orders.png --json",
-    "reference coverage --chains 40 --seed 3 --json",
+    "reference bench --json",
     "engines --json",
     "scenarios",
     "example",
@@ -128,8 +126,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(WorkerExecutor, "run", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
-    for name in ("bench.bench", "bench.bench_cells", "against_exact.convergence", "against_exact.coverage"):
-        monkeypatch.setattr(f"reference_lcp.studies.{name}", planned)
+    monkeypatch.setattr("reference_lcp.studies.bench.bench", planned)
     monkeypatch.setattr(Evaluator, "close", lambda _: None)
     return tmp_path
 

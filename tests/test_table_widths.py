@@ -30,7 +30,6 @@ LINES = [
     "engines environments",
     "engines law mujoco:joint:default",
     "reference --cells 2 --steps-per-period 400",
-    "reference bench --cells",
     "run",
     "run locked-limit --engine mujoco:all:all --workers 1",
     "run all --no-run --store sweep.sqlite --engine exudyn-regularised:all:all",

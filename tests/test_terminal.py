@@ -15,7 +15,7 @@ from reports.cli.console_script import COMMANDS, app
 LINES = [
     *(f"{name} --help" for name in COMMANDS),
     "reference --cells 2",
-    "reference convergence --help",
+    "reference bench --help",
     "engines",
     "engines --json",
     "run",

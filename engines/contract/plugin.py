@@ -67,8 +67,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
     ``sharing`` those that share the reference's scheme, ``modelled`` those whose law is a model, ``following`` those
     whose normal force may change in time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose
-    row may have any direction, ``inclining`` the tuned ones whose contacts may be inclined, ``holding`` the tuned ones
-    with static friction of its own, ``installed`` the name of an engine.
+    row may have any direction, ``holding`` the tuned ones with static friction of its own,
+    ``installed`` the name of an engine.
     """
     if metafunc.module.__package__ != "engines.contract":
         return
@@ -96,7 +96,6 @@ def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
         "modelled": [variant for variant in variants if law_of(variant.preset) is not None],
         "turning": [variant for variant in variants if variant.preset.turns],
-        "inclining": [variant for variant in tuned if variant.preset.inclines],
         "holding": [variant for variant in tuned if variant.preset.static_friction],
         "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],
     }

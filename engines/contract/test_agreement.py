@@ -28,11 +28,10 @@ from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
-from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.defaults import BASE_AMPLITUDE, STICK_SLIP_POINTS
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.neighbours import orbits_from_euler
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 
 UNINFORMED_POINTS = 1
 """Points at which an engine is searched from harmonic balance; at the others its search begins in the orbit of its law,

@@ -23,9 +23,9 @@ from engines.shared.law_distance import allowed_distance, stepped_by
 from engines.shared.law_limit import law_fault
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.defaults import STICK_SLIP_POINTS
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.neighbours import orbits_from_euler
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reference_lcp.validation import FloatArray
 
 ORBIT_RESIDUAL = 1e-9

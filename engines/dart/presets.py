@@ -118,7 +118,6 @@ CONTACT_DEFAULT = Preset(
     residual_slip_compliance=CONTACT_MIXING / 4,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     turned_bound=tangents_of_the_world,
 )
 

@@ -147,13 +147,13 @@ class FreeContactSimulation(LanesOfJoints, ContactSimulation):
         return motion
 
     def _state(self, index: int, motions: FloatArray) -> State:
-        end, units, lane = super()._state(index, motions), self._units[index], self.lanes[index]
-        gap, speed = (self._gaps(half, lane) for half in np.split(motions[-1], 2))
+        end, units = super()._state(index, motions), self._units[index]
+        gap, speed = (self._gaps(half) for half in np.split(motions[-1], 2))
         return replace(end, internal_state=units.normal_state(gap, speed)[None])
 
     def _trajectory(self, index: int, start: int, motions: FloatArray, read: FloatArray) -> Trajectory:
         trajectory = super()._trajectory(index, start, motions, read)
-        gap = self._gaps(motions[:, : motions.shape[1] // 2], self.lanes[index]) * self._units[index].length
+        gap = self._gaps(motions[:, : motions.shape[1] // 2]) * self._units[index].length
         end = self._state(index, motions).internal_state
         return replace(trajectory, internal_state=None if end is None else end[0], normal_gap=gap)
 

@@ -87,13 +87,6 @@ class Engine(ABC):
     def unavailable_reason(self) -> str | None:
         """Reason in a sentence why the engine cannot be used here; ``None`` if it can."""
 
-    def unavailable_reason_of(self, preset: Preset) -> str | None:
-        """Reason why a preset cannot be used here: the engine cannot, or its version lacks what the preset sets."""
-        missing = self.unavailable_reason()
-        if missing is not None or preset.takes(self.version()):
-            return missing
-        return f"{self.capabilities.package} {self.version()} is installed, and this preset takes {preset.versions}"
-
     @abstractmethod
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         """Build the lanes; the arguments are checked already."""
@@ -145,7 +138,7 @@ class Engine(ABC):
             If lanes, formulation or preset are not what the engine takes; for one, if a normal force changes in time
             and the preset cannot represent that.
         EngineNotInstalled
-            If the engine cannot be used on this machine, or not with this preset.
+            If the engine cannot be used on this machine.
         """
         chosen = self.preset(formulation, preset)
         common_cells(lanes)
@@ -153,7 +146,7 @@ class Engine(ABC):
             unsupported = chosen.unsupported_reason(lane, f"{self.name}:{formulation}:{preset}")
             if unsupported is not None:
                 raise ParameterError(unsupported)
-        missing = self.unavailable_reason_of(chosen)
+        missing = self.unavailable_reason()
         if missing is not None:
             raise EngineNotInstalled(f"{self.name}: {missing}")
         return self._build(tuple(map(chosen.pressed, lanes)), Formulation(formulation), chosen)

@@ -114,8 +114,6 @@ class Preset:
     stick_margin: float = STICK_MARGIN
     """Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
     friction of a sliding contact only tends to its bound."""
-    passes_bound: str = ""
-    """Why its friction may pass μ λ_N, where its law lets it; empty where it may not."""
     normal_force: NormalForce = NormalForce.CONSTANT
     """How the normal force may change in time."""
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
@@ -124,19 +122,12 @@ class Preset:
     """`residual_slip_compliance` where it does."""
     batch_lanes: int | None = None
     """Lanes that one simulation takes at best, where that is another number than the engine's."""
-    versions: str = ""
-    """Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this."""
     optional: bool = False
     """It takes part where it is named, and not where all presets of an engine are meant."""
     turns: bool = False
     """The row may have any direction in the plane of the contacts."""
-    inclines: bool = False
-    """The faces of contacts may be inclined to the row."""
     static_friction: bool = False
     """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
-    inclined_law: "Callable[[Preset], Law] | None" = None
-    """As `law`, where contacts are inclined to the row and other steps are taken there than the preset otherwise
-    states."""
     turned_bound: Callable[[Lane, float], float] | None = None
     """Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
     not 1 as Coulomb's law has it, and nothing else but this is another."""
@@ -185,12 +176,6 @@ class Preset:
         """Give a lane as it is built: where masses are free across the row, a constant force presses them together."""
         return replace(lane, preload=CONSTANT) if self.is_free and lane.preload is None else lane
 
-    def takes(self, version: str) -> bool:
-        """Tell whether a version of the engine has what it sets."""
-        from packaging.specifiers import SpecifierSet
-
-        return not self.versions or SpecifierSet(self.versions).contains(version, prereleases=True)
-
     def stated_law(self) -> Law | NotModelled | None:
         """Give the model of its steps, or the reason why there is none; ``None`` where it states neither."""
         return None if self.law is None else self.law(self)
@@ -210,14 +195,12 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: its direction, inclination or forces.
+        """Say why a lane cannot be represented by what has this name: its direction or forces.
 
         ``None`` if it can.
         """
         if lane.direction and not self.turns:
             return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
-        if lane.inclination and not self.inclines:
-            return f"inclination = {lane.inclination:g}: {name} cannot incline its contacts to the row; allowed: 0"
         if lane.static_ratio != 1 and not self.static_friction:
             return f"static_ratio = {lane.static_ratio:g}: {name} cannot set static friction of its own; allowed: 1"
         if lane.preload is None or self.represents(NormalForce.of(lane)):

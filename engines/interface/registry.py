@@ -84,11 +84,7 @@ def _capabilities(modelled: Capabilities) -> Capabilities:
 
 
 def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
-    """Give the presets that have a model; its constants come from the options that they keep.
-
-    Where a preset has one for inclined contacts alone, that is the model.
-    """
-    presets = {name: _inclined(preset) for name, preset in presets.items()}
+    """Give the presets that have a model; its constants come from the options that they keep."""
     laws = {name: law_of(preset) for name, preset in presets.items()}
     return {
         name: replace(
@@ -98,20 +94,11 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             normal_force=_normal_force(law),
             modulated_options={},
             batch_lanes=None,
-            versions="",
-            inclines=law.inclines,
             static_friction=False,
         )
         for name, law in laws.items()
         if law is not None
     }
-
-
-def _inclined(preset: Preset) -> Preset:
-    """Give a preset with its law for inclined contacts, and the options there, if it has one."""
-    if preset.inclined_law is None:
-        return preset
-    return replace(preset.modulated(), law=preset.inclined_law, shares_scheme=False)
 
 
 def _normal_force(law: Law) -> NormalForce:

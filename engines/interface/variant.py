@@ -114,7 +114,7 @@ class Variant:
     @property
     def unavailable_reason(self) -> str | None:
         """Give the reason why it cannot be used here; ``None`` if it can."""
-        return engine(self.engine).unavailable_reason_of(self.preset)
+        return engine(self.engine).unavailable_reason()
 
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
@@ -125,13 +125,6 @@ class Variant:
         """Give the variant that is the model of this one's law; ``None`` where it has no model."""
         if law_of(self.preset) is None or self.engine.endswith(LAW_SUFFIX):
             return None
-        return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
-
-    @property
-    def inclined_law(self) -> Self | None:
-        """Give the same of its steps where contacts are inclined to the row; ``None`` where they have no model."""
-        if self.preset.inclined_law is None:
-            return self.law
         return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property

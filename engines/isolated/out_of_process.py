@@ -116,7 +116,6 @@ class OutOfProcessLane(LaneModel):
             "time_step": self.lane.time_step / self._units.time,
             "length": scale,
             "axis": np.array(self.lane.axis),
-            "inclination": self.lane.inclination,
         }
 
     def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:

@@ -5,7 +5,6 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.mujoco.contact import compiled_contacts
 from engines.mujoco.joint import compiled_joints
-from engines.mujoco.lugre import BristleSimulation, compiled_bristles
 from engines.mujoco.presets import (
     CONTACT_DEFAULT,
     CONTACT_NEWTON,
@@ -14,13 +13,10 @@ from engines.mujoco.presets import (
     JOINT_DEFAULT,
     JOINT_RECOMMENDED,
     JOINT_TUNED,
-    LUGRE,
-    YIELD,
 )
 from engines.mujoco.reproducer import CONTACT, JOINT
 from engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
-from engines.mujoco.yielding import YieldingSimulation, compiled_springs
 from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
@@ -39,8 +35,6 @@ class MuJoCo(PipEngine):
         presets={
             Formulation.JOINT: {
                 "tuned": JOINT_TUNED,
-                "yield": YIELD,
-                "lugre": LUGRE,
                 "recommended": JOINT_RECOMMENDED,
                 "default": JOINT_DEFAULT,
             },
@@ -64,10 +58,6 @@ class MuJoCo(PipEngine):
     scene_models: ClassVar = {Formulation.JOINT: joint_model, Formulation.CONTACT: contact_model}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        if "spring_phase" in preset.options:
-            return YieldingSimulation([compiled_springs(lane, preset) for lane in lanes])
-        if "bristle_phase" in preset.options:
-            return BristleSimulation([compiled_bristles(lane, preset) for lane in lanes])
         modulated = any(lane.preload is not None for lane in lanes)
         options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:

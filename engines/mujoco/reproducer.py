@@ -84,5 +84,5 @@ def _solref(preset: Preset, name: str, lane: Lane, units: Units) -> str:
     )
 
 
-JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers, without=("yield", "lugre"))
+JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers)
 CONTACT = Reproducer("reproducer_contact.py.jinja", contact_numbers)

@@ -2,7 +2,6 @@
 
 import contextlib
 import importlib.util
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
@@ -48,7 +47,7 @@ class MuJoCoSimulation(LanesOfJoints):
                 self._friction(index, record),
                 self._normal_force(index, record, start, steps),
                 None if end is None else end[index],
-                self._gaps(record["qpos"][index], lane) * units.length if self._opens else None,
+                self._gaps(record["qpos"][index]) * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -69,14 +68,10 @@ class MuJoCoSimulation(LanesOfJoints):
         qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         qpos[:] = self._checked("positions", state.positions, self._length)
         qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        self._set_internal_state(state, start)
+        self._set_heights(state, qpos, qvel)
         self._batch.bind("qacc_warmstart")[:] = 0
         with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
-
-    def _set_internal_state(self, state: State, start: int) -> None:
-        """Set what a state holds besides: gaps and their rates."""
-        self._set_heights(state, self._batch.bind("qpos"), self._batch.bind("qvel"))
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
@@ -108,12 +103,8 @@ class MuJoCoSimulation(LanesOfJoints):
         return coordinates
 
     def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
-        """λ_T on the inner masses along the faces, shape (steps, n), from the forces of joints."""
-        force, inclination = record["qfrc_constraint"][index] * self._units[index].force, self.lanes[index].inclination
-        along = force[:, 1 :: self._joints]
-        if not inclination:
-            return along
-        return math.cos(inclination) * along + math.sin(inclination) * force[:, 3 :: self._joints]
+        """λ_T on the inner masses, shape (steps, n), from the forces of joints."""
+        return record["qfrc_constraint"][index][:, 1 :: self._joints] * self._units[index].force
 
     def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
         """λ_N as the sensors of the contacts measured it, if there are any."""

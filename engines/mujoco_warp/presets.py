@@ -75,8 +75,8 @@ CONTACT_TUNED = Preset(
     turns=True,
 )
 
-CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6, inclines=False)
+CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6)
 
 JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_tolerance=1e-6)
 
-CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6, inclines=False)
+CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6)

@@ -5,7 +5,6 @@ computed here at the start of each step.
 """
 
 import functools
-import math
 import shutil
 import struct
 import subprocess
@@ -67,8 +66,6 @@ class JointModel:
         self._cells = len(self._bound)
         self._has_springs = str(given.get("springs")) == "stops"
         self._axis = (*given["axis"].tolist(), 0.0)
-        self._inclination = float(given["inclination"])
-        self._sine, self._cosine = math.sin(self._inclination), math.cos(self._inclination)
         self.world = ode.World()
         self.world.setCFM(float(given["cfm"]))
         self.world.setERP(float(given["erp"]))
@@ -250,8 +247,7 @@ class ContactModel(JointModel):
 
         def note() -> None:
             heights = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
-            heights_and_rates = np.array([heights, [body.getLinearVel()[2] for body in inner]])
-            notes.append(self._cosine * heights_and_rates - self._sine * self._slips())
+            notes.append(np.array([heights, [body.getLinearVel()[2] for body in inner]]))
 
         def before() -> None:
             note()
@@ -267,16 +263,10 @@ class ContactModel(JointModel):
 
     def _open(self, rest: list[float], across: Any) -> None:
         """Put inner masses where their gaps, and the rates of these, are those in `across`, shape (2, n)."""
-        heights = (across + self._sine * self._slips()) / self._cosine
-        for body, height, above, rate in zip(self._bodies[self._cells :], rest, *heights.tolist()):
+        for body, height, above, rate in zip(self._bodies[self._cells :], rest, *across.tolist()):
             along, aside, _ = body.getPosition()
             body.setPosition((along, aside, height + above))
             body.setLinearVel((*body.getLinearVel()[:2], rate))
-
-    def _slips(self) -> Any:
-        """Give by how much inner masses are ahead of their outer ones, and the rates of that, shape (2, n)."""
-        along = np.array([[body.getPosition()[0], body.getLinearVel()[0]] for body in self._bodies])
-        return (along[self._cells :] - along[: self._cells]).T
 
     def modulate(self, normal_load: Any) -> None:
         """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
@@ -284,12 +274,11 @@ class ContactModel(JointModel):
         find_contacts = self.before_step
         self._constant_normal_load = False
         pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
-        x, z = -self._sine, self._cosine
 
         def before() -> None:
             for (outer, inner), value in zip(pairs, next(normal_loads)):
-                outer.addForce((x * value, 0.0, z * value))
-                inner.addForce((-x * value, 0.0, -z * value))
+                outer.addForce((0.0, 0.0, value))
+                inner.addForce((0.0, 0.0, -value))
             find_contacts()
 
         self.before_step = before
@@ -304,10 +293,8 @@ class ContactModel(JointModel):
 
     def _places(self) -> list[tuple[float, float]]:
         half, depth = self._half, float(self._given["depth"]) * self._scale
-        # An inner mass is above the centre of its plate, along a face that is inclined.
-        further = (2 * half - depth) * (1 / self._cosine - 1)
         asides = [cell * float(self._given["spacing"]) * self._scale for cell in range(self._cells)]
-        return [(aside, height) for height in (-half, half - depth + further) for aside in asides]
+        return [(aside, height) for height in (-half, half - depth) for aside in asides]
 
     def _add_friction(self) -> None:
         """Give all masses their shapes; before a step, contacts have to be found."""
@@ -355,9 +342,8 @@ class ContactModel(JointModel):
         measured = [0.0] * self._measures
         for cell, joint in self._joints:
             force = joint.getFeedback()[0]
-            along = self._axis[0] * force[0] + self._axis[1] * force[1]
-            measured[cell] += self._cosine * along + self._sine * force[2]
-            measured[self._cells + cell] += self._cosine * force[2] - self._sine * along
+            measured[cell] += self._axis[0] * force[0] + self._axis[1] * force[1]
+            measured[self._cells + cell] += force[2]
         return measured
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
@@ -365,6 +351,4 @@ class ContactModel(JointModel):
         turning = float(self._given["inertia"]) * mass * self._half**2
         inertia.setParameters(mass, 0, 0, 0, turning, turning, turning, 0, 0, 0)
         body.setMass(inertia)
-        if self._inclination:
-            body.setQuaternion((math.cos(self._inclination / 2), 0.0, -math.sin(self._inclination / 2), 0.0))
         return body

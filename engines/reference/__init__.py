@@ -42,7 +42,6 @@ class Reference(Engine):
                     shares_scheme=True,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
-                    inclines=True,
                     static_friction=True,
                 ),
                 "converged": Preset(
@@ -55,7 +54,6 @@ class Reference(Engine):
                     law=authority,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
-                    inclines=True,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",

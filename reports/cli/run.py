@@ -302,15 +302,14 @@ def work_precision(
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write both tables here as .md, the first in full as .csv, the chart as .svg, .pdf or .png; may be "
-            "repeated."
+            help="Write the table here as .md, in full as .csv, the chart as .svg, .pdf or .png; may be repeated."
         ),
     ] = None,
     work: Work,
 ) -> None:
     """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
 
-    Steady states a second of the reference stand beside those of harmonic balance. The time of an engine is that of
+    The time of an engine is that of
     the searches for its steady states over the time that they simulate; one of --store is that of the earlier run.
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
     130: interrupted.
@@ -318,12 +317,9 @@ def work_precision(
     Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
     """
     from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
-    from reference_lcp.studies.bench import bench_points
     from reference_lcp.validation import MOST_STEPS, checked_count
     from scenarios.studies import work_precision as study
-    from scenarios.studies.accuracy import SIX_POINTS
     from scenarios.studies.figure3 import figure3
-    from scenarios.tables import print_table, text_table
     from scenarios.verdicts.steady_case import EXACT
 
     chosen = steps or study.USUAL_STEPS
@@ -332,17 +328,15 @@ def work_precision(
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     with work.evaluator(store, sweep.variants) as evaluator:
         points = study.step_study(sweep.variants, evaluator, steps=counts)
-    methods = bench_points(SIX_POINTS)
     command = engines.command("work-precision", [f"--steps={count}" for count in steps or ()])
     _end(None, study.WORK_COLUMNS, study.PRINTED_COLUMNS, points, remarks=study.remarks(points))
-    print_table(text_table(study.METHOD_COLUMNS, methods))
     for file in (each for each in outs if each.suffix in TABLE_ENDINGS):
-        _write_table(file, study.WORK_COLUMNS, points, study.document(points, methods, command))
+        _write_table(file, study.WORK_COLUMNS, points, study.document(points, command))
     charts = [each for each in outs if each.suffix in CHART_ENDINGS]
     if charts:
         from reports.figures.errors import curves, speed_figure
 
-        _write_charts(charts, speed_figure(sweep, curves(points), study.balance_error(methods)))
+        _write_charts(charts, speed_figure(sweep, curves(points)))
 
 
 @app.command()

@@ -5,7 +5,7 @@ from statistics import mean, median
 from typing import Any
 
 from engines.interface.variant import Variant
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
+from reference_lcp.defaults import STICK_SLIP_POINTS
 from reports.data.points import names_of
 from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep

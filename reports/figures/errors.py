@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -179,7 +178,6 @@ SMALLEST_DB = 1e-5
 MOST_VECTOR_POINTS = 40
 """Points beyond which the page has a still picture of pixels, a quarter of the drawing's size."""
 
-BALANCE = Style("#666666", dash=DOTTED)
 
 ERROR_LABEL = "largest error at six points [dB]"
 
@@ -219,15 +217,13 @@ def work_precision_figure(sweep: Sweep, drawn: Curves) -> Figure:
     )
 
 
-def speed_figure(sweep: Sweep, drawn: Curves, balance_db: float) -> Figure:
-    """Draw the error over the time of a simulated second alone, and that of harmonic balance, which has no steps."""
-    panel, steps = _speed_panel(sweep, drawn), _steps(drawn)
-    times = [1e3 * point.simulated_second for own in drawn.values() for point in own]
-    balance = Series([min(times), max(times)], [balance_db] * 2, BALANCE, "harmonic balance, no time step")
+def speed_figure(sweep: Sweep, drawn: Curves) -> Figure:
+    """Draw the error over the time of a simulated second alone."""
+    steps = _steps(drawn)
     return Figure(
         "work-precision",
         "Work and precision: error over the time of a simulated second",
-        [replace(panel, marks=[*([] if math.isnan(balance_db) else [balance]), *panel.marks])],
+        [_speed_panel(sweep, drawn)],
         height=2.9 + 0.13 * len(drawn),
         pixels=430,
         legend_columns=1 if len(drawn) < MOST_ROWS else 2,

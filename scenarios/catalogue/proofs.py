@@ -142,7 +142,7 @@ def standard_points() -> list[OperatingPoint]:
 def catalogue_tasks() -> list[SteadyStateTask]:
     """Give the steady states of the catalogue whose normal forces are given, and contacts stay closed."""
     steady = [each for each in CATALOGUE.values() if isinstance(each, SteadyScenario)]
-    tasks = [case.task(EXACT) for scenario in steady for case in scenario.cases if case.inclination == 0]
+    tasks = [case.task(EXACT) for scenario in steady for case in scenario.cases]
     tasks = [task for task in tasks if task.modulation is None]
     return tasks + [case.task(EXACT, CASE_STEPS[0]) for case in CASES if case.modulation <= 1]
 

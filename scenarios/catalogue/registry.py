@@ -16,7 +16,6 @@ from scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
 from scenarios.catalogue.scenes.spin import Spin
 from scenarios.catalogue.steady.den_hartog import DenHartog
 from scenarios.catalogue.steady.figure3 import Figure3Points
-from scenarios.catalogue.steady.inclined_steady_state import InclinedSteadyState
 from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
 from scenarios.catalogue.steady.long_chain import LongChain
 from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
@@ -25,7 +24,6 @@ from scenarios.catalogue.steady.unit_cell import UnitCell
 from scenarios.catalogue.steady.wide_range import WideRange
 from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
 from scenarios.catalogue.transient.free_decay import FreeDecay
-from scenarios.catalogue.transient.inclined_chain import InclinedChainScenario
 from scenarios.catalogue.transient.long_run import LongRun
 from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
@@ -45,8 +43,6 @@ SCENARIOS: tuple[Scenario, ...] = (
     StaticAboveKinetic(),
     Direction(),
     Published(),
-    InclinedChainScenario(),
-    InclinedSteadyState(),
     RickerPulseScenario(),
     SweptSineScenario(),
     FilteredNoiseScenario(),

@@ -141,7 +141,7 @@ def _law(finding: Finding, before: str) -> str:
 
 def law_in_words(variant: Variant) -> str:
     """Say how a variant deviates, in words where there are some, else by the formula of its law."""
-    model = variant.inclined_law
+    model = variant.law
     law = None if model is None else law_of(model.preset)
     return variant.preset.known_deviation or ("" if law is None else law.formula)
 

@@ -69,7 +69,7 @@ class Result:
 
     status: _Status
     reason: str = ""
-    """Why it is blocked or missing, or what is known of a steady state that need not attract; empty otherwise."""
+    """Why it is blocked or missing, or what is known of a steady state without dashpots; empty otherwise."""
     by_engine: bool = False
     """Whether a blocked task is blocked by its engine, which failed at it, and not by its circumstances, such as a
     worker that was killed: what is blocked by its engine is not tried again by itself.

@@ -151,8 +151,6 @@ class SteadyStateTask(ChainTask):
     """What drives the chain; a moving base unless something else is given."""
     modulation: Annotated[Modulation | None, left_out(None)] = None
     """How the normal force changes over the period; ``None`` where it is constant."""
-    inclination: Annotated[float, left_out(0.0)] = 0.0
-    """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     start: Annotated[Start, left_out(Start.LAW)] = Start.LAW
     recorded: Annotated[Recorded, left_out(Recorded.NOTHING)] = Recorded.NOTHING
 
@@ -189,7 +187,7 @@ class SteadyStateTask(ChainTask):
         chain, drive = self.setting()
         steps = steps_per_period_for(chain, drive, self.steps_per_period)
         preload = None if self.modulation is None else self.modulation.preload(drive)
-        return Lane.periodic(chain, drive, steps, preload, self.inclination), steps
+        return Lane.periodic(chain, drive, steps, preload), steps
 
     def content(self) -> dict[str, Any]:
         """Everything that the result depends on: the law, too, where one is compared with."""

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD, STICK_SLIP_POINTS
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus

@@ -6,10 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from statistics import median
-from typing import Any
 
 from engines.interface.variant import Variant
-from reference_lcp.studies.bench import HARMONIC_BALANCE
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus
@@ -177,17 +175,6 @@ def remarks(points: Iterable[StepPoint]) -> list[str]:
     return texts
 
 
-def balance_error(methods: Iterable[Mapping[str, Any]]) -> float:
-    """Give the largest error of harmonic balance [dB]; NaN where it finds less than all points."""
-    own = next(method for method in methods if method["method"] == HARMONIC_BALANCE)
-    return math.nan if own["failed"] else float(own["largest_error_db"])
-
-
-def _method_rate(method: Mapping[str, Any]) -> float:
-    """Give the states a second, if none has failed."""
-    return math.nan if method["failed"] else 1 / method["seconds_per_point"]
-
-
 STEP_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("engine", lambda point: point.variant.engine),
     Column("formulation", lambda point: point.variant.formulation),
@@ -215,15 +202,6 @@ PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("", lambda point: f"{point.certified}/{len(SIX_POINTS)}", "certified"),
 )
 
-METHOD_COLUMNS: tuple[Column[Mapping[str, Any]], ...] = (
-    Column("method", lambda method: method["method"], "method of the reference"),
-    Column("", lambda method: 1e3 * method["seconds_per_point"], "CPU ms a point", "{:.3g}"),
-    Column("", _method_rate, "states a second", "{:.3g}"),
-    Column("", lambda method: method["largest_error_db"], "error [dB]", "{:.3g}"),
-    Column("", lambda method: f"{len(SIX_POINTS) - method['failed']}/{len(SIX_POINTS)}", "found"),
-)
-"""Of the rows of `reference_lcp.studies.bench.bench_points` at the six points."""
-
 LEGEND = """\
 What does accuracy cost? Every variant is simulated at six stick–slip points, with several numbers of steps a period:
 
@@ -235,19 +213,11 @@ What does accuracy cost? Every variant is simulated at six stick–slip points, 
 - *certified*: points whose steady state repeats to the engine's residual.
 """
 
-METHOD_LEGEND = """\
-The reference beside the harmonic balance that is written for it, at the same six points, by processor time. Harmonic
-balance smooths Coulomb's law, takes eight odd harmonics and has no time step; the exact solver has none either.
-*Error*: the largest, to the exact solver. *Found*: points whose steady state is certified; of harmonic balance, which
-certifies nothing, points whose equations are solved.
-"""
 
-
-def document(points: Sequence[StepPoint], methods: Sequence[Mapping[str, Any]], command: str) -> str:
-    """Give both tables as a document, with how they were made."""
+def document(points: Sequence[StepPoint], command: str) -> str:
+    """Give the table as a document, with how it was made."""
     lines = ["# Work and precision", "", LEGEND, f"Made by `{command}`.", ""]
     lines += [*markdown_lines(text_table(PRINTED_COLUMNS, points)), "", *markdown_list(remarks(points))]
-    lines += ["", "## Steady states a second", "", METHOD_LEGEND, *markdown_lines(text_table(METHOD_COLUMNS, methods))]
     versions = versions_of(point.variant.engine for point in points)
     return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
 

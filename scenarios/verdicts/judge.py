@@ -39,12 +39,10 @@ engine whose own step leaves open a large part of that has not been tested by a 
 """
 
 
-def friction_effect(
-    chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float, inclination: float = 0.0
-) -> FrictionEffect:
+def friction_effect(chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float) -> FrictionEffect:
     """Give how far a transmittance [dB] and its phase [rad] are from the linear limit that is farther from each."""
     scale = drive.displacement_scale(chain)
-    responses = frictionless_response(chain, drive, inclination), stuck_response(chain, drive)
+    responses = frictionless_response(chain, drive), stuck_response(chain, drive)
     limits = [complex(response[chain.cells - 1]) / scale for response in responses]
     level = TRANSMITTANCE.scaled(transmittance_db)
     return {

@@ -67,7 +67,6 @@ def steady_state_of(task: SteadyStateTask) -> SteadyStateTask:
         ratios=replace(task.ratios, friction_coefficient=ChainRatios().friction_coefficient),
         excitation=Excitation(kind=task.excitation.kind, amplitude=DEFAULT_AMPLITUDE[task.excitation.kind]),
         modulation=task.modulation,
-        inclination=task.inclination,
     )
 
 
@@ -115,10 +114,7 @@ def with_proven_level(task: SteadyStateTask, result: Result) -> Result:
 
 
 def exact_chain(task: SteadyStateTask) -> ExactChain:
-    """Give the chain of a task in exact numbers: its ratios as decimals; under a force, the doubles of its units.
-
-    Contacts that are inclined have no such chain: their normal force depends on the motion.
-    """
+    """Give the chain of a task in exact numbers: its ratios as decimals; under a force, the doubles of its units."""
     if task.excitation.kind == "force":
         lane, _ = task.lane()
         return ExactChain.of(*task.setting(), lane.preload)

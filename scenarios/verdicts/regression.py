@@ -25,7 +25,7 @@ NUMBERS = (
 TRANSITION_TIME = "time of a transition"
 """Beside them; a transition that is gone is one without a partner."""
 
-MOTIONS = ("response", "slip", "slips", "swing", "offsets", "outer", "inner")
+MOTIONS = ("response", "slip", "swing", "offsets", "outer", "inner")
 """Series of displacements over the displacement scale, see `scenarios.runs.transient` and `RecordedPeriod`."""
 
 LENGTHS = ("largest_gap", "highest", "distance", "reference", "travels")

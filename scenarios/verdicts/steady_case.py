@@ -61,8 +61,6 @@ class SteadyCase:
     frequency_ratio: float
     """ω / ω_r, with ω_r of the first cell."""
     ratios: ChainRatios = field(default_factory=ChainRatios)
-    inclination: float = 0.0
-    """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     modulation: Modulation | None = None
     """How the normal force changes over the period; ``None`` where it is constant."""
     steps: int = MINIMUM_STEPS_PER_PERIOD
@@ -83,7 +81,6 @@ class SteadyCase:
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
             ratios=self.ratios,
-            inclination=self.inclination,
             modulation=self.modulation,
             steps_per_period=self.steps,
         )
@@ -170,8 +167,7 @@ class Evidence:
     @cached_property
     def effect(self) -> FrictionEffect:
         """How much friction changes the case at all."""
-        expected = self.expected.transmittance_db, self.expected.phase
-        return friction_effect(*self.case.setting(), *expected, self.case.inclination)
+        return friction_effect(*self.case.setting(), self.expected.transmittance_db, self.expected.phase)
 
     def resolution(self, transmittance_db: float) -> float:
         """What the judged result leaves open of an amplitude near this transmittance [dB], over U0."""

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 
 from engines.interface.variant import Variant
 from reference_lcp import Chain, CompiledSimulation
-from reference_lcp.schemes.euler import euler_simulation
 from scenarios.catalogue.base import Scenario, run_with_predictions
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
@@ -51,18 +50,6 @@ def press_harder(monkeypatch, spoilt: Variant, factor: float) -> None:
         return build(self, [dataclasses.replace(lane, chain=_scaled(lane.chain, factors)) for lane in lanes])
 
     monkeypatch.setattr(Variant, "build", harder)
-
-
-def incline_otherwise(monkeypatch, factor: float) -> None:
-    """Make the engine ``mujoco`` the reference with another inclination."""
-    build = Variant.build
-
-    def otherwise(self, lanes):
-        if self.engine != "mujoco":
-            return build(self, lanes)
-        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
-
-    monkeypatch.setattr(Variant, "build", otherwise)
 
 
 def deviating(judged: list[Finding]) -> list[Finding]:

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from engines.interface.variant import Variant
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
+from reference_lcp.defaults import STICK_SLIP_POINTS
 from reports.data.descriptions import named_axes
 from reports.drawing.figure import Figure
 from reports.figures.errors import (

@@ -19,7 +19,7 @@ from reference_lcp.errors import ParameterError
             "mujoco:all:all",
             ["mujoco", "mujoco:joint:default", "mujoco:contact", "mujoco:contact:newton", "mujoco:contact:default"],
         ),
-        ("mujoco:joint:yield", ["mujoco:joint:yield"]),
+        ("mujoco:joint:recommended", ["mujoco:joint:recommended"]),
         ("mujoco:all:recommended", ["mujoco:joint:recommended", "mujoco:contact:recommended"]),
     ],
 )
@@ -49,7 +49,7 @@ def test_variants_are_named_once() -> None:
     [
         (
             "mujoco:all:best",
-            "preset of mujoco = 'best' is unknown; allowed: tuned, yield, lugre, recommended, default, newton",
+            "preset of mujoco = 'best' is unknown; allowed: tuned, recommended, default, newton",
         ),
         ("mujoco:glue:all", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
         ("all:joint:best", "preset of all = 'best' is unknown"),

@@ -48,7 +48,7 @@ def test_each_formulation_has_a_line_of_its_own(
     assert run_command(app, []) == 0
     lines = capsys.readouterr().out.splitlines()
     (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco "))
-    assert "joint: tuned, yield, lugre, recommended, default" in lines[mujoco]
+    assert "joint: tuned, recommended, default" in lines[mujoco]
     assert lines[mujoco + 1].split() == ["double", "contact:", "tuned,", "newton,", "recommended,", "default"]
 
 

@@ -60,7 +60,7 @@ def test_the_default_report_has_every_engine_as_installed_and_tuned_in_every_for
     assert shown >= {"mujoco:contact", "mujoco:contact:default", "exudyn-bristle:joint:default"}
     assert not shown & judged
     every = {str(own) for name in default_engine_names() for own in variants_of(name) if own.engine != "reference"}
-    presets = {name for name in every if not name.endswith((":newton", ":yield"))}
+    presets = {name for name in every if not name.endswith(":newton")}
     assert presets <= shown | judged
     assert planned.scope.scenarios == ()
 

@@ -257,7 +257,7 @@ def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, capsys) -> None:
+def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path) -> None:
     """Its error falls with the step."""
     outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]
     options = [*(f"--out={out}" for out in outs), "--steps=200", "--steps=100", "--workers=1"]
@@ -267,8 +267,7 @@ def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, 
     errors, seconds = ([float(row[name]) for row in rows] for name in ("largest_error_db", "simulated_second_s"))
     assert 0 < errors[1] < 0.6 * errors[0]
     assert min(seconds) > 0
-    assert "| harmonic balance |" in outs[1].read_text()
-    assert "harmonic balance" in capsys.readouterr().out
+    assert "| reference | 100 |" in outs[1].read_text()
     assert outs[2].read_bytes().startswith(b"<?xml")
     assert outs[3].read_bytes().startswith(b"\x89PNG")
 

@@ -4,12 +4,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from engines.interface.variant import Variant
 from reports.drawing.figure import Figure, Series
-from reports.drawing.matplotlib_backend import drawn
-from reports.figures.errors import BALANCE, curves, speed_figure
+from reports.figures.errors import curves, speed_figure
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.work_precision import PRINTED_COLUMNS, StepPoint
 from scenarios.tables import full_table
@@ -24,8 +22,8 @@ POINTS = [
 ]
 
 
-def figure(points: list[StepPoint], balance_db: float = 0.04) -> Figure:
-    return speed_figure(SWEEP, curves(points), balance_db)
+def figure(points: list[StepPoint]) -> Figure:
+    return speed_figure(SWEEP, curves(points))
 
 
 def series(chart: Figure) -> list[Series]:
@@ -35,7 +33,7 @@ def series(chart: Figure) -> list[Series]:
 
 def test_points_of_the_chart_are_those_of_the_table() -> None:
     table = full_table(PRINTED_COLUMNS[2:4], POINTS)
-    shown = [own for own in series(figure(POINTS)) if own.style != BALANCE]
+    shown = series(figure(POINTS))
     assert [own.name for own in shown] == [variant.title for variant in (CONVERGED, REFERENCE, OFF)]
     assert np.concatenate([own.y for own in shown]).tolist() == list(table.iloc[:, 0])
     assert np.concatenate([own.x for own in shown]).tolist() == list(table.iloc[:, 1])
@@ -44,17 +42,6 @@ def test_points_of_the_chart_are_those_of_the_table() -> None:
 def test_a_point_without_all_six_steady_states_is_not_drawn() -> None:
     fewer = [replace(own, certified=5) if own.variant == OFF else own for own in POINTS]
     assert OFF.title not in [own.name for own in series(figure(fewer))]
-
-
-@pytest.mark.parametrize("balance_db", [0.04, math.nan])
-def test_harmonic_balance_has_an_error_and_no_time_of_its_own(balance_db: float) -> None:
-    """Its line runs over all times; there is none where it fails."""
-    chart = figure(POINTS, balance_db)
-    lines = [own for own in series(chart) if own.style == BALANCE]
-    times = [1e3 * own.simulated_second for own in POINTS]
-    assert [own.x for own in lines] == [[min(times), max(times)]] * (not math.isnan(balance_db))
-    assert all(own.y == [balance_db, balance_db] for own in lines)
-    drawn(chart)
 
 
 def test_axes_are_logarithmic_with_units_and_the_truth_is_named() -> None:

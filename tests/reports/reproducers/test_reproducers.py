@@ -302,7 +302,7 @@ def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> N
         (("mujoco", "unit-cell"), "scenario = 'unit-cell'.*static-hold"),
         (("mujoco", "static-hold", "2 kg"), "case = '2 kg'.*1 kg, load 0.99"),
         (("mujoko", "static-hold"), "mujoko"),
-        (("mujoco:joint:yield", "static-hold"), "mujoco:joint:yield has no reproducer"),
+        (("rapier:joint:native", "static-hold"), "rapier:joint:native has no reproducer"),
         (("mujoco:noslip_iterations=3", "static-hold"), "mujoco:noslip_iterations=3 has no reproducer"),
     ],
 )

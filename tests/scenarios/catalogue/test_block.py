@@ -128,18 +128,6 @@ def test_the_soft_friction_of_mujoco_creeps_as_its_law_predicts_whatever_the_mas
 
 
 @needs_mujoco
-def test_bristles_hold_a_constant_load_and_creep_with_every_swing_of_one(one_scale) -> None:
-    """As their law says: a ratchet."""
-    bristles = Variant("mujoco", "joint", "lugre")
-    constant = [each for each in findings(StaticHold(), bristles) if each.metric is CREEP and "shaken" not in each.case]
-    assert max(each.value for each in constant) < 1e-4
-    (swinging,) = (each for each in findings(Ratchet(), bristles, laws=True) if each.metric is CREEP)
-    assert swinging.value > 10
-    assert swinging.comparison.verdict is Verdict.DISAGREE
-    assert swinging.modelled
-
-
-@needs_mujoco
 @pytest.mark.parametrize("factor", [0.99, 1.01])
 def test_friction_that_is_a_hundredth_off_breaks_away_elsewhere_and_stops_elsewhere(
     factor, one_scale, monkeypatch

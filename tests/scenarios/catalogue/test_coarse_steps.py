@@ -20,7 +20,6 @@ from scenarios.verdicts.steady_case import REFERENCE
 USUAL = Variant("exudyn-regularised", "contact")
 
 MOTIONS = dict.fromkeys(("published", "free-decay", "stopping-distance", "direction", "ricker-pulse"), USUAL) | {
-    "inclined-chain": Variant("mujoco", "contact"),
     "static-above-kinetic": Variant("exudyn-regularised"),
 }
 """Scenarios, and a variant that can represent them: the test needs no more of it."""

@@ -128,7 +128,6 @@ def test_a_digit_that_is_wrong_is_noticed(monkeypatch, capsys) -> None:
         {"friction_ratio": 0.31},
         {"frequency_ratio": 0.90001},
         {"ratios": ChainRatios(cells=6)},
-        {"inclination": 0.2, "modulation": Modulation(modulation=0.0)},
         {"ratios": ChainRatios(damping_ratio=0.02)},
         {"excitation": Excitation(kind="force", amplitude=1.0)},
         {"modulation": Modulation(modulation=0.5)},

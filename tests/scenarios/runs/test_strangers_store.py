@@ -230,7 +230,6 @@ def zeros(task) -> Result:
     [
         (motion("response"), "response"),
         (motion("slip"), "slip_velocity"),
-        (motion("contact modes"), "slips"),
         (motion("decay"), "offsets"),
         (replace(CHAIN, recorded=Recorded.LAW), "distance"),
         (BOX, "along"),

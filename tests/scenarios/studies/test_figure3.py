@@ -179,10 +179,7 @@ def test_variant_is_read_as_it_is_written(text) -> None:
     [
         ("bullet", "engine = 'bullet' is unknown"),
         ("mujoco:glue", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
-        (
-            "mujoco:joint:best",
-            "preset of mujoco = 'best' is unknown; allowed: tuned, yield, lugre, recommended, default",
-        ),
+        ("mujoco:joint:best", "preset of mujoco = 'best' is unknown; allowed: tuned, recommended, default"),
         ("mujoco:joint:tuned:now", "has 4 parts"),
     ],
 )

@@ -22,9 +22,7 @@ from scenarios.studies.work_precision import (
     PRINTED_COLUMNS,
     STUDY_STEPS,
     StepPoint,
-    balance_error,
     coarse_steps,
-    document,
     exact_step_tasks,
     remarks,
     step_study,
@@ -224,16 +222,3 @@ def test_points_that_are_missing_have_a_reason() -> None:
         "reference: not all of the six points are certified at 50, 200 steps a period",
         "mujoco: blocked: crashed",
     ]
-
-
-BALANCE = {"method": "harmonic balance", "seconds_per_point": 0.02, "failed": 0, "largest_error_db": 0.04}
-
-
-def test_steady_states_a_second_are_only_those_of_a_method_that_finds_all() -> None:
-    scheme = {"method": "scheme", "seconds_per_point": 1e-3, "failed": 1, "largest_error_db": 0.007}
-    text = document([point(400, 0.25)], [scheme, BALANCE], "multibody-xval run work-precision")
-    assert "| scheme | 1 | – | 0.007 | 5/6 |" in text
-    assert "| harmonic balance | 20 | 50 | 0.04 | 6/6 |" in text
-    assert "`multibody-xval run work-precision`" in text
-    assert balance_error([scheme, BALANCE]) == 0.04
-    assert math.isnan(balance_error([{**BALANCE, "failed": 1}]))
