@@ -309,8 +309,9 @@ def work_precision(
 ) -> None:
     """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
 
-    The time of an engine is that of
-    the searches for its steady states over the time that they simulate; one of --store is that of the earlier run.
+    The time of an engine is that of the searches for its steady states over the time that they simulate; one of --store
+    is that of the earlier run.
+
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
     130: interrupted.
 
