@@ -42,7 +42,8 @@ class Lane:
                 f"direction = {self.direction:g} in a row of {self.chain.cells}; allowed: -pi/2 to pi/2 in a row of "
                 "one cell, 0 in others"
             )
-        checked_scalar("static_ratio", self.static_ratio, ">= 1")
+        if checked_scalar("static_ratio", self.static_ratio) < 1:
+            raise ParameterError(f"static_ratio = {self.static_ratio:g}; allowed: >= 1")
 
     @classmethod
     def periodic(
