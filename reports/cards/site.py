@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from packaging.version import InvalidVersion, Version
+from scenarios.studies.history import VersionChange, VersionNumbers, changes, read_history
 
 from reference_lcp.errors import ParameterError, shown
 from reference_lcp.output import checked_output_folder, write_whole
 from reports.cards.write import TEMPLATES
 from reports.formatting import environment
 from reports.page.section import SUITE_TEMPLATES
-from scenarios.studies.history import VersionChange, VersionNumbers, changes, read_history
 
 INDEX, FEED = "index.html", "feed.xml"
 

@@ -29,8 +29,6 @@ COMMANDS = {
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
     "site": ("shown", "Write a static site of engines, version by version."),
-    "history": ("history", "Say what released versions of an engine do with dry friction."),
-    "bisect": ("history", "Find between which two versions of an engine a number changed."),
     "animate": ("shown", "Show the chain in motion over one period."),
 }
 """The module of `reports.cli` that has each command, and what the command does in a sentence."""

@@ -15,7 +15,6 @@ from reports.data.points import by_variant, edge_table, point_table
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
 from reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
-from reports.data.versions import version_pairs
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.claims import Conclusions
@@ -174,12 +173,6 @@ class Report:
     def option_curves(self) -> list[pd.DataFrame]:
         """Errors over one option of an engine, where variants differ in that alone."""
         return option_curves(self._all_errors, self.ruled)
-
-    @cached_property
-    def versions(self) -> list[dict[str, Any]]:
-        """How versions of one engine differ, see `version_pairs`."""
-        described = dict(zip(self.variants, self.provenance["variants"], strict=True))
-        return version_pairs(self.result, described)
 
     @cached_property
     def failures(self) -> list[str]:

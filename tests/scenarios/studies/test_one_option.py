@@ -42,16 +42,6 @@ def test_options_are_tried_where_the_default_settles_and_varied_where_the_preset
     assert len(set(chosen)) == len(chosen)
 
 
-def test_options_of_a_version_that_is_not_there_are_named_all_the_same(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A report of a store shows versions that another machine ran."""
-    monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path))
-    chosen = one_option_variants([Variant("mujoco@3.3.7"), Variant("mujoco@3.3.7", "joint", "default")])
-    assert "mujoco@3.3.7:noslip_iterations=0" in map(str, chosen)
-    assert "mujoco@3.3.7:joint:default:solref_friction=-0.95/h,-0.95/h" in map(str, chosen)
-
-
 @pytest.mark.parametrize("name", ["mujoco", "mujoco:contact", "pybullet:joint:default", "exudyn-regularised"])
 def test_varied_values_are_others_than_the_presets_own(name: str) -> None:
     variant = Variant.parse(name)
