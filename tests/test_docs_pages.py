@@ -7,8 +7,7 @@ from types import ModuleType
 
 import pytest
 
-from engines import engine
-from engines.interface.registry import engine_names, registered_engine
+from engines.interface.registry import engine, engine_names
 from engines.interface.variant import variants_of
 from reports.cli.console_script import COMMANDS
 
@@ -54,7 +53,7 @@ def test_table_of_engines_has_the_licence_of_each() -> None:
     cells = [line.split("|") for line in rows if line.count("|") == 7]
     shown = {re.sub(r"[\[\]]|\(.*?\)", "", own[1]).strip(): own[3].strip() for own in cells}
     for name in set(engine_names()) - {"reference"}:
-        known = registered_engine(name).capabilities
+        known = engine(name).capabilities
         expected = known.licence.removeprefix("LicenseRef-").replace("A-O", "A O")
         assert shown[known.title.partition(" (")[0]] == expected, name
 

@@ -162,9 +162,8 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
 def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stores, monkeypatch, capsys, line) -> None:
     Path("named.toml").write_text(EXAMPLE)
     before = set(Path().iterdir())
-    reason = "no wheel; multibody-xval engines install mujoco"
+    reason = "no wheel; pip install mujoco"
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: reason)
-    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda _: None)
     assert code_of(line) == ExitCode.WRONG_INPUT
     assert f"engine = mujoco is not installed: {reason}" in capsys.readouterr().err
     assert set(Path().iterdir()) == before

@@ -81,14 +81,6 @@ def test_a_sweep_runs_in_the_process_of_the_command_and_says_so(system, tmp_path
     assert not list(tmp_path.glob("*.lock"))
 
 
-def test_an_environment_that_cannot_be_is_refused_before_any_work(tmp_path, monkeypatch) -> None:
-    monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path))
-    done = elsewhere("win32", MAIN, "engines", "install", "mujoco@3.3.7")
-    assert done.returncode == 2
-    reason = "engines in another Python need a POSIX system, and this is win32"
-    assert done.stderr == f"error: mujoco@3.3.7 cannot be installed: {reason}\n"
-
-
 @systems
 def test_more_workers_than_there_can_be_are_refused(system, tmp_path) -> None:
     (tmp_path / "sweep.toml").write_text(

@@ -94,7 +94,6 @@ def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest
     monkeypatch.setattr("reports.plan.QUICK_FRICTION_RATIOS", (0.3,))
     monkeypatch.setattr("reports.plan.quick_frequency_ratios", lambda _: (0.6, 0.9))
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("MULTIBODY_XVAL_ENVIRONMENTS", str(tmp_path / "environments"))
     for line in SUITE:
         command, _, file = line.partition(" > ")
         if "compare" in command:
@@ -156,7 +155,7 @@ def worst_points() -> dict[tuple[str, str, str], OperatingPoint]:
     """Give where the largest error on the map is, of every preset whose error is quoted."""
     found = {}
     for name, friction, eta in re.findall(r"^- ([\w:@=-]+): worst at \(([\d.]+), ([\d.]+)\)", ACCURACY, re.MULTILINE):
-        variant = Variant.recorded(name)
+        variant = Variant.parse(name)
         found[variant.engine, variant.formulation, variant.preset_name] = OperatingPoint(float(friction), float(eta))
     return found
 

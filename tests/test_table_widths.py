@@ -27,7 +27,6 @@ transmittance_db = 0.1
 
 LINES = [
     "engines",
-    "engines environments",
     "engines law mujoco:joint:default",
     "reference --cells 2 --steps-per-period 400",
     "run",

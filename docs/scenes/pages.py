@@ -24,7 +24,7 @@ def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
     pages = {name: f"../engines/{_page(name)}.html" for name in rows.engine.unique()}
     (folder / "heat_map.html").write_text(heat_map(rows[~rows.number.str.startswith("cost")], pages), encoding="utf-8")
     (folder / "recipes").mkdir(exist_ok=True)
-    for name in filter(lambda each: has_recipe(registry.registered_engine(each)), registry.engine_names()):
+    for name in filter(lambda each: has_recipe(registry.engine(each)), registry.engine_names()):
         text = "\n".join(recipe_page(name, rows[rows.engine == name]))
         (folder / "recipes" / f"{name}.md").write_text(text, encoding="utf-8")
 
@@ -33,7 +33,7 @@ def _reaches(name: str) -> Iterator[str]:
     """Say of the options of tuned presets which hold in any model."""
     yield f"*Tuned* presets are of no use here. {FOR_THE_CHAIN} Of what they change:"
     yield ""
-    for formulation in registry.registered_engine(name).capabilities.presets:
+    for formulation in registry.engine(name).capabilities.presets:
         tuned = Variant(name, str(formulation))
         kinds: dict[str, list[str]] = {}
         changed = tuned.preset.changed_from(replace(tuned, preset_name="default").preset)

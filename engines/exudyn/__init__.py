@@ -22,7 +22,7 @@ class ExudynRegularised(PipEngine):
 
     name: ClassVar[str] = "exudyn-regularised"
     module: ClassVar[str] = "exudyn"
-    versions: ClassVar[str] = ">=1.13"
+    versions: ClassVar[str] = ">=1.13.6"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, regularised",
         package="exudyn",
@@ -56,7 +56,7 @@ class ExudynBristle(PipEngine):
 
     name: ClassVar[str] = "exudyn-bristle"
     module: ClassVar[str] = "exudyn"
-    versions: ClassVar[str] = ">=1.13"
+    versions: ClassVar[str] = ">=1.13.6"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, bristle",
         package="exudyn",

@@ -26,9 +26,7 @@ class Genesis(PipEngine):
     name: ClassVar[str] = "genesis"
     module: ClassVar[str] = "genesis"
     versions: ClassVar[str] = ">=1.4.5,<1.5"
-    apart: ClassVar[bool] = True
-    # Genesis imports PyTorch, and does not ask for it.
-    environment_packages: ClassVar[tuple[str, ...]] = ("torch>=2.8",)
+    extra: ClassVar[str] = "genesis"
     # Half a minute of a processor a formulation; ten times as much where it is busy with other things.
     preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 600.0)
     capabilities: ClassVar[Capabilities] = Capabilities(

@@ -4,7 +4,6 @@ import math
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.changed_options import changed_preset
@@ -15,14 +14,11 @@ from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shown
 
 if TYPE_CHECKING:
     from reference_lcp.one_call import SteadyState
 
-
-VERSIONS = "engines.isolated.versioned_engine"
-"""Module of versions of engines, and of engines in environments of their own: engines, and so loaded by name."""
 
 STEPS_PER_PERIOD = 400
 """Of the lane by which engines are prepared; those that compile do so whatever its numbers are."""
@@ -64,14 +60,11 @@ class Engine(ABC):
         return platform.python_version()
 
     def versioned(self, version: str) -> "Engine":
-        """Give what is called ``NAME@VERSION``: a version of it, beside the suite or in an environment of its own.
-
-        Raises
-        ------
-        ParameterError
-            If it has no versions, or its adapter does not take this one.
-        """
-        return import_module(VERSIONS).versioned_engine(self, version)
+        """Refuse ``NAME@VERSION``: a version is whatever is installed beside the suite."""
+        raise ParameterError(
+            f"engine = {shown(f'{self.name}@{version}')} is unknown; allowed: {self.name}, as installed; for another "
+            "version install it with the suite in a virtual environment, and compare what --store keeps there"
+        )
 
     @property
     def states_laws_of(self) -> str:
@@ -111,16 +104,15 @@ class Engine(ABC):
         return changed_preset(presets[name], settings, every, installed, f"{self.name}:{formulation}:{name}")
 
     def prepare(self, cells: int, formulation: str, preset: str) -> None:
-        """Do what `preparation` names, for chains of this length: build its batches, and take a step of each.
+        """Do what `preparation` names, for chains of this length: build a lane, and take a step.
 
         Workers of engines that name a preparation call this before their first batch of a variant.
         """
-        for lanes in self.preparation.batches if self.preparation else (1,):
-            simulation = self.build([sample_lane(cells)] * lanes, formulation, preset)
-            try:
-                simulation.advance(State.at_rest(lanes, cells), 0, 1)
-            finally:
-                simulation.close()
+        simulation = self.build([sample_lane(cells)], formulation, preset)
+        try:
+            simulation.advance(State.at_rest(1, cells), 0, 1)
+        finally:
+            simulation.close()
 
     def build(self, lanes: Sequence[Lane], formulation: str = "joint", preset: str = "tuned") -> Simulation:
         """Build every lane in the engine.

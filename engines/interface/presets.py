@@ -221,8 +221,6 @@ class Preparation:
     """What it does, for a reader, such as ``compiles its kernels``."""
     limit: float
     """Seconds after which it is given up."""
-    batches: tuple[int, ...] = (1,)
-    """Numbers of lanes that are built, where what it does depends on that."""
 
 
 @dataclass(frozen=True)
@@ -251,6 +249,3 @@ class Capabilities:
     """What matters of its friction, in a sentence or two."""
     optional: bool = False
     """It comes with an extra or with the system and not with the suite: it takes part where it is named."""
-    terms: str = ""
-    """Where the terms stand that its user agrees to, if it is not free software: they are said before it is
-    installed."""

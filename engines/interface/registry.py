@@ -3,11 +3,10 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import is_dataclass, replace
 from functools import cache
-from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from engines.interface.engine import VERSIONS, Engine
+from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -205,8 +204,7 @@ def _check_versions(registered: Engine) -> None:
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
-    ``NAME@law`` is the model of that engine's laws, which needs no package, and ``NAME@VERSION`` what its `versioned`
-    gives: a version of it, in an environment of its own unless it is the one beside the suite.
+    ``NAME@law`` is the model of that engine's laws, which needs no package.
 
     Raises
     ------
@@ -218,11 +216,6 @@ def engine(name: str) -> Engine:
     versioned, at, version = name.partition("@")
     if at and versioned in _entry_points():
         return _version(versioned, version)
-    return _in_own_environment(name) or registered_engine(name)
-
-
-def registered_engine(name: str) -> Engine:
-    """Give the engine that is registered under a name, as it is beside the suite; see `engine`."""
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
@@ -239,14 +232,7 @@ def _law_engine(name: str) -> Engine:
 @cache
 def _version(name: str, version: str) -> Engine:
     """Give a version of a registered engine."""
-    return registered_engine(name).versioned(version)
-
-
-@cache
-def _in_own_environment(name: str) -> Engine | None:
-    """Give an engine that is not beside the suite, but in an environment of its own; ``None`` otherwise."""
-    built: Engine | None = import_module(VERSIONS).engine_of_its_own_environment(registered_engine(name))
-    return built
+    return engine(name).versioned(version)
 
 
 def default_engine_names() -> list[str]:

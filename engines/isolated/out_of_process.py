@@ -153,9 +153,9 @@ class OutOfProcessLane(LaneModel):
 class ServedScene:
     """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
 
-    def __init__(self, process: EngineProcess, parameters: Message, limit: float = REQUEST_LIMIT):
-        """Take what the server builds it from, and the seconds that it may take for that."""
-        self._built = Built(process, parameters, limit)
+    def __init__(self, process: EngineProcess, parameters: Message):
+        """Take what the server builds it from."""
+        self._built = Built(process, parameters)
         self._launch: Sequence[float] = ()
         self.close = self._built.close
 

@@ -26,7 +26,7 @@ class MuJoCo(PipEngine):
 
     name: ClassVar[str] = "mujoco"
     module: ClassVar[str] = "mujoco"
-    versions: ClassVar[str] = ">=3.3.7,<5"
+    versions: ClassVar[str] = ">=3.3.6,<5"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo",
         package="mujoco",

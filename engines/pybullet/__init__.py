@@ -26,6 +26,7 @@ class PyBullet(PipEngine):
 
     name: ClassVar[str] = "pybullet"
     module: ClassVar[str] = "pybullet"
+    versions: ClassVar[str] = ">=3.2.7"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="PyBullet",
         package="pybullet",

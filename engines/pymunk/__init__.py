@@ -27,7 +27,7 @@ class Pymunk(PipEngine):
 
     name: ClassVar[str] = "pymunk"
     module: ClassVar[str] = "pymunk"
-    versions: ClassVar[str] = ">=6.11"
+    versions: ClassVar[str] = ">=6.11.1"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="pymunk",
         optional=True,

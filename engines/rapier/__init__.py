@@ -32,6 +32,7 @@ class Rapier(PipEngine):
 
     name: ClassVar[str] = "rapier"
     module: ClassVar[str] = "rapier3d"
+    versions: ClassVar[str] = ">=0.36.1"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Rapier",
         optional=True,

@@ -24,6 +24,7 @@ class Sapien(PipEngine):
 
     name: ClassVar[str] = "sapien"
     module: ClassVar[str] = "sapien"
+    versions: ClassVar[str] = ">=3.0.3"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="SAPIEN (PhysX)",
         optional=True,

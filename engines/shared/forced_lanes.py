@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.coordinates import CarriedCoordinates, JointCoordinates
+from engines.shared.coordinates import JointCoordinates
 from engines.shared.force_loop import LARGEST_MOTION
 from engines.shared.units import Units
 from engines.shared.worlds_simulation import LanesInUnits
@@ -24,12 +24,7 @@ class ForcedLanes(LanesInUnits, ABC):
     ``set_motion(coordinates, velocities)``, ``step(forces)``, which gives the motion after it, and ``close()``.
     """
 
-    def __init__(
-        self,
-        lanes: Sequence[Lane],
-        units: Sequence[Units],
-        coordinates: Sequence[CarriedCoordinates | JointCoordinates],
-    ):
+    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], coordinates: Sequence[JointCoordinates]):
         super().__init__(lanes, units)
         self._coordinates = tuple(coordinates)
         self._chains = [unit.scaled(lane.chain) for unit, lane in zip(units, lanes, strict=True)]

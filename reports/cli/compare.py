@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from engines.completion import complete_variant
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import visible
-from reports.cli.options import NAME_METAVAR, Work, check_outs
+from reports.cli.options import Work, check_outs
 from scenarios.verdicts.thresholds import Thresholds
 
 if TYPE_CHECKING:
@@ -27,29 +24,14 @@ app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_ex
 MOST_ROWS = 20
 """Changed points that are printed; a file holds all of them."""
 
-GUARD_FRICTION_RATIOS, GUARD_FREQUENCY_RATIOS = [0.1, 0.3, 1.0], (0.3, 1.6, 8)
-GUARD_SCENARIO = "breakaway"
-"""What two engines are compared by, as in CI: points from well below the band to well above, and a block."""
-
-Pair = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--engine",
-        metavar=NAME_METAVAR,
-        help="Instead of stores, the engine before and the one now: both compute 24 points and a block.",
-        autocompletion=complete_variant,
-    ),
-]
-
 ENDINGS = (".md", ".json", ".csv")
 """Formats of the changes."""
 
 
 @app.command()
 def compare(
-    first: Annotated[Path | None, typer.Argument(help="The store before.")] = None,
-    second: Annotated[Path | None, typer.Argument(help="The store now.")] = None,
-    engines: Pair = None,
+    first: Annotated[Path, typer.Argument(help="The store before.")],
+    second: Annotated[Path, typer.Argument(help="The store now.")],
     decibel: Annotated[
         float, typer.Option("--db", help="Largest change of transmittance in dB that does not count.")
     ] = Thresholds.transmittance_db,
@@ -80,7 +62,7 @@ def compare(
         ),
     ] = None,
 ) -> None:
-    """Compare two stores, or two engines, point by point: two versions of an engine, two sets of options.
+    """Compare two stores point by point: two versions of an engine, two sets of options.
 
     Points are matched by their tasks. Versions and options may differ; their differences are printed. Each changed
     point has improved, regressed, or is as far from the truth as before. The truth is the proven level, the
@@ -97,36 +79,12 @@ def compare(
     from scenarios.verdicts.regression import compare_stores
 
     thresholds = Thresholds(decibel, stuck_fraction, transition, motion)
-    with _stores(first, second, engines or []) as (before, now):
-        comparison = compare_stores(before, now, thresholds, _computed if exact else None)
-    before_name, now_name = engines or (str(first), str(second))
-    regression = Regression(comparison, before_name, now_name, thresholds, strict)
+    comparison = compare_stores(first, second, thresholds, _computed if exact else None)
+    regression = Regression(comparison, str(first), str(second), thresholds, strict)
     _print(regression)
     for written in outs:
         write_whole(written, CHANGE_FORMATS[written.suffix](regression))
     raise typer.Exit(ExitCode.FAILED if regression.failing else ExitCode.DONE)
-
-
-@contextmanager
-def _stores(first: Path | None, second: Path | None, engines: Sequence[str]) -> Iterator[tuple[Path, Path]]:
-    """Give the two stores, of engines those of the guard's points, which are not kept."""
-    from engines.interface.variant import variants_named
-    from scenarios import check, sweep
-
-    if not engines and first is not None and second is not None:
-        yield first, second
-        return
-    if len(engines) != 2 or first is not None:
-        stores = sum(store is not None for store in (first, second))
-        raise ParameterError(f"{stores} stores and {len(engines)} --engine; allowed: two stores, or two --engine")
-    for name in engines:
-        variants_named([name])  # refuses what is wrong before any work
-    with TemporaryDirectory() as folder:
-        before, now = Path(folder, "before.sqlite"), Path(folder, "now.sqlite")
-        for name, store in zip(engines, (before, now), strict=True):
-            sweep(name, friction_ratio=GUARD_FRICTION_RATIOS, frequency_ratio=GUARD_FREQUENCY_RATIOS, store=store)
-            check(GUARD_SCENARIO, name, store=store)
-        yield before, now
 
 
 def _computed(tasks: Sequence[Task]) -> list[Result]:

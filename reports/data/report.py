@@ -15,7 +15,6 @@ from reports.data.points import by_variant, edge_table, point_table
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
 from reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
-from reports.data.versions import version_pairs
 from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import ResultStatus
 from scenarios.studies.claims import Conclusions
@@ -155,12 +154,6 @@ class Report:
     def headlines(self) -> list[Headline]:
         """How far each engine is off as installed, as recommended and tuned."""
         return headlines(self.errors)
-
-    @cached_property
-    def versions(self) -> list[dict[str, Any]]:
-        """How versions of one engine differ, see `version_pairs`."""
-        described = dict(zip(self.variants, self.provenance["variants"], strict=True))
-        return version_pairs(self.result, described)
 
     @cached_property
     def failures(self) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation, OfStep, Preset
-from engines.interface.registry import engine_names, registered_engine
+from engines.interface.registry import engine, engine_names
 from reference_lcp.errors import ParameterError, checked_choice
 from reports.formatting import environment
 from reports.reproducers.script import beside
@@ -34,9 +34,9 @@ def recipe_text(name: str) -> str:
         If no such engine is registered, or it has no recipe.
     """
     checked_choice("engine", name, engine_names())
-    adapter = registered_engine(name)
+    adapter = engine(name)
     if not has_recipe(adapter):
-        allowed = ", ".join(each for each in engine_names() if has_recipe(registered_engine(each)))
+        allowed = ", ".join(each for each in engine_names() if has_recipe(engine(each)))
         recommends = any(RECOMMENDED in presets for presets in adapter.capabilities.presets.values())
         reason = NOTHING_TO_RECOMMEND if adapter.scene_worlds and not recommends else adapter.no_scenes
         raise ParameterError(f"engine = {name} has no recipe: {reason}; allowed: {allowed}")

@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import DictLoader
 
 from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names, registered_engine
+from engines.interface.registry import engine, engine_names
 from engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSetting
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError, checked_choice
@@ -100,7 +100,7 @@ def reproduction_script(shown: Reproduction | SceneReproduction, evaluator: Eval
 
 def has_scene_script(name: str, scenario: str) -> bool:
     """Whether there is a template for a scenario in an engine."""
-    adapter = registered_engine(name) if name in engine_names() else None
+    adapter = engine(name) if name in engine_names() else None
     if adapter is None or not beside(adapter, TEMPLATE).is_file():
         return False
     return scenario in (SCENES if adapter.scene_models else ON_A_PLANE)

@@ -13,7 +13,7 @@ from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names, registered_engine
+from engines.interface.registry import engine, engine_names
 from engines.interface.reproducer import Reproducer
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
@@ -92,14 +92,14 @@ def _template(variant: Variant) -> Reproducer | None:
 
 
 def _adapter(name: str) -> Engine:
-    """Give the adapter of an engine, or of a version of it."""
+    """Give the adapter of an engine; of the model of a law, that of the engine."""
     base = name.partition("@")[0]
-    return registered_engine(base) if base in engine_names() else engine(name)
+    return engine(base) if base in engine_names() else engine(name)
 
 
 def _reproducible() -> Iterable[str]:
     """Name every engine and formulation that has a template."""
-    return [f"{name}:{formulation}" for name in engine_names() for formulation in registered_engine(name).reproducers]
+    return [f"{name}:{formulation}" for name in engine_names() for formulation in engine(name).reproducers]
 
 
 def script(shown: Reproduction, evaluator: Evaluator) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numba
 
 from engines.interface.engine import Engine
-from engines.interface.registry import registered_engine, registered_names
+from engines.interface.registry import engine, registered_names
 from reference_lcp.process import ROOT
 
 RUNS = tuple(ROOT / "scenarios" / "runs" / f"{name}.py" for name in ("steady", "transient", "scene", "failures"))
@@ -27,7 +27,7 @@ def sources_of(adapter: Engine) -> str:
     Kernels that are not compiled round otherwise: their answers are others too.
     """
     base = adapter.name.partition("@")[0]
-    modelled = [registered_engine(base)] if base in registered_names() else []
+    modelled = [engine(base)] if base in registered_names() else []
     digest = _sources(frozenset(type(each).__module__ for each in (adapter, *modelled)))
     return f"{digest}, not compiled" if numba.config.DISABLE_JIT else digest
 

@@ -114,7 +114,7 @@ def sweep_of(data: Any) -> Sweep:
     for name in ("variant", *whole.axes):
         if name not in data.coords or data[name].ndim > 1:
             raise ParameterError(f"the dataset has no coordinate {name!r}; allowed: all those of its sweep")
-    variants = tuple(Variant.recorded(str(name)) for name in np.atleast_1d(data["variant"].values).tolist())
+    variants = tuple(Variant.parse(str(name)) for name in np.atleast_1d(data["variant"].values).tolist())
     axes = {name: tuple(np.atleast_1d(data[name].values).tolist()) for name in whole.axes}
     return dataclasses.replace(whole, variants=variants, axes=axes)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import registered_engine
+from engines.interface.registry import engine
 from engines.shared.pip_engine import PipEngine
 
 grimp = pytest.importorskip("grimp")
@@ -21,7 +21,7 @@ FOLDERS = sorted({value.partition(":")[0] for value in REGISTERED.values()})
 SHARED = ("engines.interface", "engines.shared", "engines.isolated")
 """What folders of engines may import of the room, and what imports none of them."""
 
-OF_MUJOCO = ("engines.mujoco_warp", "engines.mjx", "engines.genesis")
+OF_MUJOCO = ("engines.mujoco_warp", "engines.genesis")
 """Copies of MuJoCo, and Genesis, whose solver is one: they take models and laws from its folder."""
 
 
@@ -57,8 +57,8 @@ def test_package_of_an_engine_is_imported_in_its_own_folder_only(graph) -> None:
     distributions = metadata.packages_distributions()
     base = {name for name, packages in distributions.items() if installed & {each.lower() for each in packages}}
     adapters = {name for folder in FOLDERS for name in imported(graph, folder) if graph.is_module_squashed(name)}
-    declared = {engine.module for name in REGISTERED if isinstance(engine := registered_engine(name), PipEngine)}
-    own = (adapters - base - sys.stdlib_module_names) | declared
-    assert {"mujoco", "pydrake", "warp", "siconos"} <= own
+    declared = {own.module for name in REGISTERED if isinstance(own := engine(name), PipEngine)}
+    engines = (adapters - base - sys.stdlib_module_names) | declared
+    assert {"mujoco", "pydrake", "warp", "siconos"} <= engines
     for package in ("reference_lcp", "scenarios", "reports", "engines.interface", "engines.reference"):
-        assert not imported(graph, package) & own
+        assert not imported(graph, package) & engines

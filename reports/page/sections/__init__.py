@@ -5,10 +5,10 @@ from reports.page.sections.errors import ErrorMaps, WorkPrecision
 from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
 from reports.page.sections.scenes import Scenes
 from reports.page.sections.summary import Provenance, Summary
-from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts, Versions
+from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts
 
 FIRST_SECTIONS = (
-    Summary, Claims, Transmittance, Scenes, ErrorMaps, FrictionMapSection, BandEdges, StickSlip, Versions, Catalogue,
+    Summary, Claims, Transmittance, Scenes, ErrorMaps, FrictionMapSection, BandEdges, StickSlip, Catalogue,
     WorkPrecision, Verdicts, DeviationsSection, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from engines.interface.registry import registered_engine
+from engines.interface.registry import engine
 from reports.formatting import environment
 from reports.page.section import SUITE_TEMPLATES, Section
 from scenarios.catalogue.scenes.table import printed_number
@@ -48,7 +48,7 @@ def heat_map(rows: pd.DataFrame, pages: Mapping[str, str] | None = None) -> Mark
     cells = {
         number: [_cell(number, values.get((number, name), [])) for name in engines] for number in rows.number.unique()
     }
-    titles = {name: registered_engine(name).capabilities.title for name in engines}
+    titles = {name: engine(name).capabilities.title for name in engines}
     template = environment(SUITE_TEMPLATES).get_template("scene_map.html")
     return Markup(template.render(titles=titles, cells=cells, pages=pages or {}))
 

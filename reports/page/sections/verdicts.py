@@ -1,4 +1,4 @@
-"""What comparisons come to: verdicts, versions, deviations and laws, the catalogue, and points that do not agree."""
+"""What comparisons come to: verdicts, deviations and laws, the catalogue, and points that do not agree."""
 
 import math
 from collections import defaultdict
@@ -54,20 +54,6 @@ class Verdicts(Section):
             "nothing": variant in self.report.blocked or points == missing,
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
         }
-
-
-class Versions(Section):
-    """A row for every two versions of an engine."""
-
-    title = "Versions side by side"
-    template = "versions"
-
-    @property
-    def shown(self) -> bool:
-        return bool(self.report.versions)
-
-    def context(self) -> dict[str, Any]:
-        return {"rows": self.report.versions}
 
 
 POINT = "figure3"

@@ -141,10 +141,8 @@ def test_a_motion_that_diverges_stops_with_drakes_reason_and_leaves_nothing_behi
 
 def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("engines.shared.pip_engine.importlib.util.find_spec", lambda _: None)
-    assert (
-        Drake().unavailable_reason() == "the package drake is not installed; multibody-xval engines install drake, "
-        "or pip install '.[engines]' in the suite's folder"
-    )
+    said = "the package drake is not installed; pip install '.[engines]' in the suite's folder"
+    assert Drake().unavailable_reason() == said
 
 
 def test_in_the_tuned_contact_nothing_moves_across_the_plane() -> None:

@@ -68,7 +68,6 @@ def test_a_named_engine_that_is_missing_is_refused_and_one_of_all_is_not(
 ) -> None:
     assert isinstance(engine("mujoco"), Engine)
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "no wheel; pip install mujoco")
-    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda _: None)
     with pytest.raises(ParameterError, match="engine = mujoco is not installed: no wheel; pip install mujoco"):
         variants_named([name])
     assert any(each.engine == "mujoco" for each in variants_named(["all"]))

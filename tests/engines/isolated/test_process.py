@@ -215,16 +215,6 @@ def test_the_worker_sees_nothing_of_this_environment(
     assert reply["read"] == ""
 
 
-def test_the_worker_finds_the_caches_of_the_user(
-    process: EngineProcess, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """Engines that compile keep their kernels there, and some end the process where there is no home."""
-    monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    reply = process.request("versions", LIMIT)
-    assert {"HOME", "XDG_CACHE_HOME"} <= set(str(reply["environment"]).split())
-
-
 @pytest.mark.slow
 def test_an_interrupted_wait_does_not_mix_up_replies(process: EngineProcess) -> None:
     def interrupt(_number: int, _frame: object) -> None:

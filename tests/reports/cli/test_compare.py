@@ -303,21 +303,6 @@ def test_a_motion_is_named_by_its_base_and_its_block(tmp_path: Path, capsys: pyt
     assert "base: still base, m [kg] 1, λ_N [N] 10, slip [m] 0" in " ".join(capsys.readouterr().out.split())
 
 
-def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, capsys) -> None:
-    """A version in the name of an engine is another result of the same task, unless the store has several."""
-    results = results_of(before)
-    renamed = {content.replace('"softening"', '"softening@2.0"'): result for content, result in results.items()}
-    now = write_results(tmp_path / "now.sqlite", renamed)
-    assert compared(before, now) == ExitCode.DONE
-    assert "softening: engine softening → softening@2.0" in capsys.readouterr().out
-    crashes = dict.fromkeys(renamed, Result.blocked("crashed").to_json())
-    assert compared(before, write_results(tmp_path / "both.sqlite", results | crashes)) == ExitCode.DONE
-    assert compared(now, before) == ExitCode.DONE
-    assert compared(now, tmp_path / "both.sqlite") == ExitCode.FAILED
-    laws = {content.replace('"softening"', '"softening@law"'): result for content, result in results.items()}
-    assert compared(before, write_results(tmp_path / "laws.sqlite", laws)) == ExitCode.WRONG_INPUT
-
-
 def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
     now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
     know_truth(now, -5.1)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from engines.interface.registry import engine_names, registered_engine
+from engines.interface.registry import engine, engine_names
 from engines.interface.variant import GENERAL, Variant
 from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
@@ -36,7 +36,7 @@ WRITTEN = [
 
 def own_number(name: str, scenario: str) -> tuple[str, float]:
     """Give a script, and the suite's number."""
-    reason = registered_engine(name.partition(":")[0]).unavailable_reason()
+    reason = engine(name.partition(":")[0]).unavailable_reason()
     if reason is not None:
         pytest.skip(reason)
     shown = checked_scene(name, scenario)

@@ -91,7 +91,7 @@ def test_a_distance_that_the_law_allows_leaves_a_number_what_it_makes_in_many_pe
 
 @pytest.mark.parametrize(("text", "growth"), [("rapier:contact:default", 2.0), ("mujoco:joint:default", 1.0)])
 def test_roundings_of_four_times_the_steps_add_up_to_twice_as_much_where_each_rounds_by_the_same(text, growth) -> None:
-    variant = Variant.recorded(text)
+    variant = Variant.parse(text)
     ended = Result(status="finished", series={"distance": (1e-5,), "reference": (1.0,)})
     coarse, fine = (
         LawPeriod.of(
