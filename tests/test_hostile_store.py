@@ -104,7 +104,6 @@ def test_checking_and_salvaging_a_hostile_store_prints_no_text_of_it(tmp_path, c
         ("run slope-hold --engine mujoco:contact:default --out OUT/a.md --out OUT/a.xml", None, True),
         pytest.param("report --sweep OUT/own.toml --out OUT/page", None, True, marks=pytest.mark.slow),
         ("sweep OUT/own.toml --out OUT/a.csv", ExitCode.DONE, True),
-        pytest.param("card mujoco --out OUT", ExitCode.DONE, False, marks=pytest.mark.slow),
         ("reproduce mujoco static-hold", ExitCode.WRONG_INPUT, True),
         ("reproduce mujoco:contact:default slope-hold", ExitCode.WRONG_INPUT, True),
     ],

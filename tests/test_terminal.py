@@ -24,7 +24,6 @@ LINES = [
     "run all --help",
     "store check --help",
     "compare --help",
-    "animate --help",
 ]
 
 
