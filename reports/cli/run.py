@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +21,7 @@ from scenarios.studies import COST_SECONDS
 
 if TYPE_CHECKING:
     from engines.interface.variant import Variant
-    from reports.drawing.figure import Figure
+    from reports.figures.drawing import Drawing
     from scenarios.catalogue.verdict_table import Results
     from scenarios.runs.evaluator import Evaluator
     from scenarios.studies.claims import Conclusions
@@ -430,7 +430,7 @@ def work_precision(
     if charts:
         from reports.figures.errors import curves, speed_figure
 
-        _write_charts(charts, speed_figure(sweep, curves(points), study.balance_error(methods)))
+        _write_charts(charts, speed_figure(curves(points), study.balance_error(methods)))
 
 
 @app.command()
@@ -530,13 +530,10 @@ def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row],
     write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)
 
 
-def _write_charts(outs: Sequence[Path], figure: Figure) -> None:
-    """Draw a figure once, and write it in the format of each file."""
-    from reports.drawing.matplotlib_backend import print_files
-
-    files = print_files(replace(figure, dense=True))  # in pixels too
+def _write_charts(outs: Sequence[Path], drawing: Drawing) -> None:
+    """Write a figure in the format of each file."""
     for out in outs:
-        write_whole(out, files[out.suffix[1:]])
+        write_whole(out, drawing.file(out.suffix[1:]))
 
 
 def _measured(variants: Sequence[Variant], measure: Callable[[Variant], Sequence[Row]]) -> list[Row]:

@@ -9,19 +9,18 @@ import pandas as pd
 from engines.interface.variant import Variant
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reports.data.descriptions import named_axes
-from reports.drawing.figure import Figure
+from reports.figures.drawing import Drawing
 from reports.figures.errors import (
     HIGHEST_DB,
     LOWEST_DB,
-    convergence_figure,
     curves,
     error_map_figure,
     error_maps,
-    option_figure,
-    scale_figure,
     unsteady,
-    work_precision_figure,
+    work_precision_figures,
 )
+from reports.figures.options import option_figure
+from reports.figures.scale import scale_figure
 from reports.page.section import Section
 from scenarios.studies.scale import SCALE_POINT, STEPS, ScalePoint
 from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
@@ -43,7 +42,7 @@ class ErrorMaps(Section):
     def shown(self) -> bool:
         return bool(self._maps)
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         drawn = dict(list(self._maps.items())[-MOST_MAPS:])
         return [error_map_figure(drawn, self._unsteady, named_axes(self.result.sweep, plural=False))]
 
@@ -77,7 +76,7 @@ class ScaleCurves(Section):
     def shown(self) -> bool:
         return not all(math.isnan(point.error_db) for point in self.report.scale)
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         return [scale_figure(self.report.scale)]
 
     def context(self) -> dict[str, Any]:
@@ -89,7 +88,7 @@ class ScaleCurves(Section):
 
 
 class WorkPrecision(Section):
-    """Two diagrams and their numbers."""
+    """Three diagrams and their numbers."""
 
     title = "Work and precision"
     template = "work_precision"
@@ -103,9 +102,9 @@ class WorkPrecision(Section):
     def _evaluated(self) -> list[StepPoint]:
         return [point for point in self.report.steps or () if point.evaluated]
 
-    def figures(self) -> list[Figure]:
-        drawn, sweep = curves(self.report.steps or ()), self.result.sweep
-        return [work_precision_figure(sweep, drawn), convergence_figure(sweep, drawn)] if drawn else []
+    def figures(self) -> list[Drawing]:
+        drawn = curves(self.report.steps or ())
+        return work_precision_figures(drawn) if drawn else []
 
     def context(self) -> dict[str, Any]:
         steps = self.report.steps or ()
@@ -137,7 +136,7 @@ class OptionCurves(Section):
     def shown(self) -> bool:
         return bool(self.report.option_curves or self.report.single_options)
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         return [option_figure(number, curve) for number, curve in enumerate(self.report.option_curves, 1)]
 
     def context(self) -> dict[str, Any]:
