@@ -31,7 +31,7 @@ PIXELS = 150
 LETTER = 0.0615
 """Width of a letter of a panel's title [inch], on average."""
 
-TITLE, LEGEND, BELOW = 0.13, 0.28, 0.42
+TITLE, LEGEND, BELOW = 0.13, 0.28, 0.5
 """Height of a line of a panel's title, of the legend, and of ticks and label below all panels [inch]."""
 
 
@@ -93,27 +93,39 @@ def small_multiples(
     above = 0.08 + TITLE * max(title.count("\n") + 1 for title in wrapped)
     whole = LEGEND + rows * (above + height) + BELOW
     canvas = Figure(figsize=(PAGE_WIDTH, whole))
-    shares = height * np.array(parts) / sum(parts)
-    gap = 0.07 if len(parts) > 1 else 0.0
     panels = []
     for k, title in enumerate(wrapped):
         row, column = divmod(k, columns)
-        top = whole - LEGEND - row * (above + height) - above
-        own = []
-        for share, label in zip(shares, y_labels, strict=True):
-            place = (left + column * pitch, top - share, pitch - 0.12, share - gap)
-            axes = canvas.add_axes(
-                tuple(part / side for part, side in zip(place, 2 * (PAGE_WIDTH, whole), strict=True))
-            )
+        corner = (left + column * pitch, whole - LEGEND - row * (above + height) - above)
+        own = _stacked(canvas, corner, pitch - 0.12, [height * part / sum(parts) for part in parts])
+        for axes, label in zip(own, y_labels, strict=True):
             axes.tick_params(labelsize=6.0, length=2.0, pad=2.0, labelleft=column == 0, labelbottom=False)
-            axes.set_ylabel(mathtext(label) if column == 0 else "", fontsize=7.0)
-            own.append(axes)
-            top -= share
+            axes.set_ylabel(label if column == 0 and len(parts) > 1 else "", fontsize=7.0)
         own[0].set_title(title, fontsize=7.0, loc="left")
         own[-1].tick_params(labelbottom=k + columns >= len(titles))
         panels.append(own)
     canvas.text(0.5, 0.07 / whole, mathtext(x_label), ha="center", va="bottom", fontsize=7.5)
+    if len(parts) == 1:
+        middle = (BELOW + whole - LEGEND) / 2 / whole
+        canvas.text(0.01, middle, mathtext(y_labels[0]), ha="left", va="center", rotation="vertical", fontsize=7.5)
     return canvas, panels
+
+
+def _stacked(canvas: Figure, corner: tuple[float, float], width: float, heights: Sequence[float]) -> list[Axes]:
+    """Give axes below each other, from the upper left corner on [inch]."""
+    left, top = corner
+    gap = 0.07 if len(heights) > 1 else 0.0
+    stacked = []
+    for height in heights:
+        stacked.append(canvas.add_axes(place_of((left, top - height, width, height - gap), canvas)))
+        top -= height
+    return stacked
+
+
+def place_of(inches: Sequence[float], canvas: Figure) -> tuple[float, float, float, float]:
+    """Give left and lower end, width and height of axes as parts of the figure."""
+    left, low, width, height = np.array(inches) / np.tile(canvas.get_size_inches(), 2)
+    return float(left), float(low), float(width), float(height)
 
 
 def legend(canvas: Figure, columns: int = 6, **options: Any) -> None:

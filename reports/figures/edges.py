@@ -12,13 +12,10 @@ from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 LINEAR = 1e-4
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""
 
-TICKS = (0.001, 0.01, 0.1)
+TICKS = (0.001, 0.1)
 
-ROW = 0.17
-"""Height of an edge [inch]."""
-
-LEFT = 1.75
-"""Room for the names of edges [inch]."""
+ROW, LETTER = 0.17, 0.055
+"""Height of an edge, and width of a letter of its name [inch]."""
 
 
 @mpl.rc_context(PRINT_STYLE)
@@ -31,8 +28,9 @@ def edge_forest(report: Report) -> Drawing:
     groups = by_panel(variants) or {REFERENCE.title: []}
     count = max(len(names), 1)
     canvas, panels = small_multiples(
-        list(groups), ROW * count, columns=3, left=LEFT, x_label="difference of η_r from the edge compared with [-]"
-    )
+        list(groups), ROW * count, columns=3, left=0.2 + LETTER * max(map(len, names.values()), default=0),
+        x_label="difference of η_r from the edge compared with [-]",
+    )  # fmt: skip
     reference = own.get(REFERENCE, edges.iloc[:0])
     for (axes,), shown in zip(panels, groups.values(), strict=True):
         axes.axvline(0.0, **RULE)
@@ -43,7 +41,6 @@ def edge_forest(report: Report) -> Drawing:
         set_ticks(axes, "y", names)
         axes.set_ylim(count - 0.5, -0.5)
         axes.grid(axis="y", visible=False)
-        axes.tick_params(axis="x", labelrotation=45)
     legend(canvas)
     caption = (
         "Differences of the band edges from those of what each variant is compared with; bars: what is allowed of "

@@ -16,7 +16,7 @@ from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from reports.data.points import by_variant
 from reports.data.variants import Errors
-from reports.figures.drawing import Drawing, hatched, legend, set_ticks, small_multiples
+from reports.figures.drawing import Drawing, hatched, legend, place_of, set_ticks, small_multiples
 from reports.figures.style import (
     COLUMN,
     GREY,
@@ -128,25 +128,24 @@ def error_map_figure(maps: Mapping[Variant, pd.DataFrame], lost: pd.DataFrame, r
     crosses = by_variant(lost, maps)
     for (axes,), (variant, errors) in zip(panels, maps.items(), strict=True):
         mesh = _draw_map(axes, errors, crosses[variant])
-    height = canvas.get_figheight()
-    scale = canvas.colorbar(
-        mesh,
-        cax=canvas.add_axes((0.62, 1 - 0.14 / height, 0.3, 0.09 / height)),
-        orientation="horizontal",
-        extend="both",
-    )
-    scale.ax.tick_params(labelsize=6.0, length=2.0, pad=1.0)
-    decades = [float(f"1e{power}") for power in range(-3, 2)]
-    scale.set_ticks(decades, labels=list(map(ratio, decades)))
-    scale.ax.text(
-        -0.08, 0.5, "error to truth [dB]", ha="right", va="center", transform=scale.ax.transAxes, fontsize=7.0
-    )
+    _draw_scale(canvas, mesh)
     legend(canvas, loc="upper left")
     caption = (
         f"Error of transmittance to the truth over {rows} and frequency: size, in colours that are common to all "
         "variants"
     )
     return Drawing("error-map", caption, canvas)
+
+
+def _draw_scale(canvas: Figure, mesh: QuadMesh) -> None:
+    """Draw the scale of colours above the panels, at the right."""
+    place = place_of((4.6, canvas.get_figheight() - 0.14, 2.4, 0.08), canvas)
+    scale = canvas.colorbar(mesh, cax=canvas.add_axes(place), orientation="horizontal", extend="both")
+    decades = [float(f"1e{power}") for power in range(-3, 2)]
+    scale.set_ticks(decades, labels=list(map(ratio, decades)))
+    scale.ax.tick_params(labelsize=6.0, length=2.0, pad=1.0)
+    label = {"ha": "right", "va": "center", "transform": scale.ax.transAxes, "fontsize": 7.0}
+    scale.ax.text(-0.08, 0.5, "error to truth [dB]", **label)
 
 
 def _draw_map(axes: Axes, errors: pd.DataFrame, lost: pd.DataFrame) -> QuadMesh:

@@ -50,23 +50,12 @@ RULE = {"color": SOFT, "linewidth": 0.6}
 GREY = {"color": "#8c8c8c", "linewidth": 1.6, "label": REFERENCE.title}
 """The reference, behind what is compared with it."""
 
+HOLLOW = {"markerfacecolor": "none"}
 PRESETS: Mapping[str, dict[str, Any]] = {
-    "as installed": {
-        "color": "#D55E00",
-        "marker": "o",
-        "markersize": 5.5,
-        "markerfacecolor": "none",
-        "linestyle": "--",
-    },
-    "recommended": {"color": "#009E73", "marker": "s", "markersize": 4.0, "markerfacecolor": "none", "linestyle": "-."},
+    "as installed": {"color": "#D55E00", "marker": "o", "markersize": 5.5, "linestyle": "--", **HOLLOW},
+    "recommended": {"color": "#009E73", "marker": "s", "markersize": 4.0, "linestyle": "-.", **HOLLOW},
     "tuned": {"color": "#0072B2", "marker": "o", "markersize": 2.5, "linestyle": "-"},
-    "other presets": {
-        "color": "#CC79A7",
-        "marker": "D",
-        "markersize": 3.0,
-        "markerfacecolor": "none",
-        "linestyle": ":",
-    },
+    "other presets": {"color": "#CC79A7", "marker": "D", "markersize": 3.0, "linestyle": ":", **HOLLOW},
 }
 """How presets are drawn, by their titles."""
 

@@ -45,7 +45,7 @@ LOWEST_DB = -80.0
 LINEAR_DB = SCHEME_TOLERANCE_DB / 2
 """Differences below are drawn to scale, larger ones by their logarithm: the tightest tolerance is visible."""
 
-DIFFERENCE_TICKS = (SCHEME_TOLERANCE_DB, CONVERGED_TOLERANCE_DB, 2.0, 10.0, 50.0)
+DIFFERENCE_TICKS = (CONVERGED_TOLERANCE_DB, 10.0)
 
 MOST_CURVES = 6
 """Curves in one panel: as many as can be told apart."""
@@ -119,7 +119,7 @@ def panel(report: Report, case: Case) -> Drawing:
     drawn = {variant: own for variant, own in curves.items() if (own["status"] == ResultStatus.CONVERGED).any()}
     groups = by_panel(drawn) or {REFERENCE.title: []}
     canvas, panels = small_multiples(
-        list(groups), 1.45, parts=(3, 2), x_label=FREQUENCY_LABEL, y_labels=(LEVEL_LABEL, "difference [dB]")
+        list(groups), 2.05, parts=(6, 5), x_label=FREQUENCY_LABEL, y_labels=(LEVEL_LABEL, "difference [dB]")
     )
     for axes, variants in zip(panels, groups.values(), strict=True):
         _reference(report, case, *axes)
@@ -129,7 +129,8 @@ def panel(report: Report, case: Case) -> Drawing:
             axes[0].plot(own["frequency_ratio"], known, **style)
             axes[1].plot(own["frequency_ratio"], own["baseline_db"], **style)
     legend(canvas)
-    return Drawing(f"transmittance-{file_name((case,))}", case.title.capitalize(), canvas)
+    caption = f"{case.title.capitalize()}: engines over the reference, and their differences"
+    return Drawing(f"transmittance-{file_name((case,))}", caption, canvas)
 
 
 def _points(curve: pd.DataFrame, variant: Variant) -> dict[str, object]:
@@ -169,7 +170,7 @@ def _largest_difference(report: Report) -> float:
     """Give the end of the axis of differences, the same for all panels [dB]."""
     drawn = report.points["variant"] != CONVERGED
     largest = float(report.points["baseline_db"][drawn].abs().max())
-    return max(1.4 * CONVERGED_TOLERANCE_DB, 0.0 if math.isnan(largest) else 1.3 * largest)
+    return max(1.4 * CONVERGED_TOLERANCE_DB, 0.0 if math.isnan(largest) else 2 * largest)
 
 
 MAP_LOWEST_DB, MAP_HIGHEST_DB = -60.0, 20.0
