@@ -1,7 +1,10 @@
 """Band edges as a forest: differences of all variants from their baselines, with the reference's error bar."""
 
+from typing import Any
+
 import matplotlib as mpl
 import pandas as pd
+from matplotlib.axes import Axes
 
 from reports.data.points import by_variant
 from reports.data.report import Report
@@ -49,11 +52,11 @@ def edge_forest(report: Report) -> Drawing:
     return Drawing("band-edges", caption, canvas)
 
 
-def _bars() -> dict[str, object]:
+def _bars() -> dict[str, Any]:
     return {"color": GREY["color"], "linewidth": 0.0, "label": "Reference, error bar"}
 
 
-def _edges(axes: mpl.axes.Axes, edges: pd.DataFrame, offset: float, style: dict[str, object]) -> None:
+def _edges(axes: Axes, edges: pd.DataFrame, offset: float, style: dict[str, Any]) -> None:
     """Mark the edges of a variant, a little above or below the middle of each row."""
     axes.errorbar(
         edges["difference"], edges["row"] + offset, xerr=edges["allowed"], elinewidth=0.6, capsize=1.5,

@@ -35,7 +35,7 @@ from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
-LIMIT = {**RULE, "linestyle": "--"}
+LIMIT: dict[str, Any] = {**RULE, "linestyle": "--"}
 
 
 @mpl.rc_context(PRINT_STYLE)
@@ -77,7 +77,13 @@ LOWEST_DB = 1e-3
 HIGHEST_DB = 10.0
 """Ends of the colours, the same in every report: what no curve shows, and thrice what is wrong."""
 
-UNSTEADY = {"color": "#d55e00", "marker": "x", "markersize": 3.0, "linestyle": "none", "label": "no steady state"}
+UNSTEADY: dict[str, Any] = {
+    "color": "#d55e00",
+    "marker": "x",
+    "markersize": 3.0,
+    "linestyle": "none",
+    "label": "no steady state",
+}
 
 ROW = 0.13
 """Height of a case in a map [inch]."""
@@ -144,7 +150,7 @@ def _draw_scale(canvas: Figure, mesh: QuadMesh) -> None:
     decades = [float(f"1e{power}") for power in range(-3, 2)]
     scale.set_ticks(decades, labels=list(map(ratio, decades)))
     scale.ax.tick_params(labelsize=6.0, length=2.0, pad=1.0)
-    label = {"ha": "right", "va": "center", "transform": scale.ax.transAxes, "fontsize": 7.0}
+    label: dict[str, Any] = {"ha": "right", "va": "center", "transform": scale.ax.transAxes, "fontsize": 7.0}
     scale.ax.text(-0.08, 0.5, "error to truth [dB]", **label)
 
 

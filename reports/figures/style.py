@@ -44,13 +44,15 @@ PRINT_STYLE: dict[Any, Any] = {
 }
 """Style of figures: 8 points in a column's width, thin lines, outlined text."""
 
-RULE = {"color": SOFT, "linewidth": 0.6}
+RULE: dict[str, Any] = {"color": SOFT, "linewidth": 0.6}
 """A thin grey line, such as that of a threshold."""
 
-GREY = {"color": "#8c8c8c", "linewidth": 1.6, "label": REFERENCE.title}
+GREY: dict[str, Any] = {"color": "#8c8c8c", "linewidth": 1.6, "label": REFERENCE.title}
 """The reference, behind what is compared with it."""
 
 HOLLOW = {"markerfacecolor": "none"}
+"""Of shapes that others may cover."""
+
 PRESETS: Mapping[str, dict[str, Any]] = {
     "as installed": {"color": "#D55E00", "marker": "o", "markersize": 5.5, "linestyle": "--", **HOLLOW},
     "recommended": {"color": "#009E73", "marker": "s", "markersize": 4.0, "linestyle": "-.", **HOLLOW},

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -133,7 +134,7 @@ def panel(report: Report, case: Case) -> Drawing:
     return Drawing(f"transmittance-{file_name((case,))}", caption, canvas)
 
 
-def _points(curve: pd.DataFrame, variant: Variant) -> dict[str, object]:
+def _points(curve: pd.DataFrame, variant: Variant) -> dict[str, Any]:
     """Give the style of a curve: points, or a line through very many."""
     return preset_style(variant) | ({"marker": "none"} if len(curve) > MOST_MARKERS else {"linestyle": "none"})
 
