@@ -230,8 +230,8 @@ def _cost_figure(
         if line is not None:
             axes.plot(*line, **RULE, linestyle=":", label=line_label)
         for variant in (own for own in drawn if own.engine == REFERENCE.engine):
-            label = {} if variant == REFERENCE else {"label": variant.title, "linestyle": "--"}
-            _draw_costs(axes, drawn[variant], cost, {**GREY, **label})
+            other = {} if variant == REFERENCE else {"label": variant.title, "linestyle": "--"}
+            _draw_costs(axes, drawn[variant], cost, {**GREY, **other})
         for variant in variants:
             _draw_costs(axes, drawn[variant], cost, preset_style(variant))
         axes.set(xscale="log", yscale="log", ylim=(0.5 * min(errors), 2 * max(errors)))
