@@ -13,8 +13,7 @@ import pandas as pd
 
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
-from reports.drawing.matplotlib_backend import COLUMN, PRINT_STYLE
-from reports.drawing.style import PALETTE
+from reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
 from scenarios.runs.parameters import ChainRatios
 from scenarios.sweeps.refinement import resonances
 

@@ -11,9 +11,8 @@ import numpy as np
 import pandas as pd
 
 from engines import engine
-from reports.drawing.matplotlib_backend import PRINT_STYLE
-from reports.drawing.style import PALETTE
 from reports.figures.chain_drawing import chain_drawing
+from reports.figures.style import PALETTE, PRINT_STYLE
 
 WIDTH = 6.4
 """Of the pictures [inch]: that of a page of text, and still read on a telephone."""

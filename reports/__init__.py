@@ -64,7 +64,7 @@ def band_edges(
     ParameterError
         If the data are none of a sweep, or of another version of an engine than is installed.
     """
-    from reports.notebook import edges_of
+    from reports.dataset import edges_of
 
     return edges_of(data, store, workers, time_limit)
 
@@ -89,6 +89,6 @@ def plot(data: "xr.Dataset", file: str | Path | None = None) -> "Figure":
     ParameterError
         If the data are none of a sweep or too many, or the file cannot be written.
     """
-    from reports.notebook import figure_of
+    from reports.dataset import figure_of
 
     return figure_of(data, file)

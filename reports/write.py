@@ -13,8 +13,7 @@ from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, checked_output_folder
 from reports.data.collect import Scope, collect, collect_dataset
 from reports.data.report import Report
-from reports.drawing.printing import DrawnFigures
-from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
+from reports.export.files import FILES, NETCDF, PAGE, files_of, write_all
 from reports.page.render import FIGURES
 from reports.plan import sweep_of
 from scenarios.runs.dask_cluster import executor_for
@@ -128,7 +127,7 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 
 def _written(report: Report, folder: Path) -> Written:
-    write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
+    write_all(folder, files_of(report))
     return Written(folder / PAGE, report)
 
 

@@ -148,9 +148,7 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     [
         "report --engine mujoco:joint:default",
         "report --sweep named.toml",
-        "card mujoco",
         "reproduce mujoco:joint:default static-hold",
-        "animate --engine mujoco",
         "run unit-cell --engine mujoco:all:all",
         "run all --engine reference --engine mujoco",
         "run accuracy --engine mujoco",

@@ -93,7 +93,6 @@ LINES = (
     "report --sweep sweep.toml --out report --no-run",
     "report --data sweep.nc --out report",
     "compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
-    "animate --engine mujoco --friction-ratio 0.3 --frequency-ratio 0.9 --out a.gif --frames 20",
 )
 
 WORDS = (

@@ -92,7 +92,6 @@ def test_comparing_hostile_stores_shows_their_texts_and_obeys_none(tmp_path, cap
         ("run slope-hold --engine mujoco:contact:default --out OUT/a.md", None, True),
         pytest.param("report --sweep OUT/own.toml --out OUT/page", None, True, marks=pytest.mark.slow),
         ("sweep OUT/own.toml --out OUT/a.csv", ExitCode.DONE, True),
-        pytest.param("card mujoco --out OUT", ExitCode.DONE, False, marks=pytest.mark.slow),
         ("reproduce mujoco static-hold", ExitCode.WRONG_INPUT, True),
         ("reproduce mujoco:contact:default slope-hold", ExitCode.WRONG_INPUT, True),
     ],

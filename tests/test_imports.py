@@ -12,7 +12,7 @@ from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
-COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)
+COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "jinja2", "PIL", *ENGINE_PACKAGES)
 """Packages that compute, tabulate or draw; each takes a tenth of a second to a second to import."""
 
 HELP = """

@@ -23,7 +23,6 @@ LINES = [
     "sweep --help",
     "run all --help",
     "compare --help",
-    "animate --help",
 ]
 
 

@@ -22,12 +22,10 @@ COMMANDS = {
     "example": ("sweep", "Print a commented file of parameters for `sweep`."),
     "report": ("report", "Compare engines with the reference, and write a page about it."),
     "compare": ("compare", "Compare two stores, and print what has changed."),
-    "card": ("shown", "Write the numbers of one engine that its maintainer would quote."),
     "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
-    "reproduce": ("shown", "Print a script that shows a number in an engine's own API."),
+    "reproduce": ("reproduce", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
-    "animate": ("shown", "Show the chain in motion over one period."),
 }
 """The module of `reports.cli` that has each command, and what the command does in a sentence."""
 

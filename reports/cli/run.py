@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,7 +17,7 @@ from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 
 if TYPE_CHECKING:
     from engines.interface.variant import Variant
-    from reports.drawing.figure import Figure
+    from reports.figures.drawing import Drawing
     from scenarios.catalogue.verdict_table import Results
     from scenarios.runs.evaluator import Evaluator
     from scenarios.studies.claims import Conclusions
@@ -337,7 +337,7 @@ def work_precision(
     if charts:
         from reports.figures.errors import curves, speed_figure
 
-        _write_charts(charts, speed_figure(sweep, curves(points)))
+        _write_charts(charts, speed_figure(curves(points)))
 
 
 @app.command()
@@ -437,10 +437,7 @@ def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row],
     write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)
 
 
-def _write_charts(outs: Sequence[Path], figure: Figure) -> None:
-    """Draw a figure once, and write it in the format of each file."""
-    from reports.drawing.matplotlib_backend import print_files
-
-    files = print_files(replace(figure, dense=True))  # in pixels too
+def _write_charts(outs: Sequence[Path], drawing: Drawing) -> None:
+    """Write a figure in the format of each file."""
     for out in outs:
-        write_whole(out, files[out.suffix[1:]])
+        write_whole(out, drawing.file(out.suffix[1:]))

@@ -6,7 +6,7 @@ from importlib.metadata import entry_points
 from typing import Any, ClassVar
 
 from reports.data.report import Report
-from reports.drawing.figure import Figure
+from reports.figures.drawing import Drawing
 
 SUITE_TEMPLATES = "reports.page"
 """Package that holds the suite's own templates."""
@@ -40,7 +40,7 @@ class Section(ABC):
         """Whether there is anything to show; a section without is left out."""
         return True
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         """Figures of the section, in the order in which they stand; their names are unique in a report."""
         return []
 

@@ -1,6 +1,5 @@
 """Verdicts as tables: for the terminal, for documents, for other programs."""
 
-import html
 import math
 import platform
 from collections import Counter
@@ -254,7 +253,7 @@ def finding_table(results: Results) -> pd.DataFrame:
 
 
 class VerdictTable(pd.DataFrame):
-    """Verdicts, a row a number; printed as one line, and shown in a notebook as the counts of each variant.
+    """Verdicts, a row a number; printed as one line.
 
     A part of it, such as ``table[table.verdict == "disagree"]``, is shown row by row. As a figure:
     ``table.counts.plot.barh(stacked=True)``.
@@ -276,9 +275,6 @@ class VerdictTable(pd.DataFrame):
         counts = self.counts
         each = ", ".join(f"{count:,} {verdict}" for verdict, count in counts.sum().items())
         return f"<verdicts on {len(self):,} numbers, {len(counts)} rows of scenario and variant: {each}>"
-
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(repr(self))}</p>{self.counts.to_html()}"
 
 
 def _content(results: Results, command: str) -> dict[str, object]:

@@ -44,12 +44,6 @@ class RecordedPeriod:
         """Displacement of the inner mass relative to the outer one, over U0; shape (steps, n)."""
         return self.inner - self.outer
 
-    @property
-    def phase(self) -> FloatArray:
-        """Time over the period, shape (steps,)."""
-        steps = self.outer.shape[0]
-        return np.arange(1, steps + 1) / steps
-
     @classmethod
     def of(cls, orbit: PeriodicOrbit, stick_margin: float) -> Self:
         """Read an orbit; for `stick_margin` see `contact_modes`."""

@@ -1,6 +1,6 @@
 """The one number by which engines are compared: the largest error of transmittance at five points.
 
-README, page, cards and documentation quote it. The five points are those of `accuracy.ACCURACY_MAP` at which one preset
+README, page and documentation quote it. The five points are those of `accuracy.ACCURACY_MAP` at which one preset
 of an engine or another is farthest from the truth, so that the largest error there is that of the whole map.
 """
 

@@ -1,7 +1,7 @@
 """Both edges of the attenuation band of every curve: the one definition of an edge, and the one comparison of edges.
 
 An edge is where a curve crosses the threshold, found by simulations of the variant itself, see `refined_crossings`;
-pages, maps, scenarios and cards quote what `refined_edges` gives.
+pages, maps and scenarios quote what `refined_edges` gives.
 
 Edges are compared with those of a baseline. A change δ of the transmittance [dB] moves an edge by δ / slope. What is
 allowed at the edge itself and at the two points of the grid around it, over the slope of the baseline's curve there, is

@@ -17,12 +17,12 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+from reports.cards.card import card
 
 from engines.interface import registry
 from engines.interface.registry import engine, engine_names
 from engines.interface.variant import variants_named
 from reference_lcp.errors import ParameterError
-from reports.cards.card import card
 from reports.data.collect import Scope, collect
 from reports.export.files import report_dataset
 from reports.export.tables import table_files

@@ -13,7 +13,7 @@ import pytest
 from filelock import FileLock
 
 from engines.interface.variant import Variant
-from reports import notebook
+from reports import dataset
 from reports.data.report import Report
 from reports.data.variants import Errors
 from reports.export.files import files_of
@@ -117,7 +117,7 @@ def made_errors(sizes: Mapping[Variant, float], points: int) -> Errors:
 def in_this_process() -> Iterator[None]:
     """Let `sweep` and `band_edges` start no processes, which would take longer than their work."""
     with pytest.MonkeyPatch.context() as patched:
-        for module in (functions, notebook):
+        for module in (functions, dataset):
             patched.setattr(module, "executor_for", lambda *_: InProcessExecutor())
         yield
 

@@ -8,16 +8,15 @@ import pandas as pd
 from engines.interface.variant import Variant
 from reference_lcp.defaults import STICK_SLIP_POINTS
 from reports.data.descriptions import named_axes
-from reports.drawing.figure import Figure
+from reports.figures.drawing import Drawing
 from reports.figures.errors import (
     HIGHEST_DB,
     LOWEST_DB,
-    convergence_figure,
     curves,
     error_map_figure,
     error_maps,
     unsteady,
-    work_precision_figure,
+    work_precision_figures,
 )
 from reports.page.section import Section
 from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
@@ -39,7 +38,7 @@ class ErrorMaps(Section):
     def shown(self) -> bool:
         return bool(self._maps)
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         drawn = dict(list(self._maps.items())[-MOST_MAPS:])
         return [error_map_figure(drawn, self._unsteady, named_axes(self.result.sweep, plural=False))]
 
@@ -63,7 +62,7 @@ class ErrorMaps(Section):
 
 
 class WorkPrecision(Section):
-    """Two diagrams and their numbers."""
+    """Three diagrams and their numbers."""
 
     title = "Work and precision"
     template = "work_precision"
@@ -77,9 +76,9 @@ class WorkPrecision(Section):
     def _evaluated(self) -> list[StepPoint]:
         return [point for point in self.report.steps or () if point.evaluated]
 
-    def figures(self) -> list[Figure]:
-        drawn, sweep = curves(self.report.steps or ()), self.result.sweep
-        return [work_precision_figure(sweep, drawn), convergence_figure(sweep, drawn)] if drawn else []
+    def figures(self) -> list[Drawing]:
+        drawn = curves(self.report.steps or ())
+        return work_precision_figures(drawn) if drawn else []
 
     def context(self) -> dict[str, Any]:
         steps = self.report.steps or ()

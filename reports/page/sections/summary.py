@@ -8,8 +8,8 @@ from engines.interface.registry import engine
 from reports.data.descriptions import axis_name, drive_description
 from reports.data.finding import finding
 from reports.data.options import TITLES, Headline, by_engine
-from reports.drawing.figure import Figure
 from reports.figures.chain_drawing import chain_drawing
+from reports.figures.drawing import Drawing
 from reports.figures.errors import installed_figure
 from reports.formatting import fixed, ratio
 from reports.page.section import Section
@@ -29,7 +29,7 @@ class Summary(Section):
     template = "summary"
     numbers = "errors.csv"
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         figure = installed_figure(self.report.errors, self._where)
         return [] if figure is None else [figure]
 

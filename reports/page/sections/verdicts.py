@@ -11,7 +11,7 @@ from reports.data.catalogue import SIGNS, cell_of
 from reports.data.descriptions import axis_name
 from reports.data.points import outcome
 from reports.data.report import counted
-from reports.drawing.style import compared_variants
+from reports.figures.style import compared_variants
 from reports.page.section import Section
 from reports.reproducers.script import has_reproducer
 from scenarios.catalogue.registry import CATALOGUE

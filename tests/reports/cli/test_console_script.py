@@ -61,8 +61,7 @@ def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) 
             "report --engine mujoco:contact:",
             [f"mujoco:contact:{preset}" for preset in ("tuned", "newton", "recommended", "default")],
         ),
-        ("card pyb", ["pybullet"]),
-        ("animate --engine none:", []),
+        ("recipe pyb", ["pybullet"]),
     ],
 )
 def test_a_shell_completes_commands_scenarios_and_engines(words: str, expected: list[str]) -> None:

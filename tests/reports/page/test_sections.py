@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.figure import Figure
 
 from reports.data.report import Report
-from reports.drawing.figure import Axis, Figure, Panel, Series
-from reports.drawing.style import Style
+from reports.figures.drawing import Drawing
 from reports.page import section as parts
 from reports.page.render import page, sections
 from reports.page.section import ENTRY_POINT_GROUP, Section
@@ -24,11 +24,10 @@ class Residuals(Section):
     template = "residuals"
     templates = "laboratory"
 
-    def figures(self) -> list[Figure]:
-        values = [point.result.residual for point in self.result.points if point.result.converged]
-        series = Series(range(len(values)), values, Style("#000000"), "residual", hover="%{y:.1e}")
-        panel = Panel(Axis("point"), Axis("residual [-]", scale="log"), [series])
-        return [Figure("residuals", "Residuals", [panel], height=2.0, pixels=300)]
+    def figures(self) -> list[Drawing]:
+        canvas = Figure()
+        canvas.subplots().semilogy([point.result.residual for point in self.result.points if point.result.converged])
+        return [Drawing("residuals", "Residuals", canvas)]
 
     def context(self) -> dict[str, Any]:
         return {"count": len(self.result.points), "name": "<none>"}
@@ -60,8 +59,8 @@ def laboratory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_section_of_another_package_is_rendered_with_its_figure(report: Report) -> None:
     rendered = page("A page", [Residuals(report), OpenPoints(report)])
     assert f"<p>{len(report.result.points)} points & &lt;none&gt;</p>" in rendered.html
-    assert '<div class="plot" data-plot="residuals">' in rendered.html
-    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf", "drawn.json"}
+    assert 'data-figure="residuals"' in rendered.html
+    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf"}
     assert "Points that do not agree" in rendered.html
 
 
@@ -94,8 +93,8 @@ def test_registered_sections_stand_before_how_the_numbers_were_made(
 
 def test_two_figures_of_one_name_are_refused(report: Report) -> None:
     class Twice(OpenPoints):
-        def figures(self) -> list[Figure]:
-            return [Figure("same", "", [Panel(Axis(), Axis(), [])], height=2.0, pixels=300)] * 2
+        def figures(self) -> list[Drawing]:
+            return [Drawing("same", "", Figure())] * 2
 
     with pytest.raises(ValueError, match="two figures are called 'same'"):
         page("A page", [Twice(report)])

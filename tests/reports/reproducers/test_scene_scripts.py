@@ -6,7 +6,7 @@ from engines.interface.registry import engine, engine_names
 from engines.interface.variant import GENERAL, Variant
 from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
-from reports.cli.shown import app
+from reports.cli.reproduce import app
 from reports.reproducers.scene_script import ON_A_PLANE, SCENES, checked_scene, has_scene_script, scene_script
 from reports.reproducers.script import LONGEST_LINE, MOST_LINES
 from scenarios.catalogue.registry import CATALOGUE

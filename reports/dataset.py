@@ -1,5 +1,6 @@
-"""What a notebook asks of the dataset of a sweep: the edges of its attenuation bands, and its curves as a figure."""
+"""What is asked of the dataset of a sweep: the edges of its attenuation bands, and its curves as a figure."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import matplotlib as mpl
@@ -14,10 +15,9 @@ from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
 from reference_lcp.studies.plot import checked_picture_format
 from reports.data.points import edge_table, written
-from reports.drawing.figure import Axis, Draw, Figure, Panel, Rule, Series
-from reports.drawing.matplotlib_backend import PRINT_STYLE, drawn
-from reports.drawing.style import RULE, Style, curve_style, style_of
-from reports.figures.transmittance import FREQUENCY_LABEL, LOWEST_DB
+from reports.figures.drawing import legend, mathtext
+from reports.figures.style import COLUMN, PAGE_WIDTH, PRINT_STYLE, RULE, curve_style
+from reports.figures.transmittance import FREQUENCY_LABEL, LEVEL_LABEL, LOWEST_DB
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.evaluator import Evaluator
@@ -70,46 +70,49 @@ def figure_of(data: xr.Dataset, file: str | Path | None) -> Canvas:
     """Draw the transmittance of a dataset; see `reports.plot`."""
     picture = None if file is None else checked_picture_format(checked_output_file("file", checked_path("file", file)))
     with mpl.rc_context(PRINT_STYLE):
-        canvas = drawn(_figure(data))
+        canvas = _drawn(data)
         if picture is not None:
             with replacing(picture) as part:
                 canvas.savefig(part)
     return shown_in_notebooks(canvas)
 
 
-def _figure(data: xr.Dataset) -> Figure:
+def _drawn(data: xr.Dataset) -> Canvas:
+    """Draw a panel a case with every variant, or one panel with a curve a case."""
     sweep = sweep_of(data)
     if len(sweep.cases) > MOST_PANELS:
         raise ParameterError(
             f"the data have {len(sweep.cases)} cases; allowed: <= {MOST_PANELS}, such as data.sel(...)"
         )
     shown = [own for own in sweep.variants if own != CONVERGED or REFERENCE not in sweep.variants]
-    curves = {(own, case.title): _curve(data, own, case.by_axis) for own in shown for case in sweep.cases}
-    alone = len(shown) == 1  # one panel with a curve a case
-    levels = np.concatenate([curve.to_numpy() for curve in curves.values()])
+    curves = {(own, case): _curve(data, own, case.by_axis) for own in shown for case in sweep.cases}
+    alone = len(shown) == 1
+    titles = [shown[0].title] if alone else [case.title for case in sweep.cases]
+    columns = min(len(titles), 2)
+    rows = -(-len(titles) // columns)
+    canvas = Canvas(figsize=(PAGE_WIDTH if columns > 1 else COLUMN, 0.9 + PANEL_HEIGHT * rows), layout="constrained")
+    grid = canvas.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    for axes, title in zip(grid, titles, strict=False):
+        axes.axhline(sweep.band.threshold_db, **RULE)
+        axes.set(title=title, ylim=_levels(sweep, curves.values()))
+    for axes in grid[::columns]:
+        axes.set_ylabel(LEVEL_LABEL)
+    for axes in grid[len(titles) :]:
+        axes.set_visible(False)
+    for number, ((variant, case), curve) in enumerate(curves.items()):
+        label, panel = (case.title, 0) if alone else (variant.title, sweep.cases.index(case))
+        style = curve_style(number if alone else shown.index(variant))
+        grid[panel].plot(curve.index, curve, label=label, **style)
+    canvas.supxlabel(mathtext(FREQUENCY_LABEL))
+    legend(canvas, 2 * columns)
+    return canvas
+
+
+def _levels(sweep: Sweep, curves: Iterable[pd.Series]) -> tuple[float, float]:
+    """Give the lowest and the highest transmittance that is drawn."""
+    levels = np.concatenate([curve.to_numpy() for curve in curves])
     known = np.append(levels[np.isfinite(levels)], sweep.band.threshold_db)
-    y = Axis("transmittance [dB]", (max(LOWEST_DB, known.min() - 5), known.max() + 5))
-    threshold = Rule("y", sweep.band.threshold_db, RULE)
-    if alone:
-        lines = [
-            _series(curve, curve_style(number), title) for number, ((_, title), curve) in enumerate(curves.items())
-        ]
-        panels = [Panel(Axis(FREQUENCY_LABEL), y, [threshold, *lines], shown[0].title)]
-    else:
-        panels = [
-            Panel(
-                Axis(), y if number % 2 == 0 else Axis(range=y.range),
-                [threshold, *(_series(curves[own, case.title], style_of(sweep, own), own.title) for own in shown)],
-                case.title,
-            )
-            for number, case in enumerate(sweep.cases)
-        ]  # fmt: skip
-    columns = min(len(panels), 2)
-    rows = -(-len(panels) // columns)
-    return Figure(
-        "transmittance", "", panels, height=0.9 + PANEL_HEIGHT * rows, pixels=0, columns=columns,
-        legend_columns=2 * columns, x_label="" if alone else FREQUENCY_LABEL, wide=columns > 1,
-    )  # fmt: skip
+    return max(LOWEST_DB, known.min() - 5), max(known) + 5
 
 
 def _curve(data: xr.Dataset, variant: Variant, case: dict[str, float]) -> pd.Series:
@@ -121,8 +124,3 @@ def _curve(data: xr.Dataset, variant: Variant, case: dict[str, float]) -> pd.Ser
     status, level = np.atleast_1d(own["status"].values), np.atleast_1d(own["transmittance_db"].values)
     level = np.where(status == STATUSES.index(ResultStatus.CONVERGED), level, np.nan)
     return pd.Series(level, eta)[status != STATUSES.index(ResultStatus.MISSING)].sort_index()
-
-
-def _series(curve: pd.Series, style: Style, name: str) -> Series:
-    draw: Draw = "lines" if style.symbol in ("dot", "x-thin", "cross-thin") else "lines+markers"
-    return Series(curve.index, curve, style, name, draw)

@@ -1,4 +1,4 @@
-"""What a notebook shows of a chain and of its steady state: one line, a table, a figure."""
+"""What a notebook shows of a chain and of its steady state: one line, and a figure."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,6 @@ def test_line_names_the_cells_that_stick(chain: Chain) -> None:
     level, bar = line.removeprefix("<SteadyState ").split(" dB")[0].replace("−", "-").split(" ± ")
     assert abs(float(level) - state.transmittance_db) <= float(bar)
     assert float(bar) >= state.error_bar.transmittance_db
-    assert state._repr_html_().count("<tr") == 2 + chain.cells
 
 
 def test_line_says_that_a_motion_is_not_periodic_yet(chain: Chain) -> None:
@@ -38,7 +37,6 @@ def test_cells_in_many_places_are_counted() -> None:
 
 def test_line_of_a_chain_has_spans_where_cells_differ(chain: Chain) -> None:
     assert repr(chain).endswith("dashpots 0.6325 and 0 N s/m, friction bound 0…300 N>")
-    assert chain._repr_html_().count("<th>") == 1 + 4 + 8
 
 
 def test_figures_show_the_limits_and_a_period(chain: Chain) -> None:

@@ -1,4 +1,4 @@
-"""What a notebook asks of a dataset: band edges as a table, curves as a figure that can be printed."""
+"""What is asked of a dataset: band edges as a table, curves as a figure that can be printed."""
 
 from pathlib import Path
 
