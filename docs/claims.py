@@ -6,12 +6,12 @@ python docs/claims.py claims.sqlite docs/claims.md mujoco:all:all pybullet:all:a
 import sys
 from pathlib import Path
 
-from engines.interface.variant import variants_named
-from scenarios.runs import TIME_LIMIT
-from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.store import opened_store
-from scenarios.studies.claims import (
+from multibody_xval.engines.interface.variant import variants_named
+from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.studies.claims import (
     CLAIM_COLUMNS,
     LOCKED,
     MOVED,
@@ -22,8 +22,8 @@ from scenarios.studies.claims import (
     farthest_edge,
     sentence,
 )
-from scenarios.studies.figure3 import figure3
-from scenarios.tables import markdown_lines, markdown_list, text_table
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.tables import markdown_lines, markdown_list, text_table
 
 PRESETS = ("default", "recommended", "tuned")
 

@@ -1,12 +1,9 @@
-"""``python -m reports``: the same as ``multibody-xval``, where the first word is no command as its ``report``."""
+"""``python -m multibody_xval``: the same as ``multibody-xval``."""
 
 if __name__ == "__main__":
-    import sys
-
-    from reference_lcp.process import heed_interrupts, refuse_shadows
+    from reference_lcp.process import heed_interrupts
 
     heed_interrupts()
-    refuse_shadows()
-    from reports.cli.console_script import COMMANDS, main
+    from multibody_xval.reports.cli.console_script import main
 
-    main(*([] if sys.argv[1:2] and sys.argv[1] in COMMANDS else ["report"]))
+    main()

@@ -9,26 +9,26 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure as Canvas
 
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.points import edge_table, written
+from multibody_xval.reports.figures.drawing import legend, mathtext
+from multibody_xval.reports.figures.style import COLUMN, PAGE_WIDTH, PRINT_STYLE, RULE, curve_style
+from multibody_xval.reports.figures.transmittance import FREQUENCY_LABEL, LEVEL_LABEL, LOWEST_DB
+from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.progress import ProgressBars
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.sweeps.compared import compare_sweep
+from multibody_xval.scenarios.sweeps.dataset import STATUSES
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants, sweep_of
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
 from reference_lcp.studies.plot import checked_picture_format
-from reports.data.points import edge_table, written
-from reports.figures.drawing import legend, mathtext
-from reports.figures.style import COLUMN, PAGE_WIDTH, PRINT_STYLE, RULE, curve_style
-from reports.figures.transmittance import FREQUENCY_LABEL, LEVEL_LABEL, LOWEST_DB
-from scenarios.runs import TIME_LIMIT
-from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.progress import ProgressBars
-from scenarios.runs.result import ResultStatus
-from scenarios.runs.store import opened_store
-from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.dataset import STATUSES
-from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants, sweep_of
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 EDGE_COLUMNS = ("edge", "frequency_ratio", "absent", "difference", "allowed", "verdict", "outcome", "reason")
 
@@ -40,7 +40,7 @@ PANEL_HEIGHT = 2.0
 
 
 def edges_of(data: xr.Dataset, store: str | Path | None, workers: int | None, time_limit: float | None) -> pd.DataFrame:
-    """Refine both edges of every curve of a dataset; see `reports.band_edges`."""
+    """Refine both edges of every curve of a dataset; see `multibody_xval.band_edges`."""
     known = DatasetResults(data)
     _check_versions(data, known.sweep)
     sweep = known.sweep.with_reference()
@@ -67,7 +67,7 @@ def _check_versions(data: xr.Dataset, sweep: Sweep) -> None:
 
 
 def figure_of(data: xr.Dataset, file: str | Path | None) -> Canvas:
-    """Draw the transmittance of a dataset; see `reports.plot`."""
+    """Draw the transmittance of a dataset; see `multibody_xval.plot`."""
     picture = None if file is None else checked_picture_format(checked_output_file("file", checked_path("file", file)))
     with mpl.rc_context(PRINT_STYLE):
         canvas = _drawn(data)

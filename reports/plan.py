@@ -6,26 +6,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from engines.interface.law import Law
-from engines.interface.presets import Formulation
-from engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
-from engines.shared.law_distance import stepped_by, unclaimed_reason
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.errors import ParameterError
-from reports.data.collect import QUICK, Scope
-from reports.data.options import TITLES
-from scenarios.runs.parameters import ChainRatios
-from scenarios.studies.figure3 import (
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
+from multibody_xval.engines.shared.law_distance import stepped_by, unclaimed_reason
+from multibody_xval.reports.data.collect import QUICK, Scope
+from multibody_xval.reports.data.options import TITLES
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
     default_frequency_ratios,
     figure3,
     quick_frequency_ratios,
 )
-from scenarios.sweeps.run import saved_sweeps
-from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Sweep, check_size
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.scenarios.sweeps.run import saved_sweeps
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.scenarios.sweeps.sweep import Sweep, check_size
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.errors import ParameterError
 
 PROGRAM = ("multibody-xval", "report")
 

@@ -5,9 +5,9 @@ from collections.abc import Iterable
 
 import pytest
 
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import Variant
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.pip_engine import PipEngine
 
 EVERYTHING = "MULTIBODY_XVAL_EVERYTHING"
 """Environment variable: with it, an absent engine fails its tests, unless it comes with an extra of its own."""

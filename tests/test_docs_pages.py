@@ -7,9 +7,9 @@ from types import ModuleType
 
 import pytest
 
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import variants_of
-from reports.cli.console_script import COMMANDS
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import variants_of
+from multibody_xval.reports.cli.console_script import COMMANDS
 
 DOCS = Path(__file__).parents[1] / "docs"
 

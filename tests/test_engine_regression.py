@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.steady_case import EXACT
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / ".ci/engine_regression"

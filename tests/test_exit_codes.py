@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.mujoco import MuJoCo
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 from reference_lcp.errors import ExitCode, ParameterError, RunError
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.spec_file import EXAMPLE
 from tests.scenarios.runs.builders import certified
 from tests.test_help import COMMANDS
 
@@ -124,7 +124,7 @@ def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monke
     def fail() -> None:
         raise problem
 
-    monkeypatch.setattr("reports.cli.run.print_catalogue", fail)
+    monkeypatch.setattr("multibody_xval.reports.cli.run.print_catalogue", fail)
     assert code_of("run") == code
     assert re.fullmatch("error: .+\n", capsys.readouterr().err)
 
@@ -132,7 +132,7 @@ def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monke
 def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "reports", "engines"],
+            [sys.executable, "-m", "multibody_xval", "engines"],
             cwd=ROOT,
             stdout=full,
             stderr=subprocess.PIPE,
@@ -176,7 +176,7 @@ def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(mon
     def faulty(_name: str) -> None:
         raise kind("a\nfault\x1b[2J")
 
-    monkeypatch.setattr("engines.interface.registry.broken_reason", faulty)
+    monkeypatch.setattr("multibody_xval.engines.interface.registry.broken_reason", faulty)
     assert run_command(app, ["engines"]) == ExitCode.UNEXPECTED
     error = capsys.readouterr().err
     line = re.fullmatch(rf"error: a fault of the suite, {kind.__name__}: a fault\\x1b\[2J; details, .*: (\S+)\n", error)

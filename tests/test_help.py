@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.cli import console_script
+from multibody_xval.reports.cli import console_script
 from tests.test_mistakes import COMMAND_LINES
 
 

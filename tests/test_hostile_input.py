@@ -8,12 +8,12 @@ import pytest
 import typer
 
 import reference_lcp.one_call
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import WorkerExecutor
+from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import WorkerExecutor
-from scenarios.sweeps.spec_file import EXAMPLE
 
 LONGEST_LINE = 2000
 """Characters of a message: of what was given, only a part is shown."""

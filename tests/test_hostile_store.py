@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore, key_of
+from multibody_xval.scenarios.runs.task import Task
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore, key_of
-from scenarios.runs.task import Task
 from tests.scenarios.runs.builders import steady
 
 FORGED = "\n## Engine regression: passes\n"

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.catalogue.registry import CATALOGUE
 
 COMMAND_LINES = [
     ("reference --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),

@@ -38,7 +38,7 @@ sys.platform = {system!r}
 sys.argv = ["multibody-xval", *sys.argv[1:]]
 """
 
-MAIN = "from reports.cli.entry_point import main; main()"
+MAIN = "from multibody_xval.reports.cli.entry_point import main; main()"
 
 
 def elsewhere(system: str, code: str, *arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:

@@ -10,20 +10,20 @@ from types import SimpleNamespace
 
 import pytest
 
-from engines import engine
-from engines.interface.variant import Variant
+from multibody_xval.engines import engine
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli import console_script
+from multibody_xval.reports.data.options import TITLES, UNSTEADY, error_text, headlines
+from multibody_xval.reports.data.points import point_table
+from multibody_xval.reports.data.variants import error_table, errors_of
+from multibody_xval.reports.formatting import significant
+from multibody_xval.scenarios.runs.parameters import OperatingPoint
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.studies.accuracy import accuracies
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.studies.headline import HEADLINE_POINTS, headline_points
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
 from reference_lcp.process import run_command
-from reports.cli import console_script
-from reports.data.options import TITLES, UNSTEADY, error_text, headlines
-from reports.data.points import point_table
-from reports.data.variants import error_table, errors_of
-from reports.formatting import significant
-from scenarios.runs.parameters import OperatingPoint
-from scenarios.runs.store import opened_store
-from scenarios.studies.accuracy import accuracies
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.headline import HEADLINE_POINTS, headline_points
-from scenarios.sweeps.compared import ComparedSweep
 from tests.scenarios import in_process
 from tests.test_help import COMMANDS
 
@@ -89,8 +89,8 @@ def test_every_command_is_one_of_the_suite() -> None:
 @pytest.mark.slow
 def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest.CaptureFixture[str]) -> None:
     """In one folder, as a reader would type them; reports have two points, since `.ci/run` writes one with all."""
-    monkeypatch.setattr("reports.plan.QUICK_FRICTION_RATIOS", (0.3,))
-    monkeypatch.setattr("reports.plan.quick_frequency_ratios", lambda _: (0.6, 0.9))
+    monkeypatch.setattr("multibody_xval.reports.plan.QUICK_FRICTION_RATIOS", (0.3,))
+    monkeypatch.setattr("multibody_xval.reports.plan.quick_frequency_ratios", lambda _: (0.6, 0.9))
     monkeypatch.chdir(tmp_path)
     for line in SUITE:
         command, _, file = line.partition(" > ")

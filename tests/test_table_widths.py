@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import app
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
 
 pytestmark = pytest.mark.slow
 

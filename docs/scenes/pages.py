@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from engines.interface import registry
-from engines.interface.variant import FOR_THE_CHAIN, Variant
-from reports.page.sections.scenes import heat_map
-from reports.reproducers.recipe import has_recipe, recipe_text
-from scenarios.catalogue.scenes.table import printed_number
+from multibody_xval.engines.interface import registry
+from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
+from multibody_xval.reports.page.sections.scenes import heat_map
+from multibody_xval.reports.reproducers.recipe import has_recipe, recipe_text
+from multibody_xval.scenarios.catalogue.scenes.table import printed_number
 
 FOLDER = Path(__file__).parent
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

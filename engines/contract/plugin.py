@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from engines.interface.variant import Variant
+    from multibody_xval.engines.interface.variant import Variant
 
 OPTION = "--xval-engine"
 """Names an engine that is held to the contract."""
@@ -27,8 +27,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="with --pyargs engines.contract: hold this engine to the contract, in all its formulations and presets; "
-        "without it, all that are installed",
+        help="with --pyargs multibody_xval.engines.contract: hold this engine to the contract, in all its formulations "
+        "and presets; without it, all that are installed",
     )
 
 
@@ -37,7 +37,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "slow: takes seconds, or is of presets that nobody has named")
     names: list[str] = config.getoption(OPTION)
     for name in names:
-        from engines.interface.registry import engine
+        from multibody_xval.engines.interface.registry import engine
         from reference_lcp.errors import ParameterError
 
         try:
@@ -70,7 +70,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     row may have any direction, ``holding`` the tuned ones with static friction of its own,
     ``installed`` the name of an engine.
     """
-    if metafunc.module.__package__ != "engines.contract":
+    if metafunc.module.__package__ != "multibody_xval.engines.contract":
         return
     for argument, chosen in _cases(tuple(metafunc.config.getoption(OPTION))).items():
         if argument in metafunc.fixturenames:
@@ -80,9 +80,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 @cache
 def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     """Give what each argument stands for, of these engines or, without any, of all that are installed."""
-    from engines.interface.presets import NormalForce
-    from engines.interface.registry import engine, engine_names, law_of
-    from engines.interface.variant import variants_of
+    from multibody_xval.engines.interface.presets import NormalForce
+    from multibody_xval.engines.interface.registry import engine, engine_names, law_of
+    from multibody_xval.engines.interface.variant import variants_of
 
     names = named or [name for name in engine_names() if engine(name).unavailable_reason() is None]
     every = [variant for name in names for variant in variants_of(name, optional=True)]

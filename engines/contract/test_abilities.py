@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from engines.contract.lanes import lane_of, run_of, tolerance_of
-from engines.interface.tolerances import STEPS
-from engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.contract.lanes import lane_of, run_of, tolerance_of
+from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.variant import Variant, variants_of
 from reference_lcp.chain.drives import HarmonicBase, ShakingForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -5,15 +5,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from engines.contract.lanes import (
+from multibody_xval.engines.contract.lanes import (
     lane_of,
     pulse_lane_of,
     random_state,
     run_of,
     tolerance_of,
 )
-from engines.interface.registry import engine, law_of
-from engines.interface.tolerances import (
+from multibody_xval.engines.interface.registry import engine, law_of
+from multibody_xval.engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
     FRICTION_TOLERANCE,
     PULSE_TOLERANCE,
@@ -23,7 +23,7 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, PeriodicOrbit

@@ -6,9 +6,16 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from engines.contract.lanes import drive_of, lane_of, random_state, run_of, tolerance_of, unexplained_impulse
-from engines.interface.presets import FrictionLaw
-from engines.interface.tolerances import (
+from multibody_xval.engines.contract.lanes import (
+    drive_of,
+    lane_of,
+    random_state,
+    run_of,
+    tolerance_of,
+    unexplained_impulse,
+)
+from multibody_xval.engines.interface.presets import FrictionLaw
+from multibody_xval.engines.interface.tolerances import (
     BOUND_MARGIN,
     DISTANCE_GROWTH,
     LINEAR_TOLERANCE_DB,
@@ -18,8 +25,8 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant
-from engines.shared.law_distance import allowed_distance, stepped_by
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import allowed_distance, stepped_by
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain, mechanical_energy

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from engines.exudyn.step_model import (
+from multibody_xval.engines.exudyn.step_model import (
     bristle_numbers,
     bristles_at,
     harmonic_amplitudes,
     reduced_mass,
     zone_widths,
 )
-from engines.interface.presets import Preset
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from engines.exudyn.step_model import bristle, disc, zone
-from engines.interface.presets import Option, Preset
+from multibody_xval.engines.exudyn.step_model import bristle, disc, zone
+from multibody_xval.engines.interface.presets import Option, Preset
 
 OPTIONS = {
     "units": Option.own("SI", "The chain in SI units."),

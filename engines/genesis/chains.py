@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from engines.genesis.presets import CHOICES, OPTIONS
-from engines.interface.presets import Preset
-from engines.mujoco.step_model import WIDTH
+from multibody_xval.engines.genesis.presets import CHOICES, OPTIONS
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.mujoco.step_model import WIDTH
 from reference_lcp.validation import FloatArray
 
 SOLVER_OPTIONS = (

@@ -12,12 +12,12 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.chains import FREE_STRIDE, Scene, chain_model, constraint_parameters
-from engines.genesis.simulation import GenesisSimulation
-from engines.interface.presets import OfStep, Preset
-from engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
-from engines.shared.units import Units, power_of_two
-from engines.shared.worlds_simulation import LanesOfJoints, rub_alike
+from multibody_xval.engines.genesis.chains import FREE_STRIDE, Scene, chain_model, constraint_parameters
+from multibody_xval.engines.genesis.simulation import GenesisSimulation
+from multibody_xval.engines.interface.presets import OfStep, Preset
+from multibody_xval.engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
+from multibody_xval.engines.shared.units import Units, power_of_two
+from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints, rub_alike
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError

@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
-from engines.interface.changed_options import changed_preset
-from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
-from engines.interface.reproducer import Reproducer
-from engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
+from multibody_xval.engines.interface.changed_options import changed_preset
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preparation, Preset
+from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells

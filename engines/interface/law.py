@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.tolerances import STEPS
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 

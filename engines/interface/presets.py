@@ -5,7 +5,7 @@ from dataclasses import InitVar, dataclass, field, replace
 from enum import StrEnum
 from typing import Any, Self
 
-from engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.law import Law, NotModelled
 from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import DEFAULT_RESIDUAL

@@ -6,9 +6,9 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from engines.interface.engine import Engine
-from engines.interface.law import Law
-from engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.errors import ParameterError, checked_choice, text_of
@@ -158,7 +158,7 @@ def _raised(check: Callable[[], None]) -> str | None:
 def _check_engine(registered: Any) -> None:
     """Raise unless this is an engine with capabilities."""
     if not isinstance(registered, Engine):
-        raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of engines.Engine")
+        raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of multibody_xval.Engine")
     if not isinstance(registered.capabilities, Capabilities):
         raise TypeError(f"its capabilities are a {type(registered.capabilities).__name__}; allowed: Capabilities")
     for formulation, presets in registered.capabilities.presets.items():

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from engines.interface.changed_options import value_text
-from engines.interface.presets import Capabilities, Formulation, Preset
-from engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
+from multibody_xval.engines.interface.changed_options import value_text
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preset
+from multibody_xval.engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError, checked_choice
 

@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation, Preset
-from engines.interface.scene import Vector
-from engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
-from engines.isolated.worker import Message
-from engines.shared.units import Units
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.interface.scene import Vector
+from multibody_xval.engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
+from multibody_xval.engines.isolated.worker import Message
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
@@ -178,7 +178,7 @@ class OutOfProcessEngine(Engine):
     """An engine whose lanes live in a worker process; an adapter adds name, capabilities and server."""
 
     server: ClassVar[Path]
-    """File that serves it in another Python; see `engines.isolated.worker`."""
+    """File that serves it in another Python; see `multibody_xval.engines.isolated.worker`."""
     lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
 
     @property

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from engines.isolated.worker import Message, NotAMessage, read_message, write_message
+from multibody_xval.engines.isolated.worker import Message, NotAMessage, read_message, write_message
 from reference_lcp.process import ONE_THREAD
 from reference_lcp.terminal import visible
 

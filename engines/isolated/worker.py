@@ -8,7 +8,7 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
   ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that is a
   scene has ``follow(steps, launch)`` instead, which gives a row a step, see
-  `engines.isolated.out_of_process.ServedScene`.
+  `multibody_xval.engines.isolated.out_of_process.ServedScene`.
 
 A message is a pickled dictionary of the data type, the shape and the bytes of every array: a pickled array would need
 the other side's version of NumPy. An ``npz`` file holds the same, and takes as long as a hundred steps of a fast

@@ -2,10 +2,10 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.contact import compiled_contacts
-from engines.mujoco.joint import compiled_joints
-from engines.mujoco.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.mujoco.contact import compiled_contacts
+from multibody_xval.engines.mujoco.joint import compiled_joints
+from multibody_xval.engines.mujoco.presets import (
     CONTACT_DEFAULT,
     CONTACT_NEWTON,
     CONTACT_RECOMMENDED,
@@ -14,10 +14,10 @@ from engines.mujoco.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.mujoco.reproducer import CONTACT, JOINT
-from engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
-from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.mujoco.reproducer import CONTACT, JOINT
+from multibody_xval.engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
+from multibody_xval.engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
+from multibody_xval.engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
 

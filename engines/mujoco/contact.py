@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec, solref_of
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec, solref_of
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError

@@ -1,8 +1,13 @@
 """MuJoCo's own settings, and the presets that change them."""
 
-from engines.interface.law import NotModelled
-from engines.interface.presets import ACROSS, FREE, HELD, NormalForce, OfStep, Option, Preset
-from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, joint_friction, pyramidal_contact
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, FREE, HELD, NormalForce, OfStep, Option, Preset
+from multibody_xval.engines.mujoco.step_model import (
+    LARGEST_IMPEDANCE,
+    LEAST_IMPEDANCE,
+    joint_friction,
+    pyramidal_contact,
+)
 
 SOLIMP = (LEAST_IMPEDANCE, LARGEST_IMPEDANCE)
 """d_0 and d_max: MuJoCo's own."""

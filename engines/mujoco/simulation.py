@@ -8,9 +8,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.mujoco.joint import CompiledLane
-from engines.shared.coordinates import absolute_coordinates, joint_coordinates
-from engines.shared.worlds_simulation import LanesOfJoints
+from multibody_xval.engines.mujoco.joint import CompiledLane
+from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints
 from reference_lcp.chain.simulation import common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law, NotModelled
-from engines.interface.presets import NormalForce, Preset
-from engines.mujoco.contact import DEPTH, LEAST_COEFFICIENT, TOUCH
-from engines.shared.kernel_lane import Kernel, KernelLane
-from engines.shared.units import power_of_two
+from multibody_xval.engines.interface.law import Constant, Law, NotModelled
+from multibody_xval.engines.interface.presets import NormalForce, Preset
+from multibody_xval.engines.mujoco.contact import DEPTH, LEAST_COEFFICIENT, TOUCH
+from multibody_xval.engines.shared.kernel_lane import Kernel, KernelLane
+from multibody_xval.engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction

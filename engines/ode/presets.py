@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from engines.interface.law import NotModelled
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.ode.step_model import soft_boxes, soft_motors, soft_stops
-from engines.shared.claims import IMPLICIT_SPRINGS, tangents_of_the_world
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.ode.step_model import soft_boxes, soft_motors, soft_stops
+from multibody_xval.engines.shared.claims import IMPLICIT_SPRINGS, tangents_of_the_world
 
 BOUNCE, APPROXIMATION = 0x004, 0x7000
 """Bits of a contact's mode: `ContactBounce`, and `ContactApprox1_1`, `_2` and `_N` of ODE 0.16 together."""

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import Preset
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction

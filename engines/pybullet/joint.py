@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.silence import silent_standard_error
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import ChainCoordinates
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.shared.silence import silent_standard_error
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray

@@ -13,11 +13,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
-from engines.shared.units import Units, power_of_two
-from engines.shared.worlds_simulation import LanesInUnits
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import ChainCoordinates
+from multibody_xval.engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
+from multibody_xval.engines.shared.units import Units, power_of_two
+from multibody_xval.engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.interface.tolerances import SINGLE
-from engines.sapien.joint import SapienLane, import_sapien
-from engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.sapien.joint import SapienLane, import_sapien
+from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

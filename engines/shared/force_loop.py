@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.box_geometry import PLATE, SPACING, PressedBoxes
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.box_geometry import PLATE, SPACING, PressedBoxes
+from multibody_xval.engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.coordinates import JointCoordinates
-from engines.shared.force_loop import LARGEST_MOTION
-from engines.shared.units import Units
-from engines.shared.worlds_simulation import LanesInUnits
+from multibody_xval.engines.shared.coordinates import JointCoordinates
+from multibody_xval.engines.shared.force_loop import LARGEST_MOTION
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, checked_count

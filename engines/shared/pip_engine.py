@@ -6,8 +6,8 @@ from functools import cache
 from importlib import metadata
 from typing import ClassVar
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from engines.shared.silence import silent_standard_error
-from engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.silence import silent_standard_error
+from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.validation import FloatArray
 
 PROCESSOR = "cpu"
@@ -52,7 +52,7 @@ class WarpWorlds(Worlds):
 
     def eager_step(self) -> None:
         """Load, take and record a step, kernel by kernel."""
-        from engines.shared import warp_kernels as kernels
+        from multibody_xval.engines.shared import warp_kernels as kernels
 
         warp = import_warp()
         with warp.ScopedDevice(self._device):

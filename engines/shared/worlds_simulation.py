@@ -7,9 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.coordinates import absolute_coordinates, joint_coordinates
-from engines.shared.units import Units
-from engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.options import Work, check_outs
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.errors import ExitCode
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import visible
-from reports.cli.options import Work, check_outs
-from scenarios.verdicts.thresholds import Thresholds
 
 if TYPE_CHECKING:
-    from reports.export.changes import Regression
-    from scenarios.runs.result import Result
-    from scenarios.runs.task import Task
+    from multibody_xval.reports.export.changes import Regression
+    from multibody_xval.scenarios.runs.result import Result
+    from multibody_xval.scenarios.runs.task import Task
 
 app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_exceptions_enable=False)
 
@@ -75,8 +75,8 @@ def compare(
     Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """
     outs = check_outs(out, ENDINGS, first, second)
-    from reports.export.changes import CHANGE_FORMATS, Regression
-    from scenarios.verdicts.regression import compare_stores
+    from multibody_xval.reports.export.changes import CHANGE_FORMATS, Regression
+    from multibody_xval.scenarios.verdicts.regression import compare_stores
 
     thresholds = Thresholds(decibel, stuck_fraction, transition, motion)
     comparison = compare_stores(first, second, thresholds, _computed if exact else None)
@@ -89,15 +89,15 @@ def compare(
 
 def _computed(tasks: Sequence[Task]) -> list[Result]:
     """Compute exact motions, which are not kept."""
-    from scenarios.verdicts.steady_case import EXACT
+    from multibody_xval.scenarios.verdicts.steady_case import EXACT
 
     with Work().evaluator(None, [EXACT]) as evaluator:
         return evaluator.evaluate(tasks)
 
 
 def _print(regression: Regression) -> None:
-    from reports.export.changes import PRINTED_COLUMNS, counted_by_variant, identities
-    from scenarios import tables
+    from multibody_xval.reports.export.changes import PRINTED_COLUMNS, counted_by_variant, identities
+    from multibody_xval.scenarios import tables
 
     for line in (*counted_by_variant(regression.comparison), *identities(regression.comparison)):
         print(visible(line))

@@ -1,8 +1,4 @@
-"""``multibody-xval``: every command of the suite.
-
-``python -m reports`` finds a file ``reports.py`` of the folder that it is typed in before it finds the package; a
-console script does not look there.
-"""
+"""``multibody-xval``: every command of the suite."""
 
 import importlib
 import sys
@@ -27,7 +23,7 @@ COMMANDS = {
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
 }
-"""The module of `reports.cli` that has each command, and what the command does in a sentence."""
+"""The module of `multibody_xval.reports.cli` that has each command, and what the command does in a sentence."""
 
 
 class HelpAlone(TyperGroup):
@@ -61,7 +57,7 @@ class CommandsOnUse(HelpAlone):
 @cache  # that of `run` takes longer to make than its help to print
 def loaded(name: str | None) -> Any:
     """Import a command of `COMMANDS`: one of its module, or the only one that this has."""
-    module = importlib.import_module(f"reports.cli.{COMMANDS[str(name)][0]}")
+    module = importlib.import_module(f"multibody_xval.reports.cli.{COMMANDS[str(name)][0]}")
     command: Any = typer.main.get_command(module.app)
     return getattr(command, "commands", {}).get(name, command)
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from engines.completion import complete_variant
+from multibody_xval.engines.completion import complete_variant
+from multibody_xval.reports.cli.options import NAME_METAVAR
 from reference_lcp.terminal import print_table, visible
-from reports.cli.options import NAME_METAVAR
 
 if TYPE_CHECKING:
-    from engines.interface.law import Law
-    from engines.interface.variant import Variant
+    from multibody_xval.engines.interface.law import Law
+    from multibody_xval.engines.interface.variant import Variant
 
 app = typer.Typer(name="multibody-xval engines", add_completion=False, pretty_exceptions_enable=False)
 
@@ -30,7 +30,7 @@ def engines(
     """
     if context.invoked_subcommand is not None:
         return
-    from engines.interface.registry import registered_names
+    from multibody_xval.engines.interface.registry import registered_names
 
     rows = [described(name) for name in registered_names()]
     if as_json:
@@ -58,8 +58,8 @@ def law(
 
     Example: multibody-xval engines law mujoco:joint:default
     """
-    from engines.interface.law import NotModelled
-    from engines.interface.variant import Variant
+    from multibody_xval.engines.interface.law import NotModelled
+    from multibody_xval.engines.interface.variant import Variant
 
     variant = Variant.parse(name)
     stated = variant.preset.stated_law()
@@ -77,7 +77,7 @@ def law(
 
 def _measured(variant: Variant, law: Law) -> str:
     """Compare a period of engine and law at the points where the law claims to hold."""
-    from engines.shared.law_distance import difference_in_words, figure3_lanes
+    from multibody_xval.engines.shared.law_distance import difference_in_words, figure3_lanes
 
     bound = f"allowed {law.period_bound:g} U0: {law.bound_reason}"
     missing = variant.unavailable_reason
@@ -93,7 +93,7 @@ def _measured(variant: Variant, law: Law) -> str:
 
 def described(name: str) -> dict[str, Any]:
     """Describe one engine as plain data, ready for JSON; of a broken one, without its capabilities."""
-    from engines.interface.registry import broken_reason, engine
+    from multibody_xval.engines.interface.registry import broken_reason, engine
 
     broken = broken_reason(name)
     if broken is not None:

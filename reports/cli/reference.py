@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from multibody_xval.reports.cli.options import grouped
 from reference_lcp import defaults
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
 from reference_lcp.errors import ExitCode
 from reference_lcp.output import checked_output_file
 from reference_lcp.terminal import announce_compilation, print_table
-from reports.cli.options import grouped
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from engines.completion import complete_variant
-from reports.cli.options import NAME_METAVAR, Limit, Store, Work
-from scenarios.runs import TIME_LIMIT
+from multibody_xval.engines.completion import complete_variant
+from multibody_xval.reports.cli.options import NAME_METAVAR, Limit, Store, Work
+from multibody_xval.scenarios.runs import TIME_LIMIT
 
 app = typer.Typer(name="multibody-xval reproduce", add_completion=False, pretty_exceptions_enable=False)
 
@@ -43,8 +43,8 @@ def reproduce(
 
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
-    from engines.interface.variant import check_installed
-    from reports.reproducers.scene_script import reproduction, reproduction_script
+    from multibody_xval.engines.interface.variant import check_installed
+    from multibody_xval.reports.reproducers.scene_script import reproduction, reproduction_script
 
     shown = reproduction(variant, scenario, case)
     check_installed(shown.variant.engine, shown.variant.unavailable_reason)

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
+from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import print_table, tracked, visible
-from reports.cli.options import Engines, Store, Work, check_outs, grouped
-from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 
 if TYPE_CHECKING:
-    from engines.interface.variant import Variant
-    from reports.figures.drawing import Drawing
-    from scenarios.catalogue.verdict_table import Results
-    from scenarios.runs.evaluator import Evaluator
-    from scenarios.studies.claims import Conclusions
-    from scenarios.tables import Column, Row
+    from multibody_xval.engines.interface.variant import Variant
+    from multibody_xval.reports.figures.drawing import Drawing
+    from multibody_xval.scenarios.catalogue.verdict_table import Results
+    from multibody_xval.scenarios.runs.evaluator import Evaluator
+    from multibody_xval.scenarios.studies.claims import Conclusions
+    from multibody_xval.scenarios.tables import Column, Row
 
 RECORD = "record"
 """The scenario whose base follows a file."""
@@ -162,11 +162,11 @@ def _judge(
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
     outs = check_outs(verdicts.out, ENDINGS, verdicts.store, record)
-    from scenarios.catalogue.base import run_with_predictions
-    from scenarios.catalogue.registry import CATALOGUE
-    from scenarios.catalogue.transient.record import Record
-    from scenarios.catalogue.verdict_table import VERDICT_FORMATS
-    from scenarios.verdicts.finding import failures
+    from multibody_xval.scenarios.catalogue.base import run_with_predictions
+    from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+    from multibody_xval.scenarios.catalogue.transient.record import Record
+    from multibody_xval.scenarios.catalogue.verdict_table import VERDICT_FORMATS
+    from multibody_xval.scenarios.verdicts.finding import failures
 
     asked = list(CATALOGUE.values()) if ALL_SCENARIOS in names else [CATALOGUE[name] for name in dict.fromkeys(names)]
     options = [] if verdicts.run else ["--no-run"]
@@ -191,11 +191,17 @@ def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, the matrix of several, laws, and what fails."""
     from rich.console import Console
 
-    from scenarios import tables
-    from scenarios.catalogue.scenes.base import SceneScenario
-    from scenarios.catalogue.scenes.table import scene_table
-    from scenarios.catalogue.verdict_table import details, finding_table, law_in_words, matrix, verdict_table
-    from scenarios.verdicts.finding import engine_failures, failures
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
+    from multibody_xval.scenarios.catalogue.scenes.table import scene_table
+    from multibody_xval.scenarios.catalogue.verdict_table import (
+        details,
+        finding_table,
+        law_in_words,
+        matrix,
+        verdict_table,
+    )
+    from multibody_xval.scenarios.verdicts.finding import engine_failures, failures
 
     console = Console()
     for scenario, findings in results.items():
@@ -218,8 +224,8 @@ def print_results(results: Results) -> None:
 
 def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclusions]:
     """Answer the paper's claims for the reference and variants."""
-    from scenarios.studies.claims import evaluated_conclusions
-    from scenarios.studies.figure3 import figure3
+    from multibody_xval.scenarios.studies.claims import evaluated_conclusions
+    from multibody_xval.scenarios.studies.figure3 import figure3
 
     evaluator.stage("the paper's claims")
     return evaluated_conclusions(figure3(variants), variants, evaluator)
@@ -227,8 +233,8 @@ def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclu
 
 def print_claims(concluded: Sequence[Conclusions]) -> None:
     """Print the answers to the paper's claims, and what decides them; nothing where there are none."""
-    from scenarios import tables
-    from scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
 
     if concluded:
         print("\nThe paper's claims, and lower edges η_r by friction ratio:")
@@ -257,8 +263,8 @@ def accuracy(
 
     Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
     """
-    from scenarios.studies import accuracy as study
-    from scenarios.verdicts.steady_case import EXACT
+    from multibody_xval.scenarios.studies import accuracy as study
+    from multibody_xval.scenarios.verdicts.steady_case import EXACT
 
     variants = engines.variants()
     check_outs([out], TABLE_ENDINGS, store)
@@ -280,7 +286,12 @@ def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: 
 
     Example: multibody-xval run laws --engine mujoco --out laws.md
     """
-    from scenarios.studies.law_agreement import LAW_COLUMNS, beside_the_reference, law_agreements, law_document
+    from multibody_xval.scenarios.studies.law_agreement import (
+        LAW_COLUMNS,
+        beside_the_reference,
+        law_agreements,
+        law_document,
+    )
 
     shown = beside_the_reference(engines.variants())
     check_outs([out], TABLE_ENDINGS, store)
@@ -317,11 +328,11 @@ def work_precision(
 
     Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
     """
+    from multibody_xval.scenarios.studies import work_precision as study
+    from multibody_xval.scenarios.studies.figure3 import figure3
+    from multibody_xval.scenarios.verdicts.steady_case import EXACT
     from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
     from reference_lcp.validation import MOST_STEPS, checked_count
-    from scenarios.studies import work_precision as study
-    from scenarios.studies.figure3 import figure3
-    from scenarios.verdicts.steady_case import EXACT
 
     chosen = steps or study.USUAL_STEPS
     counts = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in chosen})
@@ -335,7 +346,7 @@ def work_precision(
         _write_table(file, study.WORK_COLUMNS, points, study.document(points, command))
     charts = [each for each in outs if each.suffix in CHART_ENDINGS]
     if charts:
-        from reports.figures.errors import curves, speed_figure
+        from multibody_xval.reports.figures.errors import curves, speed_figure
 
         _write_charts(charts, speed_figure(curves(points)))
 
@@ -356,11 +367,11 @@ def proofs(
     Example: multibody-xval run proofs --sample 20
     """
     check_outs([out], (".csv",))
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.catalogue import proofs as study
+    from multibody_xval.scenarios.verdicts.proven import DIGITS
     from reference_lcp.defaults import PROOF_TIME_LIMIT
     from reference_lcp.exact.proof.prove import check_request
-    from scenarios import tables
-    from scenarios.catalogue import proofs as study
-    from scenarios.verdicts.proven import DIGITS
 
     tasks = study.chosen_tasks(sample, seed)
     check_request(DIGITS, PROOF_TIME_LIMIT)
@@ -402,7 +413,7 @@ def recipes(
     Example: multibody-xval run recipes --engine mujoco
     """
     check_outs([out], TABLE_ENDINGS, store)
-    from scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
+    from multibody_xval.scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
 
     recommended = named_recipes(chosen or [])
     with work.evaluator(store, recommended) as evaluator:
@@ -419,7 +430,7 @@ def _end(
     remarks: Sequence[str] = (),
 ) -> None:
     """Print a table with remarks, and write it: as a document, only the table if there is none, or in full as CSV."""
-    from scenarios import tables
+    from multibody_xval.scenarios import tables
 
     text = tables.text_table(printed, rows)
     tables.print_table(text)
@@ -432,7 +443,7 @@ def _end(
 
 def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row], document: str) -> None:
     """Write a table in full as CSV, or else a document with it."""
-    from scenarios.tables import csv_text, full_table
+    from multibody_xval.scenarios.tables import csv_text, full_table
 
     write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)
 

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.options import Work, check_outs, grouped, opened
+from multibody_xval.scenarios.sweeps import UNCONFIRMED_POINTS
 from reference_lcp.terminal import print_table, visible
-from reports.cli.options import Work, check_outs, grouped, opened
-from scenarios.sweeps import UNCONFIRMED_POINTS
 
 if TYPE_CHECKING:
-    from scenarios.sweeps.point import Point
-    from scenarios.sweeps.run import SweepSummary
-    from scenarios.sweeps.sweep import Sweep
+    from multibody_xval.scenarios.sweeps.point import Point
+    from multibody_xval.scenarios.sweeps.run import SweepSummary
+    from multibody_xval.scenarios.sweeps.sweep import Sweep
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -34,7 +34,7 @@ def example() -> None:
 
     Example: multibody-xval example > sweep.toml
     """
-    from scenarios.sweeps.spec_file import EXAMPLE
+    from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 
     print(EXAMPLE, end="")
 
@@ -65,11 +65,11 @@ def sweep(
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """
     work.check(run=run)
-    from scenarios.runs.store import existing_store
-    from scenarios.sweeps.dataset import sweep_dataset, write_dataset
-    from scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
-    from scenarios.sweeps.spec_file import read_sweep
-    from scenarios.sweeps.sweep import check_size, size_text
+    from multibody_xval.scenarios.runs.store import existing_store
+    from multibody_xval.scenarios.sweeps.dataset import sweep_dataset, write_dataset
+    from multibody_xval.scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
+    from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+    from multibody_xval.scenarios.sweeps.sweep import check_size, size_text
 
     planned = read_sweep(file)
     whole = out is not None or planned.tolerance is not None  # all results are in memory together
@@ -95,7 +95,7 @@ def sweep(
 
 def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
     """Print how the points of every variant ended, the periods that they took, and every reason once."""
-    from scenarios.sweeps.dataset import STATUSES
+    from multibody_xval.scenarios.sweeps.dataset import STATUSES
 
     rows = []
     for variant in sweep.variants:
@@ -113,8 +113,8 @@ def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
 
 def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
     """Print how every variant compares with the reference, if the file has a tolerance for it."""
-    from scenarios.sweeps.run import compared_points
-    from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+    from multibody_xval.scenarios.sweeps.run import compared_points
+    from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 
     if sweep.tolerance is None:
         return

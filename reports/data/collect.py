@@ -6,17 +6,22 @@ from dataclasses import dataclass, replace
 
 import xarray as xr
 
-from engines.interface.variant import Variant
-from reports.data.catalogue import catalogue_outcomes, scene_numbers
-from reports.data.report import Report
-from reports.data.stick_slip import CasePoint
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.parameters import ChainRatios, OperatingPoint
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies.claims import Conclusions, compared_conclusions, evaluated_conclusions, led_claims_sweep
-from scenarios.studies.friction_map import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import catalogue_outcomes, scene_numbers
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.data.stick_slip import CasePoint
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.parameters import ChainRatios, OperatingPoint
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.studies.claims import (
+    Conclusions,
+    compared_conclusions,
+    evaluated_conclusions,
+    led_claims_sweep,
+)
+from multibody_xval.scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
     QUICK_MAP_FREQUENCY_RATIOS,
@@ -24,22 +29,22 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
-from scenarios.studies.headline import headline_points, headline_sweep, headline_tasks
-from scenarios.studies.response import ONE_CELL, response_curves
-from scenarios.studies.work_precision import (
+from multibody_xval.scenarios.studies.headline import headline_points, headline_sweep, headline_tasks
+from multibody_xval.scenarios.studies.response import ONE_CELL, response_curves
+from multibody_xval.scenarios.studies.work_precision import (
     STUDY_STEPS,
     coarse_steps,
     exact_step_tasks,
     step_tasks,
     thrifty_step_study,
 )
-from scenarios.sweeps.checks import LEAST_POINTS, check_starts
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
-from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
-from scenarios.sweeps.point import Point, tasks_of
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
-from scenarios.verdicts.steady_case import CONVERGED, EXACT
+from multibody_xval.scenarios.sweeps.checks import LEAST_POINTS, check_starts
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
+from multibody_xval.scenarios.sweeps.point import Point, tasks_of
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
 
 RECORDED_POINTS = (OperatingPoint(0.3, 0.9), OperatingPoint(1.0, 0.9))
 """Points whose period is recorded in full: where contacts stick for part of the period."""

@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from engines.interface.variant import Variant
-from reports.data.variants import Errors
-from reports.formatting import MISSING, significant
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.variants import Errors
+from multibody_xval.reports.formatting import MISSING, significant
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 TITLES = {"default": "as installed", "recommended": "recommended", "tuned": "tuned"}
 """Presets that README, page and terminal compare, and what they are called there."""

@@ -8,25 +8,25 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from reports.data.catalogue import Outcomes
-from reports.data.options import Headline, headlines
-from reports.data.points import by_variant, edge_table, point_table
-from reports.data.provenance import provenance
-from reports.data.stick_slip import CasePoint, stick_slip_rows
-from reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import ResultStatus
-from scenarios.studies.claims import Conclusions
-from scenarios.studies.friction_map import FrictionMap
-from scenarios.studies.response import Curves
-from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.checks import Check
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import Outcomes
+from multibody_xval.reports.data.options import Headline, headlines
+from multibody_xval.reports.data.points import by_variant, edge_table, point_table
+from multibody_xval.reports.data.provenance import provenance
+from multibody_xval.reports.data.stick_slip import CasePoint, stick_slip_rows
+from multibody_xval.reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.studies.claims import Conclusions
+from multibody_xval.scenarios.studies.friction_map import FrictionMap
+from multibody_xval.scenarios.studies.response import Curves
+from multibody_xval.scenarios.studies.work_precision import StepPoint
+from multibody_xval.scenarios.sweeps.checks import Check
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 
 @dataclass(frozen=True)

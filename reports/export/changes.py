@@ -8,11 +8,20 @@ from typing import Any
 
 import pandas as pd
 
-from scenarios.runs.result import ResultStatus
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
-from scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
-from scenarios.verdicts.stored import StoredResult
-from scenarios.verdicts.thresholds import Thresholds
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.tables import (
+    Column,
+    csv_text,
+    full_table,
+    json_text,
+    markdown_lines,
+    markdown_list,
+    records,
+    text_table,
+)
+from multibody_xval.scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
+from multibody_xval.scenarios.verdicts.stored import StoredResult
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 
 MOST_SHOWN = 10
 """Points that a summary shows; the others follow, folded."""

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import xarray as xr
 
+from multibody_xval.reports.data.points import edge_table
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.export.tables import table_files
+from multibody_xval.reports.page.render import FIGURES, TABLES, page, sections
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
+from multibody_xval.scenarios.sweeps.truths import with_truth_variables
 from reference_lcp.output import write_whole
-from reports.data.points import edge_table
-from reports.data.report import Report
-from reports.export.tables import table_files
-from reports.page.render import FIGURES, TABLES, page, sections
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.truths import with_truth_variables
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
@@ -54,7 +54,7 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
 def report_dataset(result: ComparedSweep) -> xr.Dataset:
     """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
-    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db``,
+    Beside what `multibody_xval.scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db``,
     ``truth_exact`` and ``truth_proven``, along the axes; ``error_db``, of every variant from the truth;
     ``band_edge`` and ``band_edge_difference`` in η_r, along ``edge``; NaN where there is no number.
     """

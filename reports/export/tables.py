@@ -2,11 +2,11 @@
 
 import pandas as pd
 
-from reports.data.catalogue import Outcome, Outcomes
-from reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, transition_table, written
-from reports.data.report import Report
-from scenarios.studies.work_precision import STEP_COLUMNS
-from scenarios.tables import csv_text, full_table, json_text, records
+from multibody_xval.reports.data.catalogue import Outcome, Outcomes
+from multibody_xval.reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, transition_table, written
+from multibody_xval.reports.data.report import Report
+from multibody_xval.scenarios.studies.work_precision import STEP_COLUMNS
+from multibody_xval.scenarios.tables import csv_text, full_table, json_text, records
 
 HEADLINE_COLUMNS = (
     "frequency_ratio", "steps_per_period", "status", "transmittance_db", "truth_db", "truth_error_db", "error_db",

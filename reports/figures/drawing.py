@@ -15,8 +15,8 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from reports.figures.style import BLANK, LINE, PAGE_WIDTH, PRINT_STYLE
-from reports.formatting import ratio
+from multibody_xval.reports.figures.style import BLANK, LINE, PAGE_WIDTH, PRINT_STYLE
+from multibody_xval.reports.formatting import ratio
 
 CANVASES = {
     "svg": (FigureCanvasSVG, ("Creator", "Date", "Format", "Type")),

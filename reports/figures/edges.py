@@ -6,11 +6,11 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.axes import Axes
 
-from reports.data.points import by_variant
-from reports.data.report import Report
-from reports.figures.drawing import Drawing, legend, set_difference_axis, set_ticks, small_multiples
-from reports.figures.style import GREY, PRINT_STYLE, RULE, by_panel, compared_variants, preset_style
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.reports.data.points import by_variant
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing, legend, set_difference_axis, set_ticks, small_multiples
+from multibody_xval.reports.figures.style import GREY, PRINT_STYLE, RULE, by_panel, compared_variants, preset_style
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 LINEAR = 1e-4
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""

@@ -12,12 +12,11 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from engines.interface.variant import Variant
-from reference_lcp.validation import FloatArray
-from reports.data.points import by_variant
-from reports.data.variants import Errors
-from reports.figures.drawing import Drawing, hatched, legend, place_of, set_ticks, small_multiples
-from reports.figures.style import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.points import by_variant
+from multibody_xval.reports.data.variants import Errors
+from multibody_xval.reports.figures.drawing import Drawing, hatched, legend, place_of, set_ticks, small_multiples
+from multibody_xval.reports.figures.style import (
     COLUMN,
     GREY,
     MAP,
@@ -28,12 +27,13 @@ from reports.figures.style import (
     preset_style,
     preset_title,
 )
-from reports.formatting import ratio
-from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.truths import WRONG_DB
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.scenarios.studies.work_precision import StepPoint
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from reference_lcp.validation import FloatArray
 
 LIMIT: dict[str, Any] = {**RULE, "linestyle": "--"}
 

@@ -10,17 +10,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import file_name
+from multibody_xval.reports.data.stick_slip import CasePoint
+from multibody_xval.reports.figures.drawing import Drawing, legend, set_ticks, small_multiples
+from multibody_xval.reports.figures.style import GREY, PRINT_STYLE, by_panel, preset_style
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.validation import FloatArray
-from reports.data.descriptions import file_name
-from reports.data.stick_slip import CasePoint
-from reports.figures.drawing import Drawing, legend, set_ticks, small_multiples
-from reports.figures.style import GREY, PRINT_STYLE, by_panel, preset_style
-from reports.formatting import ratio
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result
-from scenarios.verdicts.steady_case import REFERENCE
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
 """Dark, light and middle: distinguishable in grey and by colour-blind readers."""

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from engines.interface.variant import Variant
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 COLUMN = 3.5
 """Width of one column of a journal [inch]."""

@@ -10,13 +10,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
-from engines.interface.variant import Variant
-from reference_lcp.validation import FloatArray
-from reports.data.descriptions import file_name, named_axes
-from reports.data.report import Report
-from reports.figures.drawing import Drawing, hatched, legend, mathtext, set_difference_axis, small_multiples
-from reports.figures.style import (
+from multibody_xval.engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import file_name, named_axes
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import (
+    Drawing,
+    hatched,
+    legend,
+    mathtext,
+    set_difference_axis,
+    small_multiples,
+)
+from multibody_xval.reports.figures.style import (
     COLUMN,
     GREY,
     MAP,
@@ -27,11 +33,12 @@ from reports.figures.style import (
     curve_style,
     preset_style,
 )
-from reports.formatting import ratio
-from scenarios.runs.result import ResultStatus
-from scenarios.studies.friction_map import FrictionMap
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.studies.friction_map import FrictionMap
+from multibody_xval.scenarios.sweeps.sweep import Case, Sweep
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from reference_lcp.validation import FloatArray
 
 FREQUENCY_LABEL = "frequency ratio η_r = ω/ω_r [-]"
 FRICTION_LABEL = "friction ratio μλ̃_N [-]"

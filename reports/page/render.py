@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from reports.data.report import Report
-from reports.figures.drawing import Drawing
-from reports.figures.stick_slip import MODE_COLOURS
-from reports.figures.style import BLANK, INK, LINE, PAGE_WIDTH, PALETTE, PAPER, SOFT
-from reports.formatting import environment
-from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
-from reports.page.sections import FIRST_SECTIONS, LAST_SECTIONS
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.stick_slip import MODE_COLOURS
+from multibody_xval.reports.figures.style import BLANK, INK, LINE, PAGE_WIDTH, PALETTE, PAPER, SOFT
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.page.section import SUITE_TEMPLATES, Section, registered_sections
+from multibody_xval.reports.page.sections import FIRST_SECTIONS, LAST_SECTIONS
 
 FIGURES = "figures"
 """Folder of the figures, beside the page."""

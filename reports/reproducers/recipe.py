@@ -4,14 +4,14 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation, OfStep, Preset
-from engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation, OfStep, Preset
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.reproducers.script import beside
+from multibody_xval.scenarios.catalogue.scenes.base import COMMON_STEP
+from multibody_xval.scenarios.catalogue.scenes.recipes import NOTHING_TO_RECOMMEND
 from reference_lcp.errors import ParameterError, checked_choice
-from reports.formatting import environment
-from reports.reproducers.script import beside
-from scenarios.catalogue.scenes.base import COMMON_STEP
-from scenarios.catalogue.scenes.recipes import NOTHING_TO_RECOMMEND
 
 TEMPLATE = "recipe.jinja"
 """File beside an adapter. It reads the options that the presets ``recommended`` change, as texts by name, in

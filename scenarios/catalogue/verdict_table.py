@@ -9,12 +9,21 @@ from functools import partial
 
 import pandas as pd
 
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
-from scenarios.catalogue.base import Scenario
-from scenarios.runs.task import versions_of
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
-from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.runs.task import versions_of
+from multibody_xval.scenarios.tables import (
+    Column,
+    csv_text,
+    full_table,
+    json_text,
+    markdown_lines,
+    markdown_list,
+    records,
+    text_table,
+)
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
 
 Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""

@@ -6,10 +6,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
 from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
 
 _EMPTY = np.empty((0, 0))
 

@@ -9,12 +9,12 @@ from typing import Annotated, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
+from multibody_xval.scenarios.runs.parameters import first_error
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError, shortened
 from reference_lcp.observables.stick_slip import Mode, TimedTransition, TransitionMatch, match_transitions
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE
 from reference_lcp.terminal import visible
-from scenarios.runs.parameters import first_error
 
 LONGEST_REASON = 500
 """Characters of a reason: an engine may put a whole state into the text of an error."""

@@ -15,11 +15,11 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
 
+from multibody_xval.scenarios.runs.recorded import ARRAYS
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
+from multibody_xval.scenarios.runs.scratch import Closing, ScratchFolder
+from multibody_xval.scenarios.runs.task import SOME, Recorded, SteadyStateTask, Task, key_of, unsourced_key
 from reference_lcp.errors import ParameterError, RunError, checked_path
-from scenarios.runs.recorded import ARRAYS
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.scratch import Closing, ScratchFolder
-from scenarios.runs.task import SOME, Recorded, SteadyStateTask, Task, key_of, unsourced_key
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""

@@ -11,17 +11,17 @@ from typing import Annotated, Any, Self
 from pydantic import TypeAdapter
 from pydantic_core import to_json
 
-from engines.interface.presets import Preset
-from engines.interface.registry import LAW_SUFFIX, engine, law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.registry import LAW_SUFFIX, engine, law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio, left_out
+from multibody_xval.scenarios.runs.sources import sources_of
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from reference_lcp.terminal import visible
-from scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio, left_out
-from scenarios.runs.sources import sources_of
 
 RESULT_FORMAT = 4
 """Increased when the meaning of a result changes: results of other formats are not taken from a store."""
@@ -128,7 +128,7 @@ class Recorded(StrEnum):
 
     NOTHING = ""
     PERIOD = "period"
-    """The last period in full, see `scenarios.runs.recorded`."""
+    """The last period in full, see `multibody_xval.scenarios.runs.recorded`."""
     LAW = "law"
     """A period of the engine and of its law from the same state, to which the law leads from rest, and nothing else:
     ``distance``, the largest difference of positions, and ``reference``, that of the engine from the reference, both

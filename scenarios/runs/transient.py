@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from multibody_xval.scenarios.runs.failures import CheckedSimulation, results_together
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
+from multibody_xval.scenarios.runs.transient_task import TransientTask
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
-from scenarios.runs.failures import CheckedSimulation, results_together
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.transient_task import TransientTask
 
 AT_REST = 0.01
 """A contact has come to rest when the two masses stay this near to where they end, over F / k_i.

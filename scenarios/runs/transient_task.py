@@ -9,7 +9,9 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator
 
-from engines.interface.presets import Formulation, NormalForce
+from multibody_xval.engines.interface.presets import Formulation, NormalForce
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Ratio, left_out
+from multibody_xval.scenarios.runs.task import ChainTask
 from reference_lcp.chain.drives import HarmonicForce, MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import CONSTANT
@@ -19,8 +21,6 @@ from reference_lcp.chain.transient import RecordedBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT, LARGEST_PHASE_STEP
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
-from scenarios.runs.parameters import ChainRatios, Ratio, left_out
-from scenarios.runs.task import ChainTask
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
 """Where a motion may start, always from rest.
@@ -34,7 +34,7 @@ SERIES = {
     "decay": ("rest", "offsets", "swing", "energy"),
     "slip": ("slip", "slip_velocity", "slid"),
 }
-"""Names of the series by what is recorded of a motion: see `scenarios.runs.transient`."""
+"""Names of the series by what is recorded of a motion: see `multibody_xval.scenarios.runs.transient`."""
 
 RECORDED = tuple(SERIES)
 

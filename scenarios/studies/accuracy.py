@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import Excitation, OperatingPoint
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
+from multibody_xval.scenarios.tables import Column, markdown_lines, markdown_list, text_table
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE
+from multibody_xval.scenarios.verdicts.judge import metric_difference
+from multibody_xval.scenarios.verdicts.proven import with_proven_level
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD, STICK_SLIP_POINTS
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import Excitation, OperatingPoint
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
-from scenarios.tables import Column, markdown_lines, markdown_list, text_table
-from scenarios.verdicts.finding import TRANSMITTANCE
-from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.proven import with_proven_level
-from scenarios.verdicts.steady_case import EXACT
 
 ACCURACY_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
 ACCURACY_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from itertools import groupby
 from statistics import median
 
-from engines.interface.variant import Variant
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import Excitation, OperatingPoint
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
-from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
-from scenarios.tables import Column, markdown_lines, markdown_list, text_table
-from scenarios.verdicts.proven import with_proven_level
-from scenarios.verdicts.steady_case import EXACT
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import Excitation, OperatingPoint
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
+from multibody_xval.scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
+from multibody_xval.scenarios.tables import Column, markdown_lines, markdown_list, text_table
+from multibody_xval.scenarios.verdicts.proven import with_proven_level
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 
 FINEST_STEPS = (3200, 6400)
 """Steps a period that are worth their time only where the error still falls with the step."""

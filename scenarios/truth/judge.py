@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from multibody_xval.scenarios.truth.problem import Problem
 from reference_lcp.errors import ParameterError, checked_path, shown
 from reference_lcp.validation import FloatArray, checked_scalar
-from truth.problem import Problem
 
 SAME_TIME = 1e-3
 """Part of a step by which a row may be beside its time: what moves by it is far below what a step may be off."""

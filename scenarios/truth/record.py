@@ -1,4 +1,4 @@
-"""``python -m truth.record``: the problems, and their files with the exact motions.
+"""``python -m multibody_xval.scenarios.truth.record``: the problems, and their files with the exact motions.
 
 Motions are those of `EventDrivenSystem`, without a time step; transmittances, phases and transitions of steady states
 are proven in ball arithmetic. Numbers of a file are rounded to its uncertainty.
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from multibody_xval.scenarios.truth.problem import FORMAT, GROUND, Problem
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.exact.event_driven_system import EventDrivenSystem
@@ -22,7 +23,6 @@ from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.prove import ProvenSteadyState, prove
 from reference_lcp.lcp.systems import simulate_system
 from reference_lcp.validation import FloatArray
-from truth.problem import FORMAT, GROUND, Problem
 
 FOLDER = Path(__file__).parent
 

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, phase_reader
+from multibody_xval.scenarios.verdicts.judge import metric_difference
+from multibody_xval.scenarios.verdicts.stored import Compute, StoredResult, StoredTruth, read_all, truths_of
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.verdicts.finding import TRANSMITTANCE, phase_reader
-from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.stored import Compute, StoredResult, StoredTruth, read_all, truths_of
-from scenarios.verdicts.thresholds import Thresholds
 
 NUMBERS = (
     "transmittance_db", "phase", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap",

@@ -5,19 +5,19 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Modulation, Ratio
+from multibody_xval.scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import Comparison, Verdict
+from multibody_xval.scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, friction_effect, missing
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import TimedTransition
 from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
-from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
-from scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.finding import Comparison, Verdict
-from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, friction_effect, missing
 
 REFERENCE = Variant("reference")
 

@@ -8,14 +8,14 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import first_error
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import ResultStore, existing_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, REFERENCE
 from reference_lcp.errors import ParameterError
-from scenarios.runs.parameters import first_error
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import ResultStore, existing_store
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, REFERENCE
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import engine
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.shared.pip_engine import PipEngine
 from tests.installed import each_engine
 from tests.quiet_python import python_in
 
@@ -14,8 +14,8 @@ STOPS = ("drake", "exudyn-regularised", "exudyn-bristle")
 
 PROGRAM = """
 import sys
-from engines.interface.registry import engine
-from engines.interface.variant import variants_of
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import variants_of
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import lane_of, unstable_lane
 assert {module!r} not in sys.modules

@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from engines.contract.lanes import lane_of, modulated_lane, pulse_lane_of, random_lanes, scaled_state
-from engines.interface.variant import Variant, variants_named
+from multibody_xval.engines.contract.lanes import lane_of, modulated_lane, pulse_lane_of, random_lanes, scaled_state
+from multibody_xval.engines.interface.variant import Variant, variants_named
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -19,28 +19,28 @@ from unittest.mock import patch
 import numpy as np
 from reports.cards.card import card
 
-from engines.interface import registry
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import variants_named
+from multibody_xval.engines.interface import registry
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import variants_named
+from multibody_xval.reports.data.collect import Scope, collect
+from multibody_xval.reports.export.files import report_dataset
+from multibody_xval.reports.export.tables import table_files
+from multibody_xval.reports.plan import planned_report
+from multibody_xval.reports.reproducers.questions import QUESTIONS
+from multibody_xval.reports.reproducers.script import checked, has_reproducer, script
+from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
+from multibody_xval.scenarios.catalogue.verdict_table import finding_table
+from multibody_xval.scenarios.runs import task
+from multibody_xval.scenarios.runs.evaluator import StoredResults
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Task, unsourced_key
+from multibody_xval.scenarios.studies.accuracy import accuracies
+from multibody_xval.scenarios.sweeps.run import saved_sweeps
 from reference_lcp.errors import ParameterError
-from reports.data.collect import Scope, collect
-from reports.export.files import report_dataset
-from reports.export.tables import table_files
-from reports.plan import planned_report
-from reports.reproducers.questions import QUESTIONS
-from reports.reproducers.script import checked, has_reproducer, script
-from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.base import SceneScenario
-from scenarios.catalogue.verdict_table import finding_table
-from scenarios.runs import task
-from scenarios.runs.evaluator import StoredResults
-from scenarios.runs.executor import run_batch
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Task, unsourced_key
-from scenarios.studies.accuracy import accuracies
-from scenarios.sweeps.run import saved_sweeps
 
 FOLDER = Path(__file__).parent
 STORE = FOLDER / "store.sqlite.xz"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import Drive, HarmonicForce, MovingBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from engines.interface.engine import Engine
-from engines.interface.law import Law, NotModelled
-from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
-from engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
+from multibody_xval.engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.schemes.euler import euler_simulation

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.wide_range import LONG_USE, MANY_RUNS
+from multibody_xval.engines.shared.wide_range import LONG_USE, MANY_RUNS
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory

@@ -7,8 +7,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from engines.interface.presets import NormalForce
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.presets import NormalForce
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction

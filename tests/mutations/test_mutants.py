@@ -5,12 +5,18 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.contract.lanes import lane_of, modulated_lane, random_lanes, scaled_state
-from engines.interface.presets import NormalForce
-from engines.interface.registry import default_engine_names, engine, engine_names, law_of, registered_names
-from engines.interface.tolerances import STEPS
-from engines.interface.variant import Variant, variants_named
-from engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS
+from multibody_xval.engines.contract.lanes import lane_of, modulated_lane, random_lanes, scaled_state
+from multibody_xval.engines.interface.presets import NormalForce
+from multibody_xval.engines.interface.registry import (
+    default_engine_names,
+    engine,
+    engine_names,
+    law_of,
+    registered_names,
+)
+from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.variant import Variant, variants_named
+from multibody_xval.engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.errors import ParameterError

@@ -7,14 +7,14 @@ from xml.etree import ElementTree
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.store import opened_store
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.compared import compare_sweep
-from scenarios.verdicts.finding import Finding, failures
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.compared import compare_sweep
+from multibody_xval.scenarios.verdicts.finding import Finding, failures
 from tests.mutations.catalogue import MUTANTS
 from tests.scenarios.in_process import evaluator
 
@@ -137,7 +137,7 @@ def broken_clauses(install, tmp_path_factory: pytest.TempPathFactory) -> set[str
     variants = [*wrong(CONTRACT + ELSEWHERE), *sound(CONTRACT + ELSEWHERE)]
     names = [option for variant in variants for option in ("--xval-engine", variant.engine)]
     options = ["-q", "-p", "no:cacheprovider", "--override-ini=addopts=", "--tb=no", f"--junitxml={file}"]
-    command = [sys.executable, "-m", "pytest", "--pyargs", "engines.contract", *options, *names]
+    command = [sys.executable, "-m", "pytest", "--pyargs", "multibody_xval.engines.contract", *options, *names]
     done = subprocess.run(command, env=install("mutations").environment, capture_output=True, text=True, check=False)
     assert done.returncode == pytest.ExitCode.TESTS_FAILED, done.stdout[-1000:] + done.stderr[-1000:]
     cases = ElementTree.parse(file).getroot().iter("testcase")

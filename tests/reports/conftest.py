@@ -12,26 +12,26 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
-from engines.interface.variant import Variant
-from reports import dataset
-from reports.data.report import Report
-from reports.data.variants import Errors
-from reports.export.files import files_of
-from scenarios import functions
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.friction_map import FrictionMap
-from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.attenuation_band import Crossing, Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge, compare_edge
-from scenarios.sweeps.point import Point, judged
-from scenarios.sweeps.sweep import Case, refinements
-from scenarios.sweeps.truths import with_truths
-from scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports import dataset
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.data.variants import Errors
+from multibody_xval.reports.export.files import files_of
+from multibody_xval.scenarios import functions
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.studies.friction_map import FrictionMap
+from multibody_xval.scenarios.studies.work_precision import StepPoint
+from multibody_xval.scenarios.sweeps.attenuation_band import Crossing, Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.edges import BandEdge, compare_edge
+from multibody_xval.scenarios.sweeps.point import Point, judged
+from multibody_xval.scenarios.sweeps.sweep import Case, refinements
+from multibody_xval.scenarios.sweeps.truths import with_truths
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -134,7 +134,9 @@ def result() -> ComparedSweep:
         tuple(edge_of(v, f, edge) for v in asked.variants for f in FRICTION_RATIOS for edge in Edge),
         dict.fromkeys(asked.cases, (eta, curve)),
     )
-    with patch("scenarios.sweeps.truths.proven_level", return_value=None):  # of this chain all numbers are invented
+    with patch(
+        "multibody_xval.scenarios.sweeps.truths.proven_level", return_value=None
+    ):  # of this chain all numbers are invented
         return with_truths(compared, ExactMotion())
 
 

@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 
 from multibody_xval import ParameterError, band_edges, plot, report, sweep
-from reports.data.stick_slip import stick_slip_places
-from scenarios.sweeps.compared import judged_points
-from scenarios.sweeps.dataset_reader import DatasetResults
+from multibody_xval.reports.data.stick_slip import stick_slip_places
+from multibody_xval.scenarios.sweeps.compared import judged_points
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults
 
 FRICTIONS = [0.15, 0.25]
 """Those of no point at which every report compares modes."""

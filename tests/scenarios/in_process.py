@@ -3,13 +3,13 @@
 import dataclasses
 from collections.abc import Mapping
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario, run_with_predictions
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
 from reference_lcp import Chain, CompiledSimulation
-from scenarios.catalogue.base import Scenario, run_with_predictions
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.store import opened_store
-from scenarios.verdicts.finding import Finding, Verdict
 
 
 def evaluator(store) -> Evaluator:

@@ -5,11 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from reference_lcp.defaults import STICK_SLIP_POINTS
-from reports.data.descriptions import named_axes
-from reports.figures.drawing import Drawing
-from reports.figures.errors import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import named_axes
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.errors import (
     HIGHEST_DB,
     LOWEST_DB,
     curves,
@@ -18,10 +17,11 @@ from reports.figures.errors import (
     unsteady,
     work_precision_figures,
 )
-from reports.page.section import Section
-from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
-from scenarios.sweeps.truths import WRONG_DB
-from scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.reports.page.section import Section
+from multibody_xval.scenarios.studies.work_precision import FINEST_STEPS, StepPoint
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from reference_lcp.defaults import STICK_SLIP_POINTS
 
 MOST_MAPS = 24
 """Variants whose maps are drawn, those that are farthest from the truth; the files hold the numbers of all."""

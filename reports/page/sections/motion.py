@@ -3,16 +3,15 @@
 from functools import cached_property
 from typing import Any
 
-from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
-from engines.interface.variant import Variant
-from reference_lcp.observables.stick_slip import MATCHING_WINDOW
-from reports.data.descriptions import axis_name
-from reports.data.points import rows_of
-from reports.data.stick_slip import CasePoint, points_at, stick_slip_places
-from reports.figures.drawing import Drawing
-from reports.figures.edges import edge_forest
-from reports.figures.stick_slip import hysteresis, raster
-from reports.figures.transmittance import (
+from multibody_xval.engines.interface.tolerances import CONVERGED_TOLERANCE_DB
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import axis_name
+from multibody_xval.reports.data.points import rows_of
+from multibody_xval.reports.data.stick_slip import CasePoint, points_at, stick_slip_places
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.edges import edge_forest
+from multibody_xval.reports.figures.stick_slip import hysteresis, raster
+from multibody_xval.reports.figures.transmittance import (
     FIGURE3,
     LINEAR_DB,
     LOWEST_DB,
@@ -23,12 +22,13 @@ from reports.figures.transmittance import (
     panel,
     responses,
 )
-from reports.formatting import ratio
-from reports.page.section import Section
-from scenarios.runs.result import Result
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.reports.page.section import Section
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from reference_lcp.observables.stick_slip import MATCHING_WINDOW
 
 MOST_PANELS = 24
 """Cases that the page shows, so that it stays small enough to be sent; the files hold all of them."""

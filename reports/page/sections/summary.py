@@ -4,19 +4,19 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from engines.interface.registry import engine
-from reports.data.descriptions import axis_name, drive_description
-from reports.data.finding import finding
-from reports.data.options import TITLES, Headline, by_engine
-from reports.figures.chain_drawing import chain_drawing
-from reports.figures.drawing import Drawing
-from reports.figures.errors import installed_figure
-from reports.formatting import fixed, ratio
-from reports.page.section import Section
-from reports.reproducers.recipe import code_lines, has_recipe, recipe_text
-from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
-from scenarios.sweeps.truths import WRONG_DB
-from scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.reports.data.descriptions import axis_name, drive_description
+from multibody_xval.reports.data.finding import finding
+from multibody_xval.reports.data.options import TITLES, Headline, by_engine
+from multibody_xval.reports.figures.chain_drawing import chain_drawing
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.errors import installed_figure
+from multibody_xval.reports.formatting import fixed, ratio
+from multibody_xval.reports.page.section import Section
+from multibody_xval.reports.reproducers.recipe import code_lines, has_recipe, recipe_text
+from multibody_xval.scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
 
 LINES_TO_PASTE = 2
 """Lines of a recipe that stand beside its engine; the others are folded."""

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from engines.pybullet import PyBullet
-from engines.pybullet.joint import import_pybullet
+from multibody_xval.engines.pybullet import PyBullet
+from multibody_xval.engines.pybullet.joint import import_pybullet
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -63,7 +63,7 @@ def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
 
 
 def test_the_reason_for_a_missing_package_names_the_python_versions(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.shared.pip_engine.importlib.util.find_spec", lambda _: None)
+    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.importlib.util.find_spec", lambda _: None)
     reason = PyBullet().unavailable_reason()
     assert reason is not None
     assert "CPython 3.11" in reason

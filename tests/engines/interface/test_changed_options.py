@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.interface.changed_options import _ReadOptions, changed_preset
-from engines.interface.engine import sample_lane
-from engines.interface.law import Law, NotModelled
-from engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
-from engines.interface.registry import engine
-from engines.interface.variant import Variant, variants_named
+from multibody_xval.engines.interface.changed_options import _ReadOptions, changed_preset
+from multibody_xval.engines.interface.engine import sample_lane
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant, variants_named
+from multibody_xval.scenarios.runs.task import SteadyStateTask, options_of
+from multibody_xval.scenarios.sweeps.dataset import description_of
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
-from scenarios.runs.task import SteadyStateTask, options_of
-from scenarios.sweeps.dataset import description_of
 from tests.installed import each_variant
 
 

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from engines import engine, engine_names
-from engines.interface.registry import default_engine_names
-from engines.interface.variant import Variant
-from engines.isolated import out_of_process
+from multibody_xval.engines import engine, engine_names
+from multibody_xval.engines.interface.registry import default_engine_names
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.isolated import out_of_process
 from reference_lcp import ParameterError
 
 WITHOUT_WHEEL = {"pybullet"} if sys.version_info >= (3, 12) else set()

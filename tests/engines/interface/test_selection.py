@@ -2,10 +2,10 @@
 
 import pytest
 
-from engines.interface.engine import Engine
-from engines.interface.registry import engine
-from engines.interface.variant import variants_named
-from engines.mujoco import MuJoCo
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import variants_named
+from multibody_xval.engines.mujoco import MuJoCo
 from reference_lcp.errors import ParameterError
 
 

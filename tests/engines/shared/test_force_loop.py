@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from engines.interface.presets import Option, Preset
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
-from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
+from multibody_xval.engines.interface.presets import Option, Preset
+from multibody_xval.engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
+from multibody_xval.engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import (
     AMPLITUDE,

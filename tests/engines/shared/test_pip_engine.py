@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
-from engines import engine, engine_names
-from engines.mujoco import MuJoCo
-from engines.pinocchio import Pinocchio
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines import engine, engine_names
+from multibody_xval.engines.mujoco import MuJoCo
+from multibody_xval.engines.pinocchio import Pinocchio
+from multibody_xval.engines.shared.pip_engine import PipEngine
 
 PROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())["project"]
 
@@ -25,7 +25,7 @@ PROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text
 def test_another_version_is_a_reason_with_those_that_the_adapter_takes(
     engine: PipEngine, version: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("engines.shared.pip_engine.installed_version", lambda _: version)
+    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.installed_version", lambda _: version)
     package, allowed = engine.capabilities.package, engine.versions
     lacking = f"{package} {version} is installed, and its adapter takes {allowed}; pip install "
     assert str(engine.unavailable_reason()).startswith(lacking)
@@ -34,7 +34,7 @@ def test_another_version_is_a_reason_with_those_that_the_adapter_takes(
 @pytest.mark.needs("mujoco")
 @pytest.mark.parametrize("version", ["3.3.6", "3.17.0", "4.0.0", "4.1.0rc1"])
 def test_a_version_that_the_adapter_takes_is_no_reason(version: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.shared.pip_engine.installed_version", lambda _: version)
+    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.installed_version", lambda _: version)
     assert MuJoCo().unavailable_reason() is None
 
 

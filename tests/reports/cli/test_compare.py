@@ -10,28 +10,28 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface import variant
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface import variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.export.changes import Regression, changes_markdown
+from multibody_xval.scenarios.runs import task
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.steady import run_steady_states
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
+from multibody_xval.scenarios.runs.transient_task import Block, BlockTask
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
+from multibody_xval.scenarios.verdicts.stored import StoredResult
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.errors import ExitCode
 from reference_lcp.one_call import exact_steady_state
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from reports.export.changes import Regression, changes_markdown
-from scenarios.runs import task
-from scenarios.runs.result import Result
-from scenarios.runs.steady import run_steady_states
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
-from scenarios.runs.transient_task import Block, BlockTask
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
-from scenarios.verdicts.steady_case import CONVERGED, EXACT
-from scenarios.verdicts.stored import StoredResult
-from scenarios.verdicts.thresholds import Thresholds
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 
@@ -82,7 +82,7 @@ def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatc
     return file
 
 
-PROVEN = "scenarios.verdicts.stored.proven_level"
+PROVEN = "multibody_xval.scenarios.verdicts.stored.proven_level"
 
 
 @pytest.fixture(autouse=True)

@@ -5,12 +5,12 @@ import re
 
 import pytest
 
-from engines.interface.law import Law
-from engines.interface.registry import engine_names
-from engines.mujoco import MuJoCo
-from engines.pybullet import PyBullet
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import engine_names
+from multibody_xval.engines.mujoco import MuJoCo
+from multibody_xval.engines.pybullet import PyBullet
+from multibody_xval.reports.cli.engines import app
 from reference_lcp.process import run_command
-from reports.cli.engines import app
 
 
 def printed_by(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:

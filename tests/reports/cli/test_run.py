@@ -9,13 +9,12 @@ from types import MappingProxyType
 
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from reports.cli.run import print_claims
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.verdict_table import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.run import print_claims
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.verdict_table import (
     FINDING_COLUMNS,
     VERDICT_FORMATS,
     details,
@@ -25,10 +24,11 @@ from scenarios.catalogue.verdict_table import (
     verdict_document,
     verdict_table,
 )
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies.claims import Band, Conclusions, answers
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.studies.claims import Band, Conclusions, answers
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
+from reference_lcp.process import run_command
 
 PITCH = Metric("pitch", "Hz", "how high it is")
 RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset_name="default"), Variant("siconos")
@@ -142,7 +142,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
     ],
 )
 def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, message) -> None:
-    monkeypatch.setattr("scenarios.catalogue.base.run_with_predictions", None)
+    monkeypatch.setattr("multibody_xval.scenarios.catalogue.base.run_with_predictions", None)
     assert run_command(app, arguments) == 2
     assert message in capsys.readouterr().err
 
@@ -235,7 +235,7 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
 def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install, tmp_path: Path) -> None:
     out = tmp_path / "verdicts.json"
     printed = install("mutations").run(
-        "-m", "reports", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
+        "-m", "multibody_xval", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
     )
     assert "unmodelled:" in printed
     found = json.loads(out.read_text())["findings"]

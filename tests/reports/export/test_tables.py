@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.export.files import report_dataset, write_all
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.point import Truth
+from multibody_xval.scenarios.sweeps.truths import with_recorded_truths
 from reference_lcp.errors import ParameterError
-from reports.data.report import Report
-from reports.export.files import report_dataset, write_all
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.point import Truth
-from scenarios.sweeps.truths import with_recorded_truths
 from tests.reports.conftest import CONVERGED_ERROR, STEP_ERROR
 
 COLUMNS = {
@@ -183,7 +183,9 @@ def test_a_dataset_holds_the_truth_and_gives_it_back(report: Report, monkeypatch
     assert all(truth.exact for truth in read.values())
     off = data.error_db.sel(variant="mujoco", friction_ratio=0.0, frequency_ratio=0.9)
     assert float(off) == pytest.approx(0.03 + STEP_ERROR + CONVERGED_ERROR, abs=1e-12)
-    monkeypatch.setattr("scenarios.sweeps.truths.proven_level", lambda _: None)  # all numbers here are invented
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.sweeps.truths.proven_level", lambda _: None
+    )  # all numbers here are invented
     assert not any(truth.exact for truth in with_recorded_truths(bare, report_dataset(bare), sweep).truths.values())
     with pytest.raises(ParameterError, match="truth_error_db"):
         with_recorded_truths(bare, data.drop_vars("truth_error_db"), sweep)

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reports.data.points import point_table
-from reports.data.report import Report
-from reports.figures.errors import HIGHEST_DB, LOWEST_DB, error_map_figure, error_maps, unsteady
-from reports.page.sections import ErrorMaps
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.reports.data.points import point_table
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.errors import HIGHEST_DB, LOWEST_DB, error_map_figure, error_maps, unsteady
+from multibody_xval.reports.page.sections import ErrorMaps
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from tests.reports.conftest import CONVERGED_ERROR, GRID, OFF, RUNS, STEP_ERROR
 
 ERROR = STEP_ERROR + CONVERGED_ERROR

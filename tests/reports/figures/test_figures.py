@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from engines.interface.variant import Variant
-from reports.data.report import Report
-from reports.figures.drawing import Drawing, mathtext
-from reports.figures.stick_slip import CORNER, MODE_COLOURS, corners, phases
-from reports.figures.style import GREY, PALETTE, by_panel
-from reports.figures.transmittance import MOST_CURVES, _curves
-from reports.page.render import sections
-from reports.page.sections import StickSlip
-from scenarios.runs.result import Result
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing, mathtext
+from multibody_xval.reports.figures.stick_slip import CORNER, MODE_COLOURS, corners, phases
+from multibody_xval.reports.figures.style import GREY, PALETTE, by_panel
+from multibody_xval.reports.figures.transmittance import MOST_CURVES, _curves
+from multibody_xval.reports.page.render import sections
+from multibody_xval.reports.page.sections import StickSlip
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 RGB = tuple[float, float, float]
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.lines import Line2D
 
-from engines.interface.variant import Variant
-from reports.figures.errors import curves, speed_figure
-from scenarios.studies.work_precision import PRINTED_COLUMNS, StepPoint
-from scenarios.tables import full_table
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.figures.errors import curves, speed_figure
+from multibody_xval.scenarios.studies.work_precision import PRINTED_COLUMNS, StepPoint
+from multibody_xval.scenarios.tables import full_table
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 OFF = Variant("mujoco", "joint", "default")
 POINTS = [

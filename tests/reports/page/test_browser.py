@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from reports.export.files import write_all
+from multibody_xval.reports.export.files import write_all
 
 pytestmark = pytest.mark.slow
 

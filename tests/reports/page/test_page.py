@@ -8,29 +8,29 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from reports.data.descriptions import band_definition, compared_with
-from reports.data.finding import finding
-from reports.data.options import error_text, headlines
-from reports.data.points import absent_edge
-from reports.data.report import Report, counted
-from reports.data.stick_slip import stick_slip_rows
-from reports.export.files import FILES, files_of
-from reports.figures.style import INK
-from reports.page.render import LARGEST_PAGE, sections
-from reports.page.sections.verdicts import OpenPoints, Verdicts
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.studies.claims import Band, Conclusions, answers
-from scenarios.studies.figure3 import FRICTION_RATIOS, figure3
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge, compare_edge
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
-from scenarios.verdicts.judge import missing
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import band_definition, compared_with
+from multibody_xval.reports.data.finding import finding
+from multibody_xval.reports.data.options import error_text, headlines
+from multibody_xval.reports.data.points import absent_edge
+from multibody_xval.reports.data.report import Report, counted
+from multibody_xval.reports.data.stick_slip import stick_slip_rows
+from multibody_xval.reports.export.files import FILES, files_of
+from multibody_xval.reports.figures.style import INK
+from multibody_xval.reports.page.render import LARGEST_PAGE, sections
+from multibody_xval.reports.page.sections.verdicts import OpenPoints, Verdicts
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.studies.claims import Band, Conclusions, answers
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS, figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.edges import BandEdge, compare_edge
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
+from multibody_xval.scenarios.verdicts.judge import missing
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.reports.conftest import made_errors
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")

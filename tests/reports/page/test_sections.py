@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 
-from reports.data.report import Report
-from reports.figures.drawing import Drawing
-from reports.page import section as parts
-from reports.page.render import page, sections
-from reports.page.section import ENTRY_POINT_GROUP, Section
-from reports.page.sections import OpenPoints
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.page import section as parts
+from multibody_xval.reports.page.render import page, sections
+from multibody_xval.reports.page.section import ENTRY_POINT_GROUP, Section
+from multibody_xval.reports.page.sections import OpenPoints
 
 TEMPLATE = "<p>{{ count }} points & {{ name }}</p>{{ figure('residuals') }}"
 

@@ -2,16 +2,22 @@
 
 import pytest
 
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import GENERAL, Variant
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import GENERAL, Variant
+from multibody_xval.reports.cli.reproduce import app
+from multibody_xval.reports.reproducers.scene_script import (
+    ON_A_PLANE,
+    SCENES,
+    checked_scene,
+    has_scene_script,
+    scene_script,
+)
+from multibody_xval.reports.reproducers.script import LONGEST_LINE, MOST_LINES
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.store import opened_store
 from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
-from reports.cli.reproduce import app
-from reports.reproducers.scene_script import ON_A_PLANE, SCENES, checked_scene, has_scene_script, scene_script
-from reports.reproducers.script import LONGEST_LINE, MOST_LINES
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.store import opened_store
 from tests.reports.reproducers.test_reproducers import (
     DIGITS,
     Hostile,

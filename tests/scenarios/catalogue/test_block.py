@@ -6,19 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block import breakaway, static_hold
+from multibody_xval.scenarios.catalogue.block.base import STANDARD_GRAVITY
+from multibody_xval.scenarios.catalogue.block.breakaway import Breakaway
+from multibody_xval.scenarios.catalogue.block.published import VALUE, Published, targets
+from multibody_xval.scenarios.catalogue.block.static_hold import CREEP, Ratchet, StaticHold
+from multibody_xval.scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.runs.transient_task import Block
+from multibody_xval.scenarios.verdicts.finding import Verdict
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.block import breakaway, static_hold
-from scenarios.catalogue.block.base import STANDARD_GRAVITY
-from scenarios.catalogue.block.breakaway import Breakaway
-from scenarios.catalogue.block.published import VALUE, Published, targets
-from scenarios.catalogue.block.static_hold import CREEP, Ratchet, StaticHold
-from scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
-from scenarios.runs.transient import run_transients
-from scenarios.runs.transient_task import Block
-from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.scenarios.in_process import deviating, findings, misread_the_chain, press_harder, rub_harder
 
 MUJOCO, SOFT = Variant("mujoco"), Variant("mujoco", "joint", "default")

@@ -6,20 +6,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engines.contract.lanes import modulated_lane
-from engines.interface.law import Law
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.contract.lanes import modulated_lane
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue import motion
+from multibody_xval.scenarios.catalogue.block.breakaway import Breakaway
+from multibody_xval.scenarios.catalogue.block.direction import Direction
+from multibody_xval.scenarios.catalogue.block.static_hold import StaticHold
+from multibody_xval.scenarios.catalogue.block.stopping_distance import StoppingDistance
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask, law_identity
+from multibody_xval.scenarios.runs.transient_task import BlockTask, TransientTask
+from multibody_xval.scenarios.verdicts.finding import Prediction
 from reference_lcp.chain.trajectory import Trajectory
-from scenarios.catalogue import motion
-from scenarios.catalogue.block.breakaway import Breakaway
-from scenarios.catalogue.block.direction import Direction
-from scenarios.catalogue.block.static_hold import StaticHold
-from scenarios.catalogue.block.stopping_distance import StoppingDistance
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Recorded, SteadyStateTask, law_identity
-from scenarios.runs.transient_task import BlockTask, TransientTask
-from scenarios.verdicts.finding import Prediction
 from tests.scenarios.in_process import evaluator
 
 FREE = Variant("mujoco", "contact", "default")
@@ -118,7 +118,7 @@ def test_a_block_at_rest_sinks_to_where_four_edges_carry_a_quarter_of_its_load_e
 @pytest.mark.parametrize("seed", range(20))
 def test_edges_press_or_let_go_whatever_the_load(seed) -> None:
     """0 <= p ⟂ E y + o + R p >= 0 at random loads, masses and coefficients of friction."""
-    from engines.mujoco.step_model import COUPLING, IMPULSE, write_edge_impulses
+    from multibody_xval.engines.mujoco.step_model import COUPLING, IMPULSE, write_edge_impulses
 
     rng = np.random.default_rng(seed)
     slope, softness = rng.uniform(0.05, 2.0), 10 ** rng.uniform(-6, 1)
@@ -213,7 +213,9 @@ def test_results_of_a_law_are_not_taken_for_those_of_another(monkeypatch) -> Non
         return [task.content() for task in (by_law, period, by_engine)]
 
     before = contents()
-    monkeypatch.setattr("scenarios.runs.task.law_of", lambda _: replace(law, formula=law.formula + ", otherwise"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.runs.task.law_of", lambda _: replace(law, formula=law.formula + ", otherwise")
+    )
     after = contents()
     monkeypatch.undo()
     law_identity.cache_clear()

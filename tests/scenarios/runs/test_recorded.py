@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.steady.orbits import periodic_orbits
-from scenarios.runs.executor import run_batch
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result
-from scenarios.runs.task import Recorded, SteadyStateTask
 from tests.scenarios.runs.builders import steady
 
 

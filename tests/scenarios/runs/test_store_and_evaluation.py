@@ -5,20 +5,20 @@ from contextlib import closing
 
 import pytest
 
-from engines.interface import variant
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface import variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs import evaluator as evaluation
+from multibody_xval.scenarios.runs import local_processes
+from multibody_xval.scenarios.runs import store as store_file
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor, run_batch
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
 from reference_lcp import ParameterError
-from scenarios.runs import evaluator as evaluation
-from scenarios.runs import local_processes
-from scenarios.runs import store as store_file
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor, run_batch
-from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Recorded, SteadyStateTask
 from tests.scenarios.runs.builders import Invented, certified, numbers, steady
 
 

@@ -10,25 +10,25 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios import sweep
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs import store as store_file
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.recorded import ARRAYS
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Recorded
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.sweeps.dataset import SWEEP
+from multibody_xval.scenarios.sweeps.run import saved_sweeps
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.stored import read_all
 from reference_lcp import ParameterError
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios import sweep
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs import store as store_file
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.recorded import ARRAYS
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Recorded
-from scenarios.runs.transient_task import TransientTask
-from scenarios.sweeps.dataset import SWEEP
-from scenarios.sweeps.run import saved_sweeps
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.stored import read_all
 from tests.scenarios.runs.builders import certified, steady
 
 PAGE, COUNT_OF_PAGES = 4096, 28

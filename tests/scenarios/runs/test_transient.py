@@ -5,7 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import RESULT_FORMAT, SteadyStateTask
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.runs.transient_task import SHAPES, TransientTask, initial_positions
 from reference_lcp import (
     FilteredNoise,
     HarmonicBase,
@@ -19,14 +27,6 @@ from reference_lcp import (
 )
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.observables.transmittance import transient_transmissibility
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import run_batch
-from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask
-from scenarios.runs.transient import run_transients
-from scenarios.runs.transient_task import SHAPES, TransientTask, initial_positions
 from tests.scenarios.runs.builders import steady
 
 SMALL = ChainRatios(cells=2)

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.studies.accuracy import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.studies.accuracy import (
     ACCURACY_COLUMNS,
     ACCURACY_POINTS,
     Accuracy,
@@ -19,7 +19,7 @@ from scenarios.studies.accuracy import (
     error_db,
     remark,
 )
-from scenarios.tables import csv_text, full_table
+from multibody_xval.scenarios.tables import csv_text, full_table
 
 VARIANT = Variant("mujoco")
 EXACT = Result(

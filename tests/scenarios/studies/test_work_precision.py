@@ -7,17 +7,15 @@ from typing import Any
 
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp import Chain, exact_steady_state
-from reference_lcp.defaults import EXACT_RESIDUAL
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor, run_batch
-from scenarios.runs.parameters import Excitation
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
-from scenarios.studies.accuracy import ORDER_STEPS
-from scenarios.studies.work_precision import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor, run_batch
+from multibody_xval.scenarios.runs.parameters import Excitation
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
+from multibody_xval.scenarios.studies.accuracy import ORDER_STEPS
+from multibody_xval.scenarios.studies.work_precision import (
     FINEST_STEPS,
     PRINTED_COLUMNS,
     STUDY_STEPS,
@@ -29,8 +27,10 @@ from scenarios.studies.work_precision import (
     step_tasks,
     thrifty_step_study,
 )
-from scenarios.tables import text_table
-from scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.tables import text_table
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from reference_lcp import Chain, exact_steady_state
+from reference_lcp.defaults import EXACT_RESIDUAL
 from tests.scenarios.runs.builders import certified
 
 REFERENCE = Variant("reference")
@@ -51,7 +51,7 @@ def store(tmp_path: Path):
 @pytest.fixture
 def nothing_proven(monkeypatch: pytest.MonkeyPatch) -> None:
     """The exact level is invented."""
-    monkeypatch.setattr("scenarios.studies.work_precision.with_proven_level", lambda _, result: result)
+    monkeypatch.setattr("multibody_xval.scenarios.studies.work_precision.with_proven_level", lambda _, result: result)
 
 
 def answer(steps: int, **more: object) -> Result:

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.truth import judged, problem_named, problems, read_motion
 from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.systems import simulate_system
-from truth import judged, problem_named, problems, read_motion
 
 
 @cache

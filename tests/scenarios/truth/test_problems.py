@@ -10,6 +10,12 @@ import jsonschema
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.truth import problem_named, problems
+from multibody_xval.scenarios.truth.problem import Problem, problem_of
+from multibody_xval.scenarios.truth.record import FOLDER, OPERATING_POINTS, completed, drafts, text_of
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
@@ -18,12 +24,6 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.lcp.systems import simulate_system
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.steady_case import EXACT
-from truth import problem_named, problems
-from truth.problem import Problem, problem_of
-from truth.record import FOLDER, OPERATING_POINTS, completed, drafts, text_of
 
 FILES = sorted((FOLDER / "problems").glob("*.json"))
 CHAINS = [name for name in problems() if name.startswith("chain")]

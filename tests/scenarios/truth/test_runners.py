@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from truth import problems
-from truth.record import FOLDER
+from multibody_xval.scenarios.truth import problems
+from multibody_xval.scenarios.truth.record import FOLDER
 
 RUNNERS = FOLDER / "runners"
 FILES = sorted((FOLDER / "problems").glob("*.json"))

@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import pytest
 
-from engines.interface.registry import law_of
-from engines.interface.tolerances import STEPS
-from engines.interface.variant import Variant
-from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.steady.unit_cell import UnitCell
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Prediction, Verdict
-from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.scenarios.catalogue.steady.unit_cell import UnitCell
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 from tests.scenarios.in_process import evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
