@@ -59,13 +59,6 @@ class Engine(ABC):
         """Version of the Python that the engine runs in; adapters override it where that is not this one."""
         return platform.python_version()
 
-    def versioned(self, version: str) -> "Engine":
-        """Refuse ``NAME@VERSION``: a version is whatever is installed beside the suite."""
-        raise ParameterError(
-            f"engine = {shown(f'{self.name}@{version}')} is unknown; allowed: {self.name}, as installed; for another "
-            "version install it with the suite in a virtual environment, and compare what --store keeps there"
-        )
-
     @property
     def states_laws_of(self) -> str:
         """Name of the engine whose laws its presets state: its own, but for copies of another engine."""
