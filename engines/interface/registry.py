@@ -216,8 +216,8 @@ def engine(name: str) -> Engine:
     versioned, at, _ = name.partition("@")
     if at and versioned in _entry_points():
         raise ParameterError(
-            f"engine = {shown(name)} is unknown; allowed: {versioned}, as installed; for another version install it with "
-            "the suite in a virtual environment, and compare what --store keeps there"
+            f"engine = {shown(name)} is unknown; allowed: {versioned}, as installed; for another "
+            "version install it with the suite in a virtual environment, and compare what --store keeps there"
         )
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
