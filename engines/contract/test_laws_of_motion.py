@@ -139,12 +139,14 @@ def test_cells_without_friction_feel_none(tested: Variant) -> None:
 
 
 def test_friction_stays_within_its_bound(tested: Variant) -> None:
-    """|λ_T| <= μ λ_N, in stick and in slip."""
+    """|λ_T| <= μ λ_N, in stick and in slip; of a preset that says why it may pass that, in the mean over a period."""
     lane = lane_of(0.3, 0.6)
     run = run_of(tested, lane, random_state(1), STEPS)
-    bound = lane.chain.friction_coefficient * run.normal_force
+    friction, bound = np.abs(run.friction), lane.chain.friction_coefficient * run.normal_force
+    if tested.preset.passes_bound:
+        friction, bound = np.mean(friction, axis=0), np.mean(bound, axis=0)
     margin = 1 + BOUND_MARGIN[tested.capabilities.precision]
-    assert np.all(np.abs(run.friction) <= margin * bound), "friction passes its bound"
+    assert np.all(friction <= margin * bound), "friction passes its bound"
 
 
 def test_friction_acts_on_the_inner_mass_against_its_slip(tested: Variant) -> None:
