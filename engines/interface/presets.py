@@ -115,7 +115,7 @@ class Preset:
     """Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
     friction of a sliding contact only tends to its bound."""
     passes_bound: str = ""
-    """Why its friction may pass μ λ_N for a part of the time, as by the damping of a bristle; empty where it may not."""
+    """Why its friction may pass μ λ_N for some time, as by the damping of a bristle; empty where it may not."""
     normal_force: NormalForce = NormalForce.CONSTANT
     """How the normal force may change in time."""
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
