@@ -1,198 +1,258 @@
-"""What the suite says of a store that an earlier version of it wrote: every task that commands ask for, every file.
+"""Numbers of the whole suite at fixed operating points, as CSV files: what a change of the code must leave as it is.
 
-``python -m tests.golden.record STORE --out FOLDER`` writes the outputs of any store into a folder, so that two work
-trees can be compared byte by byte. ``python -m tests.golden.record`` writes `EXPECTED` anew; that changes the contract.
+``python -m tests.golden.record FOLDER --store FILE`` computes them with every engine that is installed, in an hour or
+two, and goes on where it was stopped; ``--engine NAME`` and ``--part NAME`` choose. Compare two folders with
+``python -m tests.golden.compare BEFORE NOW``.
+
+``points.csv`` has the operating points: points of the usual grids, points off them, long and lightly damped chains,
+normal forces that swing or open the contacts. The other files are
+
+- ``steady/ENGINE.csv``: the steady state of every preset at every point;
+- ``scenarios/ENGINE.csv``: the numbers of blocks and scenes;
+- ``edges.csv``: the edges of the attenuation band;
+- ``reference.csv``: what ``multibody-xval reference`` says: level, error bar, exact and proven level.
 """
 
-import contextlib
-import functools
-import hashlib
-import json
-import lzma
-import sys
-import tempfile
+import argparse
+import csv
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any
-from unittest.mock import patch
 
-import numpy as np
-from reports.cards.card import card
-
-from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.variant import variants_named
-from multibody_xval.reports.data.collect import Scope, collect
-from multibody_xval.reports.export.files import report_dataset
-from multibody_xval.reports.export.tables import table_files
-from multibody_xval.reports.plan import planned_report
-from multibody_xval.reports.reproducers.questions import QUESTIONS
-from multibody_xval.reports.reproducers.script import checked, has_reproducer, script
-from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.engines.interface.variant import Variant, variants_of
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
 from multibody_xval.scenarios.catalogue.verdict_table import finding_table
-from multibody_xval.scenarios.runs import task
-from multibody_xval.scenarios.runs.evaluator import StoredResults
-from multibody_xval.scenarios.runs.executor import run_batch
-from multibody_xval.scenarios.runs.result import Result
-from multibody_xval.scenarios.runs.store import ResultStore
-from multibody_xval.scenarios.runs.task import Task, unsourced_key
-from multibody_xval.scenarios.studies.accuracy import accuracies
-from multibody_xval.scenarios.sweeps.run import saved_sweeps
-from reference_lcp.errors import ParameterError
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Modulation
+from multibody_xval.scenarios.runs.result import UNREPRESENTABLE, Result, ResultStatus
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
+from multibody_xval.scenarios.sweeps.edges import refined_edges
+from multibody_xval.scenarios.sweeps.refinement import for_the_band, refined
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from reference_lcp.one_call import steady_state
+from reference_lcp.steady.richardson import amplitude_in_db
 
 FOLDER = Path(__file__).parent
-STORE = FOLDER / "store.sqlite.xz"
-EXPECTED = FOLDER / "expected.json.xz"
+POINTS = FOLDER / "points.csv"
 
-VERSIONS = {"reference": "0.1.0", "mujoco": "4.0.0", "pybullet": "3.2.7", "exudyn": "1.13.6"}
-"""Of the engines whose results the store has; of others, an arbitrary one."""
+PARTS = ("steady", "scenarios", "edges", "reference")
 
-OF_THIS_MACHINE = ("written", "date_created", "history", "python", "platform", "packages", "source")
-"""Parts of files that say when and where they were written."""
+TIME_LIMIT = 300.0
+"""Of one batch [s]: long chains of an engine that never settles take a minute."""
 
-STORED = ("unit-cell", "modulated-normal-force", "graded-chain", "inclined-chain", "static-above-kinetic")
-STORED_VARIANTS = ("mujoco:joint:default", "exudyn-regularised:contact")
-"""Scenarios and variants of which the store has results."""
+HEADLINE = "headline"
+"""Begins the names of the points of the README's table, deep in the band."""
 
+MOSTLY = 0.5
+"""Part of these at which a preset must settle to be computed at all points: searches that find nothing take long. One
+that settles at fewer is computed there alone, and one that never settles at the first."""
 
-@contextlib.contextmanager
-def every_engine_installed() -> Iterator[None]:
-    """Let every engine seem to be there, in the version that wrote the store: keys and scripts depend on both."""
-    with contextlib.ExitStack() as patches:
-        for name in engine_names():
-            version = next((known for start, known in VERSIONS.items() if name.startswith(start)), "1.0.0")
-            for method, value in (("version", version), ("unavailable_reason", None)):
-                patches.enter_context(patch.object(type(engine(name)), method, lambda _self, value=value: value))
-        patches.enter_context(patch.object(Task, "key", lambda own: unsourced_key(own.text())))
-        _forget_versions()
-        yield
-        _forget_versions()
+BLOCKS = ("static-hold", "ratchet", "breakaway", "stopping-distance", "static-above-kinetic", "published")
+TRANSIENTS = ("free-decay", "ricker-pulse")
+"""Scenarios that are not scenes; transients are those of tuned joints."""
 
+STEADY_COLUMNS = ("config", "point", "status", "level_db", "phase_deg", "open_db", "stuck", "transitions")
+NUMBER_COLUMNS = ("scenario", "case", "config", "quantity", "unit", "value")
+EDGE_COLUMNS = ("config", "friction_ratio", "edge", "frequency_ratio", "width")
+REFERENCE_COLUMNS = ("point", "level_db", "phase_deg", "error_bar_db", "exact_db", "proven_db", "stuck", "transitions")
 
-def _forget_versions() -> None:
-    """Let the versions of engines, and of laws, be asked for again."""
-    task._identity.cache_clear()
-    registry._law_engine.cache_clear()
+GOLDEN_EDGES = ("tuned", "default")
+"""Presets whose band edges are recorded, of joints."""
+
+Row = Mapping[str, object]
 
 
-class Asked(StoredResults):
-    """Gives what a store has, and notes the key of every task that it is asked for."""
-
-    def __init__(self, store: ResultStore):
-        super().__init__(store)
-        self.keys: set[str] = set()
-
-    def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
-        """Look tasks up."""
-        self.keys.update(task.key() for task in tasks)
-        return super().evaluate(tasks)
+@cache
+def points() -> dict[str, dict[str, str]]:
+    """Give the operating points by name."""
+    with POINTS.open(newline="", encoding="utf-8") as file:
+        return {row["point"]: row for row in csv.DictReader(file)}
 
 
-class WithReference(StoredResults):
-    """Gives what a store has, and computes what the reference says."""
-
-    def __init__(self, store: ResultStore):
-        super().__init__(store)
-        self._run_once = functools.cache(lambda task: run_batch([task])[0])
-
-    def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
-        """Look tasks up, or run them."""
-        stored = super().evaluate(tasks)
-        own = [task.variant.engine == "reference" for task in tasks]
-        return [self._run_once(task) if run else known for task, run, known in zip(tasks, own, stored, strict=True)]
-
-
-def requested(store: ResultStore) -> dict[str, list[str]]:
-    """Give the keys of the tasks that each command asks of a store first, sorted."""
-    quick = planned_report((), None, quick=True, stored_in=None)
-    every = variants_named(["all:all:all"])
-
-    def run_quick(asked: Asked) -> None:
-        collect(quick.sweep, store, asked, quick.command, scope=quick.scope)
-
-    def run_all(asked: Asked) -> None:
-        for scenario in CATALOGUE.values():
-            if not isinstance(scenario, SceneScenario):  # which asks whatever engines have scenes
-                run_with_predictions(scenario, every, asked)
-
-    keys = {}
-    for name, run in {
-        "report --quick": run_quick,
-        "run all": run_all,
-        "run accuracy": lambda asked: accuracies(every, asked),
-        "card mujoco": lambda asked: card("mujoco", asked),
-    }.items():
-        asked = Asked(store)
-        run(asked)
-        keys[name] = sorted(asked.keys)
-    return keys
+def task(config: Variant, point: Mapping[str, str]) -> SteadyStateTask:
+    """Give the run of a configuration at an operating point."""
+    names = ("mass_ratio", "stiffness_ratio", "damping_ratio")
+    profile = [float(part) for part in point["friction_profile"].split()]
+    ratios: dict[str, object] = {name: float(point[name]) for name in names}
+    if profile:
+        ratios["friction_profile"] = tuple(profile)
+    modulation = None
+    if point["modulation"]:
+        values = float(point["modulation"]), int(point["multiple"]), float(point["phase"])
+        modulation = Modulation(modulation=values[0], multiple=values[1], phase=values[2])
+    kind = point["excitation"]
+    return SteadyStateTask(
+        variant=config,
+        friction_ratio=float(point["friction_ratio"]),
+        frequency_ratio=float(point["frequency_ratio"]),
+        ratios=ChainRatios(cells=int(point["cells"]), **ratios),  # type: ignore[arg-type]
+        steps_per_period=int(point["steps_per_period"]),
+        excitation=Excitation(kind=kind, amplitude=DEFAULT_AMPLITUDE[kind]),
+        modulation=modulation,
+    )
 
 
-def digest(keys: Iterable[str]) -> str:
-    """Give one digest of all keys."""
-    return hashlib.sha256("\n".join(keys).encode()).hexdigest()
+def configurations(name: str) -> list[Variant]:
+    """Give every preset of an engine that can be used here."""
+    return [own for own in variants_of(name, optional=True) if own.unavailable_reason is None]
 
 
-def outputs(store: ResultStore, file: Path) -> dict[str, str]:
-    """Give every file of the report of a store but the page and its figures, and its tables of verdicts."""
-    sweep = saved_sweeps(file).sweep.with_reference()
-    report = collect(sweep, store, StoredResults(store), "report", scope=Scope())
-    written = dict(table_files(report))
-    written["report.json"] = _without(written["report.json"], OF_THIS_MACHINE)
-    written["report.nc"] = json.dumps(_plain(report_dataset(report.result).to_dict()))
-    variants = variants_named(STORED_VARIANTS)
-    for name in STORED:
-        findings = {CATALOGUE[name]: run_with_predictions(CATALOGUE[name], variants, StoredResults(store))}
-        written[f"{name}.csv"] = finding_table(findings).to_csv(index=False)
-    return written
+def steady_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
+    """Give the steady states of every preset of an engine; one that hardly ever settles has few rows, see `MOSTLY`."""
+    amplification = _amplifications(evaluator)
+    for config in configurations(name):
+        chosen = points()
+        first = {own: point for own, point in chosen.items() if own.startswith(HEADLINE)}
+        results = evaluator.evaluate([task(config, point) for point in first.values()])
+        settled = sum(result.converged for result in results)
+        if settled < MOSTLY * len(first):
+            chosen = first if settled else dict([next(iter(first.items()))])
+        results = evaluator.evaluate([task(config, point) for point in chosen.values()])
+        for point, result in zip(chosen, results, strict=True):
+            yield {"config": str(config), "point": point, **steady_numbers(result, amplification[point])}
 
 
-def _plain(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Give a dataset as plain data, without what depends on this machine."""
-    attributes = {name: value for name, value in data["attrs"].items() if name not in OF_THIS_MACHINE}
-    return {**data, "attrs": {name: np.asarray(value).tolist() for name, value in attributes.items()}}
+@cache
+def _amplifications(evaluator: Evaluator) -> dict[str, float]:
+    """Give how much farther from its steady state a motion may be than its residual says, by operating point."""
+    results = evaluator.evaluate([task(Variant("reference"), point) for point in points().values()])
+    return {point: result.amplification for point, result in zip(points(), results, strict=True)}
 
 
-def _without(text: str, names: Iterable[str]) -> str:
-    """Leave out parts of a JSON file."""
-    content = json.loads(text)
-    for name in names:
-        content["provenance"].pop(name, None)
-    return json.dumps(content)
+def steady_numbers(result: Result, amplification: float) -> Row:
+    """Give the numbers of one steady state; ``open_db`` is what its residual leaves open of the level."""
+    if not result.converged:
+        return {"status": _status(result)}
+    left = amplitude_in_db(result.residual * amplification, result.transmittance_db)
+    return {
+        "status": "periodic",
+        "level_db": f"{result.transmittance_db:.9g}",
+        "phase_deg": f"{math.degrees(result.phase):.7g}",
+        "open_db": f"{left:.1e}",
+        "stuck": " ".join(f"{part:.4g}" for part in result.stuck_fraction),
+        "transitions": len(result.transitions),
+    }
 
 
-def scripts(store: ResultStore) -> dict[str, str]:
-    """Give the reproducer of every variant that has one, for every question; the reference's part is computed."""
-    written, evaluator = {}, WithReference(store)
-    for variant in filter(has_reproducer, variants_named(["all:all:all"])):
-        for scenario in QUESTIONS:
-            with contextlib.suppress(ParameterError):
-                written[f"{variant} {scenario}.py"] = script(checked(str(variant), scenario), evaluator)
-    return written
+def _status(result: Result) -> str:
+    if result.status is ResultStatus.PERIOD_LIMIT:
+        return "not periodic"
+    unsupported = result.status is ResultStatus.BLOCKED and result.reason.startswith(UNREPRESENTABLE)
+    return "unsupported" if unsupported else "failed"
 
 
-def everything(file: Path) -> dict[str, str]:
-    """Give all outputs of a store and what commands ask of it."""
-    with every_engine_installed(), ResultStore(file) as store:
-        asked = {name: f"{len(keys)} tasks, {digest(keys)}" for name, keys in requested(store).items()}
-        return {**asked, **outputs(store, file), **scripts(store)}
+def scenario_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
+    """Give every number of blocks, transients and scenes, of the presets of an engine."""
+    for scenario in CATALOGUE.values():
+        if isinstance(scenario, SceneScenario):
+            configs = _scene_configurations(scenario, name)
+        elif scenario.name in BLOCKS:
+            configs = configurations(name)
+        elif scenario.name in TRANSIENTS:
+            configs = [own for own in configurations(name) if (own.formulation, own.preset_name) == ("joint", "tuned")]
+        else:
+            continue
+        if configs:
+            evaluator.stage(f"{name}, {scenario.name}")
+            for row in finding_table({scenario: scenario.run(configs, evaluator)}).itertuples():
+                config = Variant(row.engine, row.formulation, row.preset)
+                labels = {"scenario": row.scenario, "case": row.case, "config": str(config), "quantity": row.metric}
+                yield {**labels, "unit": row.unit, "value": "" if math.isnan(row.value) else f"{row.value:.9g}"}
 
 
-def golden() -> dict[str, str]:
-    """Give all outputs of the stored results of `STORE`."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "store.sqlite"
-        file.write_bytes(lzma.decompress(STORE.read_bytes()))
-        return everything(file)
+def _scene_configurations(scenario: SceneScenario, name: str) -> list[Variant]:
+    """Give the presets of an engine that have such scenes."""
+    if engine(name).scene_gap(scenario.formulation):
+        return []
+    return [own for own in scenario.variants([name]) if own.formulation == scenario.formulation]
+
+
+def edge_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
+    """Give both edges of the band at the friction ratios of the quick report, of joints, tuned and by default."""
+    for config in configurations(name):
+        if config.formulation == "joint" and config.preset_name in GOLDEN_EDGES and _settles(config, evaluator):
+            sweep = figure3([config], QUICK_FRICTION_RATIOS, quick_frequency_ratios(ChainRatios()))
+            own = [point for point in sweep.grid_points() if point[0] == config]
+            crossings = refined_edges(sweep, refined(sweep, own, for_the_band(sweep), evaluator), evaluator).crossings
+            for (_, case, edge), crossing in crossings.items():
+                labels = {"config": str(config), "friction_ratio": f"{case.friction_ratio:g}", "edge": str(edge)}
+                numbers = {"frequency_ratio": f"{crossing.frequency_ratio:.9g}", "width": f"{crossing.width:.1e}"}
+                yield {**labels, **numbers}
+
+
+def _settles(config: Variant, evaluator: Evaluator) -> bool:
+    """Whether a preset has a steady state at one of the first points."""
+    first = [point for own, point in points().items() if own.startswith(HEADLINE)]
+    return any(result.converged for result in evaluator.evaluate([task(config, point) for point in first]))
+
+
+def reference_rows() -> Iterator[Row]:
+    """Give what the reference says at every operating point with a constant normal force, with its error bar."""
+    for name, point in points().items():
+        if not point["modulation"]:
+            own = task(Variant("reference"), point)
+            chain, drive = own.setting()
+            state = steady_state(chain, drive, steps_per_period=own.steps_per_period, with_exact_value=True)
+            proven = proven_level(own)
+            yield {
+                "point": name,
+                "level_db": f"{state.transmittance_db:.12g}",
+                "phase_deg": f"{math.degrees(state.phase):.9g}",
+                "error_bar_db": "" if state.error_bar is None else f"{state.error_bar.transmittance_db:.6g}",
+                "exact_db": "" if state.exact_db is None else f"{state.exact_db:.12g}",
+                "proven_db": "" if proven is None else str(proven.transmittance_db),
+                "stuck": " ".join(f"{part:.6g}" for part in state.stuck_fraction),
+                "transitions": len(state.transitions),
+            }
+
+
+def write(file: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
+    """Write rows, if there are any."""
+    known = list(rows)
+    if known:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with file.open("w", newline="", encoding="utf-8") as target:
+            table = csv.DictWriter(target, columns, restval="", lineterminator="\n")
+            table.writeheader()
+            table.writerows(known)
+
+
+def record(folder: Path, names: Sequence[str], parts: Sequence[str], evaluator: Evaluator) -> None:
+    """Write the files of these engines."""
+    usable = [name for name in names if engine(name).unavailable_reason() is None]
+    if "reference" in parts:
+        write(folder / "reference.csv", REFERENCE_COLUMNS, reference_rows())
+    if "edges" in parts:
+        rows = [row for name in usable for row in edge_rows(name, evaluator)]
+        write(folder / "edges.csv", EDGE_COLUMNS, rows)
+    for name in usable:
+        if "steady" in parts:
+            evaluator.stage(f"{name}, steady states")
+            write(folder / "steady" / f"{name}.csv", STEADY_COLUMNS, steady_rows(name, evaluator))
+        if "scenarios" in parts and name != "reference":
+            write(folder / "scenarios" / f"{name}.csv", NUMBER_COLUMNS, scenario_rows(name, evaluator))
+
+
+def main() -> None:
+    """Record what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--store", type=Path, required=True)
+    parser.add_argument("--engine", action="append")
+    parser.add_argument("--part", action="append", choices=PARTS)
+    given = parser.parse_args()
+    with (
+        opened_store(given.store) as store,
+        Evaluator(store, executor_for(None, TIME_LIMIT)) as evaluator,
+    ):
+        record(given.folder, given.engine or engine_names(), given.part or PARTS, evaluator)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        chosen, folder = Path(sys.argv[1]), Path(sys.argv[3])
-        folder.mkdir(parents=True)
-        for name, content in everything(chosen).items():
-            (folder / name.replace("/", "_")).write_text(content)
-    else:
-        EXPECTED.write_bytes(lzma.compress(json.dumps(golden()).encode(), preset=9 | lzma.PRESET_EXTREME))
+    main()

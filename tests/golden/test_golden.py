@@ -1,61 +1,77 @@
-"""Commands ask for the same tasks as before, and say the same of a store that an earlier version wrote."""
+"""The suite computes what it computed before: three steady states an engine, drawn anew each day; and edges of curves.
 
-import json
-import lzma
-import math
-import re
+``python -m tests.golden.record`` and ``python -m tests.golden.compare`` do it for all numbers.
+"""
+
+import datetime
+import random
+from pathlib import Path
 
 import pytest
 
-from tests.golden.record import EXPECTED, golden
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
+from tests.golden import compare
+from tests.golden.record import FOLDER, points, steady_numbers, task
 
-pytestmark = pytest.mark.slow
+SAMPLE = 3
+"""Steady states of each engine a day."""
 
-NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+\.?\d*(?:e[-+]?\d+)?(?!\w)")
+CHEAP = ("grid", "off", "modulated")
+"""Sets of operating points that take less than a second with every engine."""
 
-ROUND_OFF = 1e-9
-"""Of numbers that another processor computes from the same stored ones: sums and transforms take other orders there."""
-
-SMALLEST = 1e-12
-"""Below it, a number that is computed is a difference of larger ones that are equal."""
-
-WRITTEN = json.loads(lzma.decompress(EXPECTED.read_bytes()))
-
-
-@pytest.fixture(scope="module")
-def now() -> dict[str, str]:
-    return golden()
+RECORDED = compare.rows(FOLDER, "steady/*.csv", ("config", "point"))
 
 
-def difference(expected: str, given: str) -> str:
-    """Say where two texts differ, first; empty where only the round-off of numbers does."""
-    if expected == given:
-        return ""
-    if NUMBER.sub("#", expected) != NUMBER.sub("#", given):
-        pairs = zip(NUMBER.sub("#", expected).split(), NUMBER.sub("#", given).split(), strict=False)
-        return next((f"{one!r}: now {other!r}" for one, other in pairs if one != other), "another length")
-    for one, other in zip(NUMBER.findall(expected), NUMBER.findall(given), strict=True):
-        if not math.isclose(_value(one), _value(other), rel_tol=ROUND_OFF, abs_tol=SMALLEST):
-            return f"{one}: now {other}"
-    return ""
+def sample(name: str) -> list[tuple[str, str]]:
+    """Draw configurations and points at which an engine has a steady state."""
+    settled = [
+        (config, point)
+        for (config, point), row in RECORDED.items()
+        if config.split(":")[0] == name and row["status"] == "periodic" and points()[point]["set"] in CHEAP
+    ]
+    return random.Random(datetime.date.today().toordinal()).sample(settled, min(SAMPLE, len(settled)))
 
 
-def _value(text: str) -> float:
-    return float(text.replace("−", "-"))
+def test_every_engine_with_presets_has_recorded_points():
+    recorded = {config.split(":")[0] for config, _ in RECORDED}
+    assert recorded >= {name for name in engine_names() if engine(name).unavailable_reason() is None}
 
 
-@pytest.mark.parametrize("name", WRITTEN)
-def test_what_is_asked_and_said_of_an_old_store_is_the_same(name: str, now: dict[str, str]):
-    assert difference(WRITTEN[name], now[name]) == ""
-
-
-def test_nothing_is_said_that_was_not_said_before(now: dict[str, str]):
-    assert set(now) == set(WRITTEN)
+@pytest.mark.parametrize("name", sorted({config.split(":")[0] for config, _ in RECORDED}))
+def test_steady_states_are_those_recorded(name: str):
+    missing = engine(name).unavailable_reason()
+    if missing:
+        pytest.skip(missing)
+    for config, point in sample(name):
+        variant = Variant.parse(config)
+        own, of_reference = (run_batch([task(each, points()[point])])[0] for each in (variant, Variant("reference")))
+        now = {key: str(value) for key, value in steady_numbers(own, of_reference.amplification).items()}
+        assert compare.steady(RECORDED[config, point], now) == "", (config, point)
 
 
 @pytest.mark.parametrize(
-    ("given", "differs"),
-    [("a 1.5 dB", False), ("a 1.5000000001 dB", False), ("a 1.50001 dB", True), ("b 1.5 dB", True), ("a 1.5", True)],
+    ("pattern", "column", "value"),
+    [
+        ("steady/mujoco.csv", "level_db", "-1.001"),
+        ("steady/mujoco.csv", "phase_deg", "12.5"),
+        ("steady/mujoco.csv", "status", "not periodic"),
+        ("steady/mujoco.csv", "transitions", "3"),
+        ("scenarios/mujoco.csv", "value", "17.5"),
+        ("edges.csv", "frequency_ratio", "0.86"),
+        ("reference.csv", "proven_db", "-37.21086779342775192313"),
+        ("reference.csv", "error_bar_db", "0.027"),
+    ],
 )
-def test_another_number_or_word_is_a_difference(given: str, differs: bool):
-    assert bool(difference("a 1.5 dB", given)) is differs
+def test_another_number_is_a_difference(pattern: str, column: str, value: str, tmp_path: Path):
+    file = tmp_path / pattern
+    file.parent.mkdir(exist_ok=True)
+    lines = (FOLDER / pattern).read_text(encoding="utf-8").splitlines()
+    place = lines[0].split(",").index(column)
+    cells = lines[1].split(",")
+    cells[place] = value
+    file.write_text("\n".join([lines[0], ",".join(cells), *lines[2:]]), encoding="utf-8")
+    assert len(list(compare.differences(FOLDER, tmp_path))) == 1
+    file.write_text("\n".join(lines), encoding="utf-8")
+    assert list(compare.differences(FOLDER, tmp_path)) == []
