@@ -9,7 +9,6 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import variants_of
-from multibody_xval.reports.cli.console_script import COMMANDS
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -22,30 +21,6 @@ def program(name: str) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-@pytest.fixture(scope="module")
-def page(tmp_path_factory) -> str:
-    file = tmp_path_factory.mktemp("docs") / "commands.md"
-    program("commands").write(file)
-    return file.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_page_of_commands_has_every_command_with_an_example(page, name) -> None:
-    _, _, section = page.partition(f"\n## `{name}`\n")
-    assert "```console\nmultibody-xval " in section.split("\n## ")[0]
-
-
-def test_page_of_commands_has_options_with_their_help(page) -> None:
-    assert re.search(r"\| `--steps-per-period` \| .*Without it: `400`\. \|", page)
-    assert "`--run`, `--no-run`" in page
-    assert "| `--engine` |" in page.partition("### `run unit-cell`")[2]
-
-
-def test_page_of_commands_names_commands_as_they_are_typed(page) -> None:
-    _, _, sections = page.partition("\n## ")
-    assert "python -m" not in sections
 
 
 def test_table_of_engines_has_the_licence_of_each() -> None:

@@ -1,4 +1,4 @@
-"""One table of exit codes: in the documentation, in the help of every command, and in what commands do."""
+"""Exit codes of commands: what is wrong is one line, before any work."""
 
 import re
 import subprocess
@@ -10,70 +10,16 @@ import pytest
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from multibody_xval.scenarios.runs.store import ResultStore
 from multibody_xval.scenarios.runs.task import SteadyStateTask
 from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 from reference_lcp.errors import ExitCode, ParameterError, RunError
 from reference_lcp.process import run_command
 from tests.scenarios.runs.builders import certified
-from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
-GROUPS = {"multibody-xval store", "multibody-xval truth"}
-"""Commands that only hold others."""
-
 REFERENCE = "reference --cells 1 --frequency-ratio 0.9"
-
-
-def test_documentation_has_the_table() -> None:
-    document = (ROOT / "docs/exit_codes.md").read_text()
-    rows = re.findall(r"^\| (\d+) \| `([A-Z_]+)` \| (.+) \|$", document, flags=re.MULTILINE)
-    assert {name: int(code) for code, name, _ in rows} == dict(ExitCode.__members__)
-    source = " ".join((ROOT / "reference_lcp/errors.py").read_text().split())
-    assert all(f'"""{meaning}"""' in source for _, _, meaning in rows)
-
-
-def codes_of(path: str) -> dict[int, str]:
-    """What the codes of a command mean, by its help."""
-    _, _, text = " ".join(COMMANDS[path].help.split()).partition("Exit code ")
-    parts = re.findall(r"(?:^|; )(\d+): (.*?)(?=; \d+:|\.? ?$)", text.partition("Example:")[0])
-    return {int(code): meaning for code, meaning in parts}
-
-
-def name_of(path: str) -> str:
-    """Give a command as it is typed after the name of the program; all scenarios are one."""
-    words = path.removeprefix("multibody-xval ")
-    return "run SCENARIO" if words.removeprefix("run ") in {*DESCRIPTIONS, ALL_SCENARIOS} else words
-
-
-def test_documentation_has_every_command_with_what_its_codes_mean() -> None:
-    """The table is made of the help of the commands: this is what it has to be."""
-    rows = {}
-    for path in COMMANDS.keys() - GROUPS:
-        codes = codes_of(path)
-        assert codes.pop(ExitCode.INTERRUPTED) == "interrupted"
-        own = sorted(set(ExitCode) - {ExitCode.UNEXPECTED, ExitCode.INTERRUPTED})
-        cells = " | ".join(codes.get(code, "–") for code in own)
-        rows.setdefault(name_of(path), set()).add(f"| `{name_of(path)}` | {cells} |")
-    assert [name for name, own in rows.items() if len(own) > 1] == []
-    expected = sorted(row for own in rows.values() for row in own)
-    document = (ROOT / "docs/exit_codes.md").read_text()
-    table = [line for line in document.splitlines() if re.match(r"\| `[a-z]", line)]
-    assert sorted(table) == expected, "\n".join(expected)
-
-
-@pytest.mark.parametrize("path", sorted(COMMANDS.keys() - GROUPS))
-def test_help_of_every_command_says_its_codes(path) -> None:
-    text = codes_of(path)
-    codes = list(text)
-    assert codes == sorted(set(codes))
-    assert set(codes) <= set(ExitCode)
-    needed = {ExitCode.DONE, ExitCode.WRONG_INPUT, ExitCode.INTERRUPTED}
-    if {"out", "plot", "store", "new"} & {option.name for option in COMMANDS[path].params}:
-        needed.add(ExitCode.RUN_FAILED)
-    assert needed <= set(codes), text
 
 
 def code_of(line: str) -> int:
@@ -108,7 +54,7 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("report --no-run --retry-blocked", ExitCode.WRONG_INPUT),
     ],
 )
-def test_commands_end_with_the_code_of_the_table(stores, line, code, capsys) -> None:
+def test_commands_end_with_their_codes(stores, line, code, capsys) -> None:
     assert code_of(line) == code
     assert len(capsys.readouterr().err.splitlines()) == (code == ExitCode.WRONG_INPUT)
 
