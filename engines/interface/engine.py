@@ -14,7 +14,7 @@ from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shown
 
 if TYPE_CHECKING:
     from reference_lcp.one_call import SteadyState
@@ -58,6 +58,13 @@ class Engine(ABC):
     def python(self) -> str:
         """Version of the Python that the engine runs in; adapters override it where that is not this one."""
         return platform.python_version()
+
+    def versioned(self, version: str) -> "Engine":
+        """Refuse ``NAME@VERSION``: a version is whatever is installed beside the suite."""
+        raise ParameterError(
+            f"engine = {shown(f'{self.name}@{version}')} is unknown; allowed: {self.name}, as installed; for another "
+            "version install it with the suite in a virtual environment, and compare what --store keeps there"
+        )
 
     @property
     def states_laws_of(self) -> str:

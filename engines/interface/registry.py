@@ -11,7 +11,7 @@ from multibody_xval.engines.interface.law import Law
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
-from reference_lcp.errors import ParameterError, checked_choice, shown, text_of
+from reference_lcp.errors import ParameterError, checked_choice, text_of
 from reference_lcp.terminal import visible
 
 LAW_SUFFIX = "@law"
@@ -213,12 +213,9 @@ def engine(name: str) -> Engine:
     """
     if name.endswith(LAW_SUFFIX):
         return _law_engine(name.removesuffix(LAW_SUFFIX))
-    versioned, at, _ = name.partition("@")
+    versioned, at, version = name.partition("@")
     if at and versioned in _entry_points():
-        raise ParameterError(
-            f"engine = {shown(name)} is unknown; allowed: {versioned}, as installed; for another "
-            "version install it with the suite in a virtual environment, and compare what --store keeps there"
-        )
+        return _version(versioned, version)
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
@@ -230,6 +227,12 @@ def engine(name: str) -> Engine:
 @cache
 def _law_engine(name: str) -> Engine:
     return LawEngine(engine(name), engine("reference").version())
+
+
+@cache
+def _version(name: str, version: str) -> Engine:
+    """Give a version of a registered engine."""
+    return engine(name).versioned(version)
 
 
 def default_engine_names() -> list[str]:

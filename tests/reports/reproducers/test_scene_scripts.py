@@ -118,7 +118,7 @@ def test_engines_with_scripts_of_scenes() -> None:
     ],
 )
 def test_what_cannot_be_shown_is_named_with_what_can(capsys, arguments, message) -> None:
-    assert run_command(app, ["reproduce", *arguments]) == 2
+    assert run_command(app, arguments) == 2
     printed = capsys.readouterr().err
     assert message in printed
     assert printed.count("\n") == 1
