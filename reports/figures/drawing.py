@@ -3,6 +3,8 @@
 import io
 import re
 import textwrap
+import zlib
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -56,15 +58,20 @@ class Drawing:
         self.canvas.dpi = PIXELS
         with mpl.rc_context({**PRINT_STYLE, "svg.fonttype": "none", "svg.hashsalt": self.name}):
             getattr(draws(self.canvas), f"print_{ending}")(file, metadata=dict.fromkeys(without))
-        return _smaller(file.getvalue().decode()).encode() if ending == "svg" else file.getvalue()
+        return _smaller(file.getvalue().decode(), self.name).encode() if ending == "svg" else file.getvalue()
 
 
-def _smaller(svg: str) -> str:
-    """Round coordinates to a hundredth of a point, and leave out indentation and names that nothing refers to."""
+def _smaller(svg: str, name: str) -> str:
+    """Round coordinates to a hundredth of a point, name styles once, and leave out what nothing needs."""
     svg = re.sub(r'="[^"]*"', lambda value: re.sub(r"\d+\.\d{3,}", _hundredths, value[0]), svg)
     used = set(re.findall(r"[\"(]#([^\")]+)[\")]", svg))
     svg = re.sub(r' id="([^"]+)"', lambda match: match[0] if match[1] in used else "", svg)
-    return "\n".join(filter(None, map(str.strip, svg.splitlines())))
+    svg = re.sub(r' transform="rotate\(-0 [^"]*"', "", svg)
+    counts, prefix = Counter(re.findall(r' style="([^"]*)"', svg)), f"f{zlib.crc32(name.encode()):x}-"
+    classes = {style: f"{prefix}{k}" for k, (style, count) in enumerate(counts.items()) if count > 2}
+    svg = re.sub(r' style="([^"]*)"', lambda own: f' class="{classes[own[1]]}"' if own[1] in classes else own[0], svg)
+    rules = "".join(f".{own}{{{style}}}" for style, own in classes.items())
+    return "\n".join(filter(None, map(str.strip, svg.replace("</style>", f"{rules}</style>", 1).splitlines())))
 
 
 def _hundredths(number: re.Match[str]) -> str:

@@ -101,6 +101,6 @@ def _inline(svg: str, caption: str) -> Markup:
     """Give a drawing as a part of the page, in whose colours it is drawn and whose width it takes."""
     drawing = svg[svg.index("<svg") :].split(">", 1)
     opening = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", drawing[0])
-    body = re.sub(r"<defs>\s*<style[^>]*>.*?</style>\s*</defs>", "", drawing[1], count=1, flags=re.DOTALL)
+    body = drawing[1].replace("*{stroke-linejoin: round; stroke-linecap: butt}", "", 1)
     body = re.sub(r"#[0-9a-f]{6}\b", lambda colour: OF_THE_PAGE.get(colour[0], colour[0]), body)
     return Markup('{} role="img" aria-label="{}">{}').format(Markup(opening), caption, Markup(body))
