@@ -26,7 +26,8 @@ def edge_forest(report: Report) -> Drawing:
     """Draw the differences of all band edges from those they are compared with, with what is allowed of each."""
     edges = _rows(report.edges)
     own, names = by_variant(edges), dict(zip(edges["row"], edges["name"], strict=True))
-    limit = 1.6 * max((edges["difference"].abs() + edges["allowed"]).dropna(), default=TICKS[0])
+    sizes = edges["difference"].abs() + edges["allowed"].fillna(0.0)
+    limit = 1.6 * max(sizes.dropna(), default=TICKS[0])
     variants = [variant for variant in compared_variants(report.result.sweep) if variant not in report.blocked]
     groups = by_panel(variants) or {REFERENCE.title: []}
     count = max(len(names), 1)
