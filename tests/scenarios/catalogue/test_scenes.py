@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.scenes import base
@@ -110,14 +109,6 @@ def test_exploding_scene_is_a_failure_of_the_engine(monkeypatch) -> None:
     found = findings(CATALOGUE["grip"], CONTACT)
     assert {each.comparison.verdict for each in found} == {Verdict.DISAGREE}
     assert "exploded" in found[0].comparison.reason
-
-
-@needs_mujoco
-def test_a_version_named_alone_has_its_default_and_recommended_scenes() -> None:
-    name = f"mujoco@{engine('mujoco').version()}"
-    named = CATALOGUE["joint-hold"].variants([name])
-    assert [(variant.engine, variant.preset_name) for variant in named] == [(name, "default"), (name, "recommended")]
-    assert findings(CATALOGUE["joint-hold"], named[1])[0].comparison.verdict is not Verdict.BLOCKED
 
 
 def test_presets_for_the_chain_have_no_scenes() -> None:
