@@ -60,7 +60,7 @@ class Engine(ABC):
         return platform.python_version()
 
     def versioned(self, version: str) -> "Engine":
-        """Refuse ``NAME@VERSION``: a version is whatever is installed beside the suite."""
+        """Refuse ``NAME@VERSION``: an engine has the version that is installed; tests give other meanings to it."""
         raise ParameterError(
             f"engine = {shown(f'{self.name}@{version}')} is unknown; allowed: {self.name}, as installed; for another "
             "version install it with the suite in a virtual environment, and compare what --store keeps there"

@@ -80,7 +80,7 @@ class Summary(Section):
 
 def _pasted(rows: Sequence[Headline]) -> dict[str, Any]:
     """Give what to write in one's own model for an engine: lines of its recipe, and the whole of it."""
-    name = rows[0].variant.engine.partition("@")[0]
+    name = rows[0].variant.engine
     if not has_recipe(engine(name)):
         return {"name": name, "first": [], "whole": ""}
     return {"name": name, "first": code_lines(name)[:LINES_TO_PASTE], "whole": recipe_text(name)}

@@ -107,7 +107,7 @@ class SceneScenario(Scenario):
         chosen: list[Variant] = []
         for name in names or [each for each in engine_names() if not engine(each).scene_gap(self.formulation)]:
             parts, settings = name_parts(name)
-            if len(parts) == 1 and not settings and name.partition("@")[0] in engine_names():
+            if len(parts) == 1 and not settings and name in engine_names():
                 if names:
                     check_installed(name, engine(name).unavailable_reason())
                 chosen += general_variants(name, self.formulation)
