@@ -6,7 +6,8 @@ Each name is imported on first use, so that a command heeds Ctrl-C before anythi
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-if __name__ != "multibody_xval.engines":  # a checkout has the folder of this name too: nothing is to be imported twice
+# A checkout has the folder of this name too: nothing is to be imported twice.
+if __name__ != "multibody_xval.engines":
     raise ImportError("engines is a folder of the suite, and no package; allowed: multibody_xval.engines")
 
 if TYPE_CHECKING:

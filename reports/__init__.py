@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-if __name__ != "multibody_xval.reports":  # a checkout has the folder of this name too: nothing is to be imported twice
+# A checkout has the folder of this name too: nothing is to be imported twice.
+if __name__ != "multibody_xval.reports":
     raise ImportError("reports is a folder of the suite, and no package; allowed: multibody_xval.reports")
 
 if TYPE_CHECKING:

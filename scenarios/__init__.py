@@ -5,9 +5,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-if (
-    __name__ != "multibody_xval.scenarios"
-):  # a checkout has the folder of this name too: nothing is to be imported twice
+# A checkout has the folder of this name too: nothing is to be imported twice.
+if __name__ != "multibody_xval.scenarios":
     raise ImportError("scenarios is a folder of the suite, and no package; allowed: multibody_xval.scenarios")
 
 if TYPE_CHECKING:
