@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from reports.cli.console_script import COMMANDS, loaded
+from multibody_xval.reports.cli.console_script import COMMANDS, loaded
 
 INTRODUCTION = """# Commands and options
 

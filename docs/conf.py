@@ -27,7 +27,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["_build", "jupyter_execute", "scenes/recipes", "engines/batch_cost.md"]
+exclude_patterns = ["_build", "jupyter_execute", "scenes/recipes"]
 html_theme = "furo"
 html_title = "multibody-xval"
 html_static_path = ["_static"]

@@ -11,12 +11,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
-from engines import engine
+from multibody_xval.engines import engine
+from multibody_xval.reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.sweeps.refinement import resonances
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
-from reports.drawing.matplotlib_backend import COLUMN, PRINT_STYLE
-from reports.drawing.style import PALETTE
-from scenarios.runs.parameters import ChainRatios
-from scenarios.sweeps.refinement import resonances
 
 STEPS = 400
 LOWEST = -80.0

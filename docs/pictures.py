@@ -10,10 +10,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
-from engines import engine
-from reports.drawing.matplotlib_backend import PRINT_STYLE
-from reports.drawing.style import PALETTE
-from reports.figures.chain_drawing import chain_drawing
+from multibody_xval.engines import engine
+from multibody_xval.reports.figures.chain_drawing import chain_drawing
+from multibody_xval.reports.figures.style import PALETTE, PRINT_STYLE
 
 WIDTH = 6.4
 """Of the pictures [inch]: that of a page of text, and still read on a telephone."""

@@ -18,13 +18,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reports.data.collect import Scope
-from reports.write import write_sweep_report
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.reports.data.collect import Scope
+from multibody_xval.reports.write import write_sweep_report
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("reference_lcp", "engines", "scenarios", "reports")
+PACKAGES = ("reference_lcp", "multibody_xval")
 DEPTH, MOST_NUMBERS = 7, 10_000
 """Containers in containers that are looked into, and numbers of an array."""
 
@@ -60,8 +60,8 @@ class Way:
         file = Path(frame.f_code.co_filename)
         if frame.f_code.co_name.startswith("<") or not file.is_relative_to(ROOT):
             return
-        place = file.relative_to(ROOT)
-        if place.parts[0] in ROOMS and self._holds(given, DEPTH, ()):
+        place = file.resolve().relative_to(ROOT)
+        if place.parts[0] in COLOURS and self._holds(given, DEPTH, ()):
             self.functions.setdefault(f"{place.with_suffix('')}:{frame.f_code.co_qualname}", None)
 
     def _holds(self, value: Any, depth: int, within: tuple[str, ...]) -> bool:
@@ -74,7 +74,7 @@ class Way:
             found = False
         else:
             kind = type(value)
-            own = (kind.__name__,) if kind.__module__.split(".")[0] in ROOMS else ()
+            own = (kind.__name__,) if kind.__module__.split(".")[0] in PACKAGES else ()
             found = any(self._holds(part, depth - 1, (*within, *own)) for part in parts(value))
             if not found and depth == DEPTH:
                 self._without[id(value)] = value  # which keeps it alive, and its identity its own
@@ -98,7 +98,7 @@ def parts(value: Any) -> Iterable[Any]:
         case tuple() | list():
             return value
     names = [one.name for one in fields(value)] if is_dataclass(value) else getattr(value, "__dict__", ())
-    return [getattr(value, name, None) for name in names] if type(value).__module__.split(".")[0] in ROOMS else ()
+    return [getattr(value, name, None) for name in names] if type(value).__module__.split(".")[0] in PACKAGES else ()
 
 
 def walked() -> Way:

@@ -6,9 +6,13 @@ Each name is imported on first use, so that a command heeds Ctrl-C before anythi
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+# A checkout has the folder of this name too: nothing is to be imported twice.
+if __name__ != "multibody_xval.engines":
+    raise ImportError("engines is a folder of the suite, and no package; allowed: multibody_xval.engines")
+
 if TYPE_CHECKING:
-    from engines.interface.engine import Engine, EngineNotInstalled
-    from engines.interface.presets import (
+    from multibody_xval.engines.interface.engine import Engine, EngineNotInstalled
+    from multibody_xval.engines.interface.presets import (
         Capabilities,
         Formulation,
         FrictionLaw,
@@ -17,8 +21,8 @@ if TYPE_CHECKING:
         Preparation,
         Preset,
     )
-    from engines.interface.registry import engine, engine_names
-    from engines.interface.variant import Variant, variants_of
+    from multibody_xval.engines.interface.registry import engine, engine_names
+    from multibody_xval.engines.interface.variant import Variant, variants_of
 
 __all__ = [
     "Capabilities",
@@ -48,5 +52,5 @@ def __getattr__(name: str) -> Any:
     """Import a name on first use."""
     for module, names in _MODULES.items():
         if name in names:
-            return getattr(import_module(f"engines.interface.{module}"), name)
+            return getattr(import_module(f"multibody_xval.engines.interface.{module}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -9,7 +9,7 @@ def complete_variant(incomplete: str) -> list[str]:
     engine, colon, _ = incomplete.partition(":")
     if not colon:
         return complete_engine(incomplete)
-    from engines.interface.variant import variants_of
+    from multibody_xval.engines.interface.variant import variants_of
     from reference_lcp.errors import ParameterError
 
     try:
@@ -22,6 +22,6 @@ def complete_variant(incomplete: str) -> list[str]:
 
 def complete_engine(incomplete: str) -> list[str]:
     """Give the names of engines that begin so."""
-    from engines.interface.registry import registered_names
+    from multibody_xval.engines.interface.registry import registered_names
 
     return [name for name in registered_names() if name.startswith(incomplete)]

@@ -1,18 +1,28 @@
 """The one door of the suite: every name that a study, a notebook or an engine's adapter needs.
 
-``import multibody_xval`` also works beside files of the user's that are called ``engines.py`` or ``reports.py``, which
-``from scenarios import sweep`` takes for packages of the suite: the suite's own are imported here, from where this
-package lies. Each name is imported on first use.
+Each name is imported on first use. In a checkout the packages within, `engines`, `scenarios` and `reports`, are links
+to the folders of these names.
 """
 
 import importlib
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from engines import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset, Variant, engine, engine_names
-    from engines.interface.law import NotModelled
+    from multibody_xval.engines import (
+        Capabilities,
+        Engine,
+        Formulation,
+        FrictionLaw,
+        Option,
+        Preset,
+        Variant,
+        engine,
+        engine_names,
+    )
+    from multibody_xval.engines.interface.law import NotModelled
+    from multibody_xval.reports import band_edges, plot, report
+    from multibody_xval.scenarios import check, sweep
+    from multibody_xval.scenarios.verdicts.regression import compare_stores as compare
     from reference_lcp import (
         Chain,
         HarmonicBase,
@@ -31,18 +41,15 @@ if TYPE_CHECKING:
         steady_state,
     )
     from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
-    from reports import band_edges, plot, report
-    from scenarios import check, sweep
-    from scenarios.verdicts.regression import compare_stores as compare
 
 _NAMES = {
-    "reports": ("band_edges", "plot", "report"),
-    "scenarios": ("check", "sweep"),
-    "scenarios.verdicts.regression": ("compare",),
-    "engines": (
+    "multibody_xval.reports": ("band_edges", "plot", "report"),
+    "multibody_xval.scenarios": ("check", "sweep"),
+    "multibody_xval.scenarios.verdicts.regression": ("compare",),
+    "multibody_xval.engines": (
         "Capabilities", "Engine", "Formulation", "FrictionLaw", "Option", "Preset", "Variant", "engine", "engine_names",
     ),
-    "engines.interface.law": ("NotModelled",),
+    "multibody_xval.engines.interface.law": ("NotModelled",),
     "reference_lcp": (
         "Chain", "HarmonicBase", "HarmonicForce", "Lane", "NotProven", "ParameterError", "PeriodicOrbit",
         "ProvenSteadyState", "State", "SteadyState", "Trajectory", "exact_steady_state", "prove_steady_state",
@@ -87,9 +94,6 @@ __all__ = [
     "sweep",
 ]
 
-_PACKAGES = ("reference_lcp", "engines", "scenarios", "reports")
-_ROOT = Path(__file__).resolve().parents[1]
-
 
 def __getattr__(name: str) -> Any:
     """Import a name on first use."""
@@ -102,26 +106,3 @@ def __getattr__(name: str) -> Any:
 def __dir__() -> list[str]:
     """Names for completion."""
     return __all__
-
-
-def _import_packages() -> None:
-    """Import the packages of the suite, whatever has their names in the working folder.
-
-    Raises
-    ------
-    ImportError
-        If something else has been imported under one of their names before.
-    """
-    sys.path.insert(0, str(_ROOT))
-    try:
-        for name in _PACKAGES:
-            own = str(_ROOT / name / "__init__.py")
-            file = importlib.import_module(name).__file__
-            if file != own:
-                problem = f"{name} has been imported from {file}, which is not the suite's {own}"
-                raise ImportError(f"{problem}; allowed: import multibody_xval first")
-    finally:
-        sys.path.remove(str(_ROOT))
-
-
-_import_packages()

@@ -3,8 +3,7 @@
 if __name__ == "__main__":
     from importlib import import_module
 
-    from reference_lcp.process import heed_interrupts, refuse_shadows
+    from reference_lcp.process import heed_interrupts
 
     heed_interrupts()
-    refuse_shadows()
-    import_module("reports.cli.console_script").main("reference")
+    import_module("multibody_xval.reports.cli.console_script").main("reference")

@@ -40,6 +40,10 @@ Four a phase, too, of the cycle stick, forward slip, stick, backward slip.
 """
 
 
+STICK_SLIP_POINTS = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
+"""Friction and frequency ratios at which contacts of the canonical chain stick and slip."""
+
+
 DEFAULT_RESIDUAL = 1e-8
 """Periodicity residual at which an orbit counts as found."""
 

@@ -44,7 +44,7 @@ def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
     """Give a path that the system can name, whether or not something is there."""
     try:
         checked = Path(path)
-        checked.lstat()
+        checked.absolute().lstat()
     except (FileNotFoundError, NotADirectoryError, PermissionError):
         return checked
     except (OSError, ValueError, TypeError) as problem:

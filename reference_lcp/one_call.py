@@ -2,7 +2,6 @@
 
 import cmath
 import dataclasses
-import html
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -48,7 +47,7 @@ MOST_RANGES = 3
 
 @dataclass(frozen=True, repr=False)
 class SteadyState:
-    """A steady state and what is read from it; a notebook shows it as one line and a table of its contacts."""
+    """A steady state and what is read from it; printed as one line."""
 
     orbit: PeriodicOrbit
     """One period and its residual."""
@@ -98,14 +97,6 @@ class SteadyState:
         modes = {"stick": whole, "stick and slip": ~whole & (self.stuck_fraction > 0)}
         named = [f"{_ranges(own)} {mode}" for mode, own in modes.items() if own.any()]
         return f"; cells {'; '.join(named)}" if named else "; no contact sticks"
-
-    def _repr_html_(self) -> str:
-        import pandas as pd
-
-        counts = np.bincount([change.cell for change in self.transitions], minlength=self.stuck_fraction.size + 1)[1:]
-        cells = pd.Index(range(1, self.stuck_fraction.size + 1), name="cell")
-        table = pd.DataFrame({"stuck fraction [-]": self.stuck_fraction, "transitions": counts}, cells)
-        return f"<p>{html.escape(repr(self))}</p>{table.to_html(max_rows=20)}"
 
     def plot(self) -> "Figure":
         """Draw displacement, relative velocity and friction of every cell over one period; grey where it sticks.

@@ -65,6 +65,7 @@ def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = (
     for other in inputs:
         if other is None:
             continue
+        checked_path("input", other)
         there = file.exists() and other.exists()  # links too lead to one file
         if file.samefile(other) if there else file.resolve() == other.resolve():
             raise ParameterError(f"{name} = {file} would overwrite {other}, which the command uses; allowed: another")

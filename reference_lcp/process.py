@@ -1,11 +1,10 @@
 """How a command begins and ends: with an exit code of one table, and one clear line where it is not 0.
 
-Ctrl-C ends a command within two seconds, also while its modules are imported: it calls `heed_interrupts`, and with
-``python -m`` `refuse_shadows`, before it imports anything else, so that this module imports the standard library only.
+Ctrl-C ends a command within two seconds, also while its modules are imported: it calls `heed_interrupts` before it
+imports anything else, so that this module imports the standard library only.
 """
 
 import atexit
-import importlib.util
 import io
 import itertools
 import os
@@ -150,22 +149,6 @@ def _writable(folder: Path) -> bool:
     except OSError:
         return False
     return True
-
-
-def refuse_shadows() -> None:
-    """End a command of ``python -m`` where a package of the suite is hidden by something of the working folder."""
-    from reference_lcp.terminal import PACKAGES
-
-    for name in PACKAGES:
-        spec = importlib.util.find_spec(name)
-        origin = None if spec is None else spec.origin
-        if origin is not None and Path(origin).resolve() != ROOT / name / "__init__.py":
-            print(
-                f"error: {origin} hides the package {name} of the suite; allowed: the command multibody-xval, which "
-                "does not look into the working folder, or another folder",
-                file=sys.stderr,
-            )
-            raise SystemExit(ExitCode.WRONG_INPUT)
 
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")

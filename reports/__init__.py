@@ -3,6 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+# A checkout has the folder of this name too: nothing is to be imported twice.
+if __name__ != "multibody_xval.reports":
+    raise ImportError("reports is a folder of the suite, and no package; allowed: multibody_xval.reports")
+
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
@@ -32,7 +36,7 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     ParameterError
         If the data are none of a sweep, or the folder cannot be written.
     """
-    from reports.write import write_report  # drawing libraries are imported when something is drawn
+    from multibody_xval.reports.write import write_report  # drawing libraries are imported when something is drawn
 
     return write_report(data, folder).page
 
@@ -64,7 +68,7 @@ def band_edges(
     ParameterError
         If the data are none of a sweep, or of another version of an engine than is installed.
     """
-    from reports.notebook import edges_of
+    from multibody_xval.reports.dataset import edges_of
 
     return edges_of(data, store, workers, time_limit)
 
@@ -89,6 +93,6 @@ def plot(data: "xr.Dataset", file: str | Path | None = None) -> "Figure":
     ParameterError
         If the data are none of a sweep or too many, or the file cannot be written.
     """
-    from reports.notebook import figure_of
+    from multibody_xval.reports.dataset import figure_of
 
     return figure_of(data, file)

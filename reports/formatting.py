@@ -62,17 +62,6 @@ def scientific(value: float) -> str:
     return _minus(f"{value:.1e}") if value else "0"
 
 
-def card_number(value: float, digits: int = 4) -> str:
-    """Give some digits, in full up to a million, and as a power of ten where that is shorter."""
-    if not math.isfinite(value):
-        return MISSING
-    size = abs(value)
-    if 10**digits <= size < 1e6:
-        return _minus(f"{value:.0f}")
-    plain = size == 0 or 1e-4 <= size < 10**digits
-    return _minus(f"{value:.{digits}g}" if plain else f"{value:.1e}")
-
-
 def ratio(value: float) -> str:
     """Give a friction or frequency ratio as short as it is on the grid."""
     return _minus(f"{value:.6g}")
@@ -123,6 +112,6 @@ def environment(*packages: str, markup: bool = True) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=not markup,
     )
-    for display in (fixed, significant, signed, scientific, card_number, ratio, per_cell, span, typeset):
+    for display in (fixed, significant, signed, scientific, ratio, per_cell, span, typeset):
         templates.filters[display.__name__] = display
     return templates

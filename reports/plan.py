@@ -6,27 +6,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from engines.interface.law import Law
-from engines.interface.presets import Formulation
-from engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
-from engines.shared.law_distance import stepped_by, unclaimed_reason
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.errors import ParameterError
-from reports.data.collect import QUICK, Scope
-from reports.data.options import TITLES
-from scenarios.runs.parameters import ChainRatios
-from scenarios.studies.figure3 import (
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.variant import Variant, default_variants, recommended_variants, variants_named
+from multibody_xval.engines.shared.law_distance import stepped_by, unclaimed_reason
+from multibody_xval.reports.data.collect import QUICK, Scope
+from multibody_xval.reports.data.options import TITLES
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
     default_frequency_ratios,
     figure3,
     quick_frequency_ratios,
 )
-from scenarios.studies.one_option import one_option_variants
-from scenarios.sweeps.run import saved_sweeps
-from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Sweep, check_size
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.scenarios.sweeps.run import saved_sweeps
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.scenarios.sweeps.sweep import Sweep, check_size
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.errors import ParameterError
 
 PROGRAM = ("multibody-xval", "report")
 
@@ -51,15 +50,14 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
         return PlannedReport(sweep_of(file), Scope(), command_of(names, quick, file))
     if names:
         planned = _figure3(variants_named(names), quick)
-        scope = replace(QUICK if quick else _scope(_predicted(planned)), beside=_siblings(planned))
+        scope = replace(QUICK if quick else Scope(), beside=_siblings(planned))
         return PlannedReport(planned, scope, command_of(names, quick, None))
     if stored_in is not None and not quick:
         stored = stored_sweep(stored_in)
-        scope = _scope(_predicted(stored), _beside(stored))
-        return PlannedReport(stored, scope, command_of((), False, None, stored_in))
+        return PlannedReport(stored, _scope(_beside(stored)), command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
     beside = _beside(planned)
-    scope = _scope(planned.variants, beside)
+    scope = _scope(beside)
     if quick:
         installed = tuple(variant for variant in planned.variants if variant.preset_name == "default")
         scope = replace(QUICK, beside=beside, recommended=scope.recommended, claims=installed)
@@ -68,20 +66,13 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
     return PlannedReport(planned, scope, command_of((), quick, None))
 
 
-def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
-    """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
+def _scope(beside: tuple[Variant, ...]) -> Scope:
+    """Give the parts beside a sweep.
 
-    A preview has none of these. Recommended presets are beside it where they settle by a model of their steps: the
-    others take seconds a point.
+    Recommended presets are beside it where they settle by a model of their steps: the others take seconds a point.
     """
     recommended = tuple(own for own in recommended_variants() if beside and _settles(own))
-    defaults = {variant.tuned for variant in settling if variant.preset_name == "default"}
-    return Scope(
-        beside=beside,
-        recommended=recommended,
-        one_option=one_option_variants(settling, beside),
-        scaled=tuple(own for own in (*settling, *recommended) if own.tuned in defaults),
-    )
+    return Scope(beside=beside, recommended=recommended)
 
 
 def stored_sweep(store: Path) -> Sweep:

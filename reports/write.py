@@ -9,26 +9,25 @@ from typing import NamedTuple
 
 import xarray as xr
 
+from multibody_xval.reports.data.collect import Scope, collect, collect_dataset
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.export.files import FILES, NETCDF, PAGE, files_of, write_all
+from multibody_xval.reports.page.render import FIGURES
+from multibody_xval.reports.plan import sweep_of
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import Executor
+from multibody_xval.scenarios.runs.progress import ProgressBars
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.sweeps.dataset import STATUSES
+from multibody_xval.scenarios.sweeps.dataset_reader import read_dataset
+from multibody_xval.scenarios.sweeps.run import save_sweep, saved_sweeps
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, checked_output_folder
-from reports.data.collect import Scope, collect, collect_dataset
-from reports.data.report import Report
-from reports.drawing.printing import DrawnFigures
-from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
-from reports.page.render import FIGURES
-from reports.plan import sweep_of
-from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import Executor
-from scenarios.runs.progress import ProgressBars
-from scenarios.runs.result import ResultStatus
-from scenarios.runs.store import ResultStore
-from scenarios.sweeps.dataset import STATUSES
-from scenarios.sweeps.dataset_reader import read_dataset
-from scenarios.sweeps.run import save_sweep, saved_sweeps
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.steady_case import EXACT
 
 STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
@@ -45,14 +44,14 @@ class Written(NamedTuple):
 
 
 def write_report(data: object, folder: str | Path) -> Written:
-    """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
+    """Write the report of a dataset, of the file of a sweep, or of a store; see `multibody_xval.report`."""
     folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):
-        return write_dataset_report(data, folder, "reports.report(data, folder)")
+        return write_dataset_report(data, folder, "multibody_xval.report(data, folder)")
     if not isinstance(data, str | Path):  # a DataFrame, such as `check` gives
         kinds = "the dataset of a sweep, or the path of a .nc, .toml or .sqlite file"
         raise ParameterError(f"data is a {type(data).__name__}; allowed: {kinds}")
-    file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
+    file, command = checked_path("data", data), f"multibody_xval.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
         return write_sweep_report(sweep_of(file), folder, command)
     if file.suffix == ".sqlite":
@@ -128,7 +127,7 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 
 def _written(report: Report, folder: Path) -> Written:
-    write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
+    write_all(folder, files_of(report))
     return Written(folder / PAGE, report)
 
 

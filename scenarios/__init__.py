@@ -5,8 +5,12 @@
 
 from typing import TYPE_CHECKING, Any
 
+# A checkout has the folder of this name too: nothing is to be imported twice.
+if __name__ != "multibody_xval.scenarios":
+    raise ImportError("scenarios is a folder of the suite, and no package; allowed: multibody_xval.scenarios")
+
 if TYPE_CHECKING:
-    from scenarios.functions import check, sweep
+    from multibody_xval.scenarios.functions import check, sweep
 
 __all__ = ["check", "sweep"]
 
@@ -14,7 +18,7 @@ __all__ = ["check", "sweep"]
 def __getattr__(name: str) -> Any:
     """Import the functions on first use: a worker process needs neither of them."""
     if name in __all__:
-        from scenarios import functions
+        from multibody_xval.scenarios import functions
 
         return getattr(functions, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -12,24 +12,24 @@ import numpy as np
 import xarray as xr
 from pydantic import ValidationError
 
-from engines.interface.registry import default_engine_names
+from multibody_xval.engines.interface.registry import default_engine_names
+from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.verdict_table import VerdictTable, finding_table
+from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import first_error
+from multibody_xval.scenarios.runs.progress import ProgressBars
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
+from multibody_xval.scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
+from multibody_xval.scenarios.sweeps.spec_file import SweepFile
+from multibody_xval.scenarios.sweeps.sweep import Sweep, check_size
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.descriptions import ALL_SCENARIOS
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.verdict_table import VerdictTable, finding_table
-from scenarios.runs import TIME_LIMIT
-from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import first_error
-from scenarios.runs.progress import ProgressBars
-from scenarios.runs.store import opened_store
-from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
-from scenarios.sweeps.spec_file import SweepFile
-from scenarios.sweeps.sweep import Sweep, check_size
 
 Numbers = float | Sequence[float] | FloatArray
 """One number, or several: a list, a tuple or an array."""
@@ -161,7 +161,7 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
     try:
         return SweepFile.model_validate(content).sweep.for_verdicts()
     except ValidationError as problem:
-        raise ParameterError(first_error(problem, "what the documentation of scenarios.sweep lists")) from None
+        raise ParameterError(first_error(problem, "what the documentation of multibody_xval.sweep lists")) from None
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import settings
 
 from tests.installed import skip_absent
-from tests.package_index import empty_folder, installed_versions, offline, wheels  # noqa: F401 (fixtures)
 from tests.site import Site
 
 # A run of CI repeats bit for bit; elsewhere every run looks at new examples.

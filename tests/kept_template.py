@@ -8,8 +8,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
-from scenarios.runs import local_processes
-from scenarios.runs.worker_template import WorkerTemplate
+from multibody_xval.scenarios.runs import local_processes
+from multibody_xval.scenarios.runs.worker_template import WorkerTemplate
 
 
 @contextmanager

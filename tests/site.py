@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from unittest.mock import patch
 
-from engines.interface import registry
+from multibody_xval.engines.interface import registry
 
 ROOT = Path(__file__).parents[1]
 

@@ -7,10 +7,8 @@ from types import ModuleType
 
 import pytest
 
-from engines import engine
-from engines.interface.registry import engine_names, registered_engine
-from engines.interface.variant import variants_of
-from reports.cli.console_script import COMMANDS
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import variants_of
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -25,36 +23,12 @@ def program(name: str) -> ModuleType:
     return module
 
 
-@pytest.fixture(scope="module")
-def page(tmp_path_factory) -> str:
-    file = tmp_path_factory.mktemp("docs") / "commands.md"
-    program("commands").write(file)
-    return file.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_page_of_commands_has_every_command_with_an_example(page, name) -> None:
-    _, _, section = page.partition(f"\n## `{name}`\n")
-    assert "```console\nmultibody-xval " in section.split("\n## ")[0]
-
-
-def test_page_of_commands_has_options_with_their_help(page) -> None:
-    assert re.search(r"\| `--steps-per-period` \| .*Without it: `400`\. \|", page)
-    assert "`--run`, `--no-run`" in page
-    assert "| `--engine` |" in page.partition("### `run unit-cell`")[2]
-
-
-def test_page_of_commands_names_commands_as_they_are_typed(page) -> None:
-    _, _, sections = page.partition("\n## ")
-    assert "python -m" not in sections
-
-
 def test_table_of_engines_has_the_licence_of_each() -> None:
     rows = [line for line in (DOCS / "engines/index.md").read_text(encoding="utf-8").splitlines() if "](" in line]
     cells = [line.split("|") for line in rows if line.count("|") == 7]
     shown = {re.sub(r"[\[\]]|\(.*?\)", "", own[1]).strip(): own[3].strip() for own in cells}
     for name in set(engine_names()) - {"reference"}:
-        known = registered_engine(name).capabilities
+        known = engine(name).capabilities
         expected = known.licence.removeprefix("LicenseRef-").replace("A-O", "A O")
         assert shown[known.title.partition(" (")[0]] == expected, name
 

@@ -1,4 +1,4 @@
-"""One table of exit codes: in the documentation, in the help of every command, and in what commands do."""
+"""Exit codes of commands: what is wrong is one line, before any work."""
 
 import re
 import subprocess
@@ -7,73 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.mujoco import MuJoCo
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 from reference_lcp.errors import ExitCode, ParameterError, RunError
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.spec_file import EXAMPLE
 from tests.scenarios.runs.builders import certified
-from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
-GROUPS = {"multibody-xval store", "multibody-xval truth"}
-"""Commands that only hold others."""
-
 REFERENCE = "reference --cells 1 --frequency-ratio 0.9"
-
-
-def test_documentation_has_the_table() -> None:
-    document = (ROOT / "docs/exit_codes.md").read_text()
-    rows = re.findall(r"^\| (\d+) \| `([A-Z_]+)` \| (.+) \|$", document, flags=re.MULTILINE)
-    assert {name: int(code) for code, name, _ in rows} == dict(ExitCode.__members__)
-    source = " ".join((ROOT / "reference_lcp/errors.py").read_text().split())
-    assert all(f'"""{meaning}"""' in source for _, _, meaning in rows)
-
-
-def codes_of(path: str) -> dict[int, str]:
-    """What the codes of a command mean, by its help."""
-    _, _, text = " ".join(COMMANDS[path].help.split()).partition("Exit code ")
-    parts = re.findall(r"(?:^|; )(\d+): (.*?)(?=; \d+:|\.? ?$)", text.partition("Example:")[0])
-    return {int(code): meaning for code, meaning in parts}
-
-
-def name_of(path: str) -> str:
-    """Give a command as it is typed after the name of the program; all scenarios are one."""
-    words = path.removeprefix("multibody-xval ")
-    return "run SCENARIO" if words.removeprefix("run ") in {*DESCRIPTIONS, ALL_SCENARIOS} else words
-
-
-def test_documentation_has_every_command_with_what_its_codes_mean() -> None:
-    """The table is made of the help of the commands: this is what it has to be."""
-    rows = {}
-    for path in COMMANDS.keys() - GROUPS:
-        codes = codes_of(path)
-        assert codes.pop(ExitCode.INTERRUPTED) == "interrupted"
-        own = sorted(set(ExitCode) - {ExitCode.UNEXPECTED, ExitCode.INTERRUPTED})
-        cells = " | ".join(codes.get(code, "–") for code in own)
-        rows.setdefault(name_of(path), set()).add(f"| `{name_of(path)}` | {cells} |")
-    assert [name for name, own in rows.items() if len(own) > 1] == []
-    expected = sorted(row for own in rows.values() for row in own)
-    document = (ROOT / "docs/exit_codes.md").read_text()
-    table = [line for line in document.splitlines() if re.match(r"\| `[a-z]", line)]
-    assert sorted(table) == expected, "\n".join(expected)
-
-
-@pytest.mark.parametrize("path", sorted(COMMANDS.keys() - GROUPS))
-def test_help_of_every_command_says_its_codes(path) -> None:
-    text = codes_of(path)
-    codes = list(text)
-    assert codes == sorted(set(codes))
-    assert set(codes) <= set(ExitCode)
-    needed = {ExitCode.DONE, ExitCode.WRONG_INPUT, ExitCode.INTERRUPTED}
-    if {"out", "plot", "store", "new"} & {option.name for option in COMMANDS[path].params}:
-        needed.add(ExitCode.RUN_FAILED)
-    assert needed <= set(codes), text
 
 
 def code_of(line: str) -> int:
@@ -108,7 +54,7 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("report --no-run --retry-blocked", ExitCode.WRONG_INPUT),
     ],
 )
-def test_commands_end_with_the_code_of_the_table(stores, line, code, capsys) -> None:
+def test_commands_end_with_their_codes(stores, line, code, capsys) -> None:
     assert code_of(line) == code
     assert len(capsys.readouterr().err.splitlines()) == (code == ExitCode.WRONG_INPUT)
 
@@ -124,7 +70,7 @@ def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monke
     def fail() -> None:
         raise problem
 
-    monkeypatch.setattr("reports.cli.run.print_catalogue", fail)
+    monkeypatch.setattr("multibody_xval.reports.cli.run.print_catalogue", fail)
     assert code_of("run") == code
     assert re.fullmatch("error: .+\n", capsys.readouterr().err)
 
@@ -132,7 +78,7 @@ def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monke
 def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "reports", "engines"],
+            [sys.executable, "-m", "multibody_xval", "engines"],
             cwd=ROOT,
             stdout=full,
             stderr=subprocess.PIPE,
@@ -148,24 +94,20 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     [
         "report --engine mujoco:joint:default",
         "report --sweep named.toml",
-        "card mujoco",
         "reproduce mujoco:joint:default static-hold",
-        "animate --engine mujoco",
         "run unit-cell --engine mujoco:all:all",
         "run all --engine reference --engine mujoco",
         "run accuracy --engine mujoco",
         "run laws --engine mujoco",
         "run work-precision --engine mujoco",
-        "run cost --engine mujoco --set noslip_iterations=3",
         "sweep named.toml",
     ],
 )
 def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stores, monkeypatch, capsys, line) -> None:
     Path("named.toml").write_text(EXAMPLE)
     before = set(Path().iterdir())
-    reason = "no wheel; multibody-xval engines install mujoco"
+    reason = "no wheel; pip install mujoco"
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: reason)
-    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda _: None)
     assert code_of(line) == ExitCode.WRONG_INPUT
     assert f"engine = mujoco is not installed: {reason}" in capsys.readouterr().err
     assert set(Path().iterdir()) == before
@@ -180,7 +122,7 @@ def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(mon
     def faulty(_name: str) -> None:
         raise kind("a\nfault\x1b[2J")
 
-    monkeypatch.setattr("engines.interface.registry.broken_reason", faulty)
+    monkeypatch.setattr("multibody_xval.engines.interface.registry.broken_reason", faulty)
     assert run_command(app, ["engines"]) == ExitCode.UNEXPECTED
     error = capsys.readouterr().err
     line = re.fullmatch(rf"error: a fault of the suite, {kind.__name__}: a fault\\x1b\[2J; details, .*: (\S+)\n", error)

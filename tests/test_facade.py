@@ -1,10 +1,12 @@
-"""The suite beside files of the user's that have the names of its packages."""
+"""The suite as users have it: two packages, beside folders of theirs that are called ``engines`` or ``reports``."""
 
 import os
 import pydoc
 import re
 import subprocess
 import sys
+import tarfile
+import venv
 import zipfile
 from pathlib import Path
 
@@ -13,23 +15,30 @@ import pytest
 import multibody_xval
 
 ROOT = Path(__file__).parents[1]
-SHADOWS = ("engines", "scenarios", "reports", "reference_lcp")
+PACKAGES = {"multibody_xval", "reference_lcp"}
+ROOMS = ("engines", "scenarios", "reports")
+FOREIGN = (*ROOMS, "truth", "tests")
+"""What a project of a user may well have of its own."""
 
-SCRIPT = """\
-from multibody_xval import check, report, sweep
+OWN_TEST = """\
+import importlib
+from pathlib import Path
 
-if __name__ == "__main__":
+import pytest
+
+from multibody_xval import sweep
+
+
+@pytest.mark.parametrize("name", ["engines", "scenarios", "reports", "truth"])
+def test_own_packages_are_those_of_this_folder(name):
+    assert Path(importlib.import_module(name).__file__).parents[1] == Path(__file__).parents[1]
+
+
+def test_the_suite_works_beside_them_in_its_processes_too():
     data = sweep(["reference", "mujoco:noslip_iterations=3"], 0.3, [0.8, 0.9], chain={"cells": 1}, workers=1)
-    print(list(data.variant.values))
-    print(int(data.transmittance_db.isnull().sum()), callable(check), callable(report))
+    assert "mujoco:noslip_iterations=3" in data.variant.values
+    assert not data.transmittance_db.isnull().any()
 """
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    for name in SHADOWS:
-        (tmp_path / f"{name}.py").write_text("raise SystemExit('the file of the working folder')\n")
-    return tmp_path
 
 
 def python(folder: Path, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -38,15 +47,92 @@ def python(folder: Path, *arguments: str, **variables: str) -> subprocess.Comple
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, env=environment)
 
 
-@pytest.mark.slow
-def test_three_functions_run_beside_files_with_the_names_of_the_packages(folder: Path) -> None:
-    """Workers too: they are processes of their own."""
-    (folder / "my.py").write_text(SCRIPT)
-    done = python(folder, "my.py")
+def built(source: Path, into: Path, kind: str) -> Path:
+    """Build a wheel or a source distribution by the backend itself."""
+    into.mkdir()
+    build = f"import sys; from hatchling.build import build_{kind} as build; build(sys.argv[1])"
+    done = python(source, "-c", build, str(into))
     assert done.returncode == 0, done.stderr
-    variants, numbers = done.stdout.splitlines()
-    assert "'mujoco:noslip_iterations=3'" in variants
-    assert numbers == "0 True True"
+    (file,) = into.iterdir()
+    return file
+
+
+def contents(wheel: Path) -> dict[str, bytes]:
+    """Give the files of a wheel but for what is said of it."""
+    with zipfile.ZipFile(wheel) as archive:
+        names = [name for name in archive.namelist() if ".dist-info/" not in name]
+        assert len(names) == len(set(names))
+        return {name: archive.read(name) for name in names}
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return built(ROOT, tmp_path_factory.mktemp("built") / "wheel", "wheel")
+
+
+@pytest.mark.slow
+def test_the_wheel_has_two_packages_and_every_module_once(wheel: Path) -> None:
+    files = contents(wheel)
+    assert {name.split("/")[0] for name in files} == PACKAGES
+    of_rooms = {f"multibody_xval/{file.relative_to(ROOT)}" for room in ROOMS for file in (ROOT / room).rglob("*.py")}
+    others = {str(file.relative_to(ROOT)) for file in (ROOT / "reference_lcp").rglob("*.py")}
+    doors = {f"multibody_xval/{file.name}" for file in (ROOT / "multibody_xval").glob("*.py")}
+    assert {name for name in files if name.endswith(".py")} == of_rooms | others | doors
+
+
+@pytest.mark.slow
+def test_the_wheel_of_the_source_distribution_is_the_same(wheel: Path, tmp_path: Path) -> None:
+    with tarfile.open(built(ROOT, tmp_path / "sdist", "sdist")) as archive:
+        archive.extractall(tmp_path / "source", filter="data")
+    (source,) = (tmp_path / "source").iterdir()
+    assert contents(built(source, tmp_path / "wheel", "wheel")) == contents(wheel)
+
+
+@pytest.mark.slow
+def test_a_project_with_folders_of_these_names_is_tested_beside_the_installed_suite(
+    wheel: Path, tmp_path: Path
+) -> None:
+    venv.create(tmp_path / "environment", with_pip=False)
+    (packages,) = (tmp_path / "environment/lib").glob("python*/site-packages")
+    own = str(ROOT)  # of an editable installation: the suite is that of the wheel, and no checkout is found
+    shared = [path for path in sys.path if path.endswith(("site-packages", "dist-packages")) and path != own]
+    (packages / "shared.pth").write_text("\n".join(shared))
+    project = tmp_path / "project"
+    for name in FOREIGN:
+        (project / name).mkdir(parents=True)
+        (project / name / "__init__.py").write_text('"""Of the user."""\n')
+    (project / "tests/test_own.py").write_text(OWN_TEST)
+    variables = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
+
+    def own_python(*arguments: str) -> str:
+        command = [str(tmp_path / "environment/bin/python"), "-m", *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=project, env=variables)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    own_python("pip", "install", "--quiet", "--no-deps", "--no-index", "--disable-pip-version-check", str(wheel))
+    shown = own_python("pip", "show", "--files", "multibody-xval")
+    folders = {line.strip().split("/")[0] for line in shown.partition("Files:\n")[2].splitlines()}
+    assert {name for name in folders if name != ".." and not name.endswith(".dist-info")} == PACKAGES
+    assert "5 passed" in own_python("pytest", "-q", "-p", "no:cacheprovider")
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_is_not_imported_by_its_bare_name(room: str) -> None:
+    """A module that is imported under two names has two registries of engines."""
+    done = python(ROOT, "-c", f"import {room}")
+    assert (
+        f"ImportError: {room} is a folder of the suite, and no package; allowed: multibody_xval.{room}" in done.stderr
+    )
+
+
+def test_no_module_of_the_suite_has_a_bare_name_in_this_session() -> None:
+    assert not {name for name in sys.modules if name.split(".")[0] in (*ROOMS, "truth")}
+
+
+def test_the_door_imports_nothing_before_a_name_is_used() -> None:
+    code = "import sys, multibody_xval; print(*(name for name in sys.modules if name.split('.')[0] in sys.argv[1:]))"
+    assert python(ROOT, "-c", code, *PACKAGES, "numpy").stdout.split() == ["multibody_xval"]
 
 
 @pytest.mark.slow
@@ -67,45 +153,6 @@ def test_a_study_of_a_graded_chain_takes_twenty_lines(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1].startswith("<SteadyState −5.71")
 
 
-def test_a_file_that_was_imported_before_is_named(folder: Path) -> None:
-    (folder / "engines.py").write_text("mine = True\n")
-    done = python(folder, "-c", "import engines; import multibody_xval")
-    assert f"engines has been imported from {folder / 'engines.py'}" in done.stderr
-    assert "import multibody_xval first" in done.stderr
-
-
-def test_python_m_says_which_file_hides_a_package(folder: Path) -> None:
-    (folder / "reference_lcp.py").unlink()
-    (folder / "reports.py").unlink()
-    done = python(folder, "-m", "reports", "run")
-    assert done.returncode == 2
-    assert done.stderr.startswith(f"error: {folder / 'engines.py'} hides the package engines of the suite; allowed: ")
-
-
-def test_an_empty_folder_of_that_name_hides_nothing(tmp_path: Path) -> None:
-    (tmp_path / "engines").mkdir()
-    assert python(tmp_path, "-m", "reports", "run").returncode == 0
-
-
-@pytest.mark.slow
-def test_the_wheel_holds_the_facade(tmp_path: Path) -> None:
-    """Built by the backend itself, unpacked, and imported from there, in a folder with files of those names."""
-    build = "import sys; from hatchling.build import build_wheel; build_wheel(sys.argv[1])"
-    built = python(ROOT, "-c", build, str(tmp_path))
-    assert built.returncode == 0, built.stderr
-    (wheel,) = tmp_path.glob("*.whl")
-    unpacked, own = tmp_path / "unpacked", tmp_path / "own"
-    own.mkdir()
-    for name in SHADOWS:
-        (own / f"{name}.py").write_text("raise SystemExit('the file of the working folder')\n")
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(unpacked)
-    code = "import multibody_xval as x; print(x.__file__); print(x.sweep.__module__, x.report.__module__)"
-    done = python(own, "-c", code, PYTHONPATH=str(unpacked))
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == [str(unpacked / "multibody_xval/__init__.py"), "scenarios.functions reports"]
-
-
 @pytest.mark.parametrize("name", multibody_xval.__all__)
 def test_every_name_of_the_door_is_there_with_a_docstring(name: str) -> None:
     assert getattr(multibody_xval, name).__doc__
@@ -115,5 +162,5 @@ def test_help_of_a_sweep_fits_a_screen() -> None:
     assert len(pydoc.render_doc(multibody_xval.sweep, renderer=pydoc.plaintext).splitlines()) <= 45
 
 
-def test_every_package_says_that_it_has_types() -> None:
-    assert all((ROOT / name / "py.typed").is_file() for name in ("multibody_xval", *SHADOWS))
+def test_both_packages_say_that_they_have_types() -> None:
+    assert all((ROOT / name / "py.typed").is_file() for name in PACKAGES)

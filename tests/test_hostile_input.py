@@ -8,12 +8,12 @@ import pytest
 import typer
 
 import reference_lcp.one_call
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import WorkerExecutor
+from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import WorkerExecutor
-from scenarios.sweeps.spec_file import EXAMPLE
 
 LONGEST_LINE = 2000
 """Characters of a message: of what was given, only a part is shown."""
@@ -79,25 +79,20 @@ LINES = (
     "reference --mass-ratio 1 --stiffness-ratio 1 --damping-ratio 0.01 --inner-damping-ratio 0 --error-bar",
     "reference --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --json",
     "reference --plot period.png --solver exact --cells 2",
-    "reference bench --cells --json",
-    "reference convergence --plot orders.png --json",
-    "reference coverage --chains 40 --seed 3 --json",
+    "reference bench --json",
     "engines --json",
     "scenarios",
     "example",
-    "store check sweep.sqlite --salvage good.sqlite",
     "sweep sweep.toml --store a.sqlite --out a.nc --workers 2 --time-limit 60",
     "sweep sweep.toml --no-run --out a.csv --store sweep.sqlite --scheduler tcp://127.0.0.1:1",
     "run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",
     "run record --record quake.csv --engine mujoco:joint --out a.json --store b.sqlite",
     "run all --no-run --store sweep.sqlite --out a.csv --engine reference:joint:tuned",
-    "run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1 --no-cost",
-    "run cost --engine mujoco --seconds 0.1 --out a.md",
+    "run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1",
     "report --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
     "report --sweep sweep.toml --out report --no-run",
     "report --data sweep.nc --out report",
     "compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
-    "animate --engine mujoco --friction-ratio 0.3 --frequency-ratio 0.9 --out a.gif --frames 20",
 )
 
 WORDS = (
@@ -130,10 +125,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(WorkerExecutor, "run", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
-    for name in ("bench.bench", "bench.bench_cells", "against_exact.convergence", "against_exact.coverage"):
-        monkeypatch.setattr(f"reference_lcp.studies.{name}", planned)
-    for name in ("scenarios.studies.cost.cost", "engines.shared.step_cost.step_cost"):
-        monkeypatch.setattr(name, planned)
+    monkeypatch.setattr("reference_lcp.studies.bench.bench", planned)
     monkeypatch.setattr(Evaluator, "close", lambda _: None)
     return tmp_path
 

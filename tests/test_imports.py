@@ -12,13 +12,13 @@ from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
-COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)
+COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "jinja2", "PIL", *ENGINE_PACKAGES)
 """Packages that compute, tabulate or draw; each takes a tenth of a second to a second to import."""
 
 HELP = """
 import contextlib, io, json, sys
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
+from multibody_xval.reports.cli.console_script import app
 commands, heavy = json.loads(sys.argv[1])
 imported = {}
 for command in commands:
@@ -57,7 +57,7 @@ def test_help_imports_nothing_that_computes(path, imported_by_help) -> None:
 def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
     script = (
         "import json, sys\n"
-        "from reports.cli.engines import app\n"
+        "from multibody_xval.reports.cli.engines import app\n"
         "from reference_lcp.process import run_command\n"
         "code = run_command(app, json.loads(sys.argv[1]))\n"
         "print()\n"
@@ -68,7 +68,17 @@ def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
     assert any("reference" in line for line in listed)
 
 
-@pytest.mark.parametrize("module", ["reference_lcp", "engines", "scenarios", "reports", "engines.contract.plugin"])
+@pytest.mark.parametrize(
+    "module",
+    [
+        "reference_lcp",
+        "multibody_xval",
+        "multibody_xval.engines",
+        "multibody_xval.scenarios",
+        "multibody_xval.reports",
+        "multibody_xval.engines.contract.plugin",
+    ],
+)
 def test_package_is_imported_without_anything_that_computes(module) -> None:
     script = f"import json, sys, {module}; print(json.dumps([name for name in {COMPUTING!r} if name in sys.modules]))"
     assert json.loads(run_python("-c", script)) == []
@@ -78,9 +88,9 @@ def test_pytest_of_others_imports_no_engine_where_the_suite_is_installed(tmp_pat
     (tmp_path / "test_own.py").write_text(
         "import sys\n\n"
         "def test_own():\n"
-        "    assert 'engines.contract.plugin' in sys.modules\n"
+        "    assert 'multibody_xval.engines.contract.plugin' in sys.modules\n"
         f"    assert [name for name in {('numpy', *COMPUTING)!r} if name in sys.modules] == []\n"
-        "    assert 'engines.interface' not in sys.modules\n"
+        "    assert 'multibody_xval.engines.interface' not in sys.modules\n"
     )
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:hypothesispytest",

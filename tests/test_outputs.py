@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 
 import reference_lcp
-import reports
+from multibody_xval import reports
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.functions import sweep
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.sweeps.dataset import write_dataset
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.output import checked_output_file, checked_output_folder
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.functions import sweep
-from scenarios.runs.store import ResultStore
-from scenarios.sweeps.dataset import write_dataset
 from tests.scenarios.catalogue.example_record import write_example
 
 SWEEP = """
@@ -39,7 +39,6 @@ ONTO_WHAT_IS_USED = [
     "run unit-cell --engine reference --store fresh.csv --out fresh.csv",
     "run record --engine reference --record record.csv --out record.csv",
     "run accuracy --engine reference --store kept.csv --out kept.csv",
-    "run cost --engine reference --out kept.csv",
     "run work-precision --engine reference --store kept.csv --out kept.csv",
     "compare kept.csv hard.csv --out kept.csv",
     "compare kept.csv hard.csv --out link.csv",

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import app
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
 
 pytestmark = pytest.mark.slow
 
@@ -27,18 +27,14 @@ transmittance_db = 0.1
 
 LINES = [
     "engines",
-    "engines environments",
     "engines law mujoco:joint:default",
     "reference --cells 2 --steps-per-period 400",
-    "reference bench --cells",
     "run",
     "run locked-limit --engine mujoco:all:all --workers 1",
     "run all --no-run --store sweep.sqlite --engine exudyn-regularised:all:all",
-    pytest.param("run accuracy --engine reference --no-cost --workers 1", marks=pytest.mark.slow),
+    pytest.param("run accuracy --engine reference --workers 1", marks=pytest.mark.slow),
     "run laws --engine mujoco:joint:default --workers 1",
-    pytest.param("run cost --engine mujoco:contact:default --seconds 0.1", marks=pytest.mark.slow),
     pytest.param("run work-precision --engine mujoco:contact:default --steps 100 --workers 1", marks=pytest.mark.slow),
-    "run cost --engine exudyn-regularised:contact:default --lanes 1 --lanes 2",
     "sweep sweep.toml --store sweep.sqlite --workers 1",
     "compare sweep.sqlite lost.sqlite",
     "report --sweep sweep.toml --store sweep.sqlite --no-run",

@@ -7,24 +7,22 @@ import sys
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import COMMANDS, app
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 from reference_lcp.terminal import visible
-from reports.cli.console_script import COMMANDS, app
 
 LINES = [
     *(f"{name} --help" for name in COMMANDS),
     "reference --cells 2",
-    "reference convergence --help",
+    "reference bench --help",
     "engines",
     "engines --json",
     "run",
     "example",
     "sweep --help",
     "run all --help",
-    "store check --help",
     "compare --help",
-    "animate --help",
 ]
 
 
@@ -49,7 +47,10 @@ def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
-    [["reports", "--help"], ["reference_lcp", "--cells", "1", "--steps-per-period", "16", "--plot", "period.png"]],
+    [
+        ["multibody_xval", "--help"],
+        ["reference_lcp", "--cells", "1", "--steps-per-period", "16", "--plot", "period.png"],
+    ],
 )
 def test_a_matplotlib_backend_that_there_is_not_ends_no_command(tmp_path, arguments) -> None:
     done = subprocess.run(

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from engines.interface.registry import engine, engine_names
-from scenarios.catalogue.scenes.recipes import recipe_results
-from scenarios.runs import TIME_LIMIT
-from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.store import opened_store
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.scenarios.catalogue.scenes.recipes import recipe_results
+from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.store import opened_store
 
 ANSWERS = Path(__file__).with_name("answers.csv")
 

@@ -4,16 +4,16 @@ The documentation calls `write` before it is built; what it writes is not kept.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
-from engines.interface import registry
-from engines.interface.variant import FOR_THE_CHAIN, Variant
-from reports.page.sections.scenes import heat_map
-from reports.reproducers.recipe import has_recipe, recipe_text
-from scenarios.catalogue.scenes.table import printed_number
-from scenarios.studies.one_option import tuned_options
+from multibody_xval.engines.interface import registry
+from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
+from multibody_xval.reports.page.sections.scenes import heat_map
+from multibody_xval.reports.reproducers.recipe import has_recipe, recipe_text
+from multibody_xval.scenarios.catalogue.scenes.table import printed_number
 
 FOLDER = Path(__file__).parent
 
@@ -24,7 +24,7 @@ def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
     pages = {name: f"../engines/{_page(name)}.html" for name in rows.engine.unique()}
     (folder / "heat_map.html").write_text(heat_map(rows[~rows.number.str.startswith("cost")], pages), encoding="utf-8")
     (folder / "recipes").mkdir(exist_ok=True)
-    for name in filter(lambda each: has_recipe(registry.registered_engine(each)), registry.engine_names()):
+    for name in filter(lambda each: has_recipe(registry.engine(each)), registry.engine_names()):
         text = "\n".join(recipe_page(name, rows[rows.engine == name]))
         (folder / "recipes" / f"{name}.md").write_text(text, encoding="utf-8")
 
@@ -33,10 +33,11 @@ def _reaches(name: str) -> Iterator[str]:
     """Say of the options of tuned presets which hold in any model."""
     yield f"*Tuned* presets are of no use here. {FOR_THE_CHAIN} Of what they change:"
     yield ""
-    for formulation in registry.registered_engine(name).capabilities.presets:
+    for formulation in registry.engine(name).capabilities.presets:
         tuned = Variant(name, str(formulation))
         kinds: dict[str, list[str]] = {}
-        for option in tuned_options(name, formulation):
+        changed = tuned.preset.changed_from(replace(tuned, preset_name="default").preset)
+        for option in (name for name in tuned.preset.engine_options if name in changed):
             kinds.setdefault(tuned.reach(option), []).append(f"`{option}`")
         texts = [f"*{kind}* {', '.join(own)}" for kind, own in kinds.items()]
         yield f"- {formulation}: {'; '.join(texts) or 'nothing'}."

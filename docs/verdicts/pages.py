@@ -10,9 +10,9 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface import registry
-from reports.data.catalogue import Outcome, cell_of
-from scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.engines.interface import registry
+from multibody_xval.reports.data.catalogue import Outcome, cell_of
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 
 ENGINES = Path(__file__).parents[1] / "engines"
 """Pages of the engines."""

@@ -2,9 +2,9 @@
 
 from typing import ClassVar
 
-from engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane
-from engines.box2d.joint import SPRING_LENGTH, Box2DJointLane
-from engines.box2d.presets import (
+from multibody_xval.engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane
+from multibody_xval.engines.box2d.joint import SPRING_LENGTH, Box2DJointLane
+from multibody_xval.engines.box2d.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -12,11 +12,11 @@ from engines.box2d.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.box2d.scene import STEP, contacts, joints
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.interface.tolerances import SINGLE_RESIDUAL
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_units
+from multibody_xval.engines.box2d.scene import STEP, contacts, joints
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_units
 
 
 class Box2D(PipEngine):

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.box2d.joint import FARTHEST, Box2DLane, finer_units, import_box2d
-from engines.interface.presets import Preset
-from engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.box2d.joint import FARTHEST, Box2DLane, finer_units, import_box2d
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray

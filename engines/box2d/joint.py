@@ -6,15 +6,14 @@ import importlib
 import math
 import warnings
 from abc import abstractmethod
-from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -40,11 +39,6 @@ class Box2DLane(ExplicitForcesLane):
         self._iterations = preset["velocityIterations"], preset["positionIterations"]
         # Where bodies are across the motion, and the forces on them there.
         self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
-
-    def _native_step(self) -> Callable[[], object]:
-        world, _ = self._new_world(np.zeros(4 * self._chain.cells))
-        world.SetAllowSleeping(False)
-        return functools.partial(world.Step, self._time_step, *self._iterations)
 
     @abstractmethod
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:

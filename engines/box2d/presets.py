@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from engines.interface.law import Law
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.shared.claims import IMPLICIT_SPRINGS
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.shared.claims import IMPLICIT_SPRINGS
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 SINGLE_PRECISION_PERIOD = 3e-5

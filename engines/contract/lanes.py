@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from engines.interface.tolerances import CREEP, STEPS
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.tolerances import CREEP, STEPS
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload

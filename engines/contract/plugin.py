@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from engines.interface.variant import Variant
+    from multibody_xval.engines.interface.variant import Variant
 
 OPTION = "--xval-engine"
 """Names an engine that is held to the contract."""
@@ -27,8 +27,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="with --pyargs engines.contract: hold this engine to the contract, in all its formulations and presets; "
-        "without it, all that are installed",
+        help="with --pyargs multibody_xval.engines.contract: hold this engine to the contract, in all its formulations "
+        "and presets; without it, all that are installed",
     )
 
 
@@ -37,7 +37,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "slow: takes seconds, or is of presets that nobody has named")
     names: list[str] = config.getoption(OPTION)
     for name in names:
-        from engines.interface.registry import engine
+        from multibody_xval.engines.interface.registry import engine
         from reference_lcp.errors import ParameterError
 
         try:
@@ -67,10 +67,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
     ``sharing`` those that share the reference's scheme, ``modelled`` those whose law is a model, ``following`` those
     whose normal force may change in time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose
-    row may have any direction, ``inclining`` the tuned ones whose contacts may be inclined, ``holding`` the tuned ones
-    with static friction of its own, ``installed`` the name of an engine.
+    row may have any direction, ``holding`` the tuned ones with static friction of its own,
+    ``installed`` the name of an engine.
     """
-    if metafunc.module.__package__ != "engines.contract":
+    if metafunc.module.__package__ != "multibody_xval.engines.contract":
         return
     for argument, chosen in _cases(tuple(metafunc.config.getoption(OPTION))).items():
         if argument in metafunc.fixturenames:
@@ -80,9 +80,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 @cache
 def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     """Give what each argument stands for, of these engines or, without any, of all that are installed."""
-    from engines.interface.presets import NormalForce
-    from engines.interface.registry import engine, engine_names, law_of
-    from engines.interface.variant import variants_of
+    from multibody_xval.engines.interface.presets import NormalForce
+    from multibody_xval.engines.interface.registry import engine, engine_names, law_of
+    from multibody_xval.engines.interface.variant import variants_of
 
     names = named or [name for name in engine_names() if engine(name).unavailable_reason() is None]
     every = [variant for name in names for variant in variants_of(name, optional=True)]
@@ -96,7 +96,6 @@ def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
         "modelled": [variant for variant in variants if law_of(variant.preset) is not None],
         "turning": [variant for variant in variants if variant.preset.turns],
-        "inclining": [variant for variant in tuned if variant.preset.inclines],
         "holding": [variant for variant in tuned if variant.preset.static_friction],
         "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],
     }

@@ -5,15 +5,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from engines.contract.lanes import (
+from multibody_xval.engines.contract.lanes import (
     lane_of,
     pulse_lane_of,
     random_state,
     run_of,
     tolerance_of,
 )
-from engines.interface.registry import engine, law_of
-from engines.interface.tolerances import (
+from multibody_xval.engines.interface.registry import engine, law_of
+from multibody_xval.engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
     FRICTION_TOLERANCE,
     PULSE_TOLERANCE,
@@ -23,16 +23,15 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
-from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.defaults import BASE_AMPLITUDE, STICK_SLIP_POINTS
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.neighbours import orbits_from_euler
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 
 UNINFORMED_POINTS = 1
 """Points at which an engine is searched from harmonic balance; at the others its search begins in the orbit of its law,

@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from engines.contract.lanes import lane_of, random_state, run_of
-from engines.interface.registry import engine
-from engines.interface.tolerances import ROUND_OFF, STEPS
-from engines.interface.variant import Variant
+from multibody_xval.engines.contract.lanes import lane_of, random_state, run_of
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.tolerances import ROUND_OFF, STEPS
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

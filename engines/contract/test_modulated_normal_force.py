@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from engines.contract.lanes import modulated_lane, run_of, tolerance_of
-from engines.interface.presets import NormalForce
-from engines.interface.registry import engine
-from engines.interface.tolerances import (
+from multibody_xval.engines.contract.lanes import modulated_lane, run_of, tolerance_of
+from multibody_xval.engines.interface.presets import NormalForce
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.tolerances import (
     BOUND_MARGIN,
     CONVERGED_TOLERANCE_DB,
     MEETING_STEPS,
@@ -18,7 +18,7 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.interface.variant import Variant, variants_of
 from reference_lcp.chain.preload import Flight
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import BASE_AMPLITUDE

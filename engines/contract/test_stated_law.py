@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.contract.lanes import (
+from multibody_xval.engines.contract.lanes import (
     lane_of,
     modulated_lane,
     random_lanes,
@@ -14,18 +14,18 @@ from engines.contract.lanes import (
     scaled_state,
     unexplained_impulse,
 )
-from engines.interface.engine import Engine
-from engines.interface.law import Law
-from engines.interface.registry import law_of
-from engines.interface.tolerances import MOMENTUM_TOLERANCE, SCHEME_TOLERANCE_DB, STEPS
-from engines.interface.variant import Variant
-from engines.shared.law_distance import allowed_distance, stepped_by
-from engines.shared.law_limit import law_fault
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import MOMENTUM_TOLERANCE, SCHEME_TOLERANCE_DB, STEPS
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import allowed_distance, stepped_by
+from multibody_xval.engines.shared.law_limit import law_fault
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.defaults import STICK_SLIP_POINTS
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.neighbours import orbits_from_euler
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from reference_lcp.validation import FloatArray
 
 ORBIT_RESIDUAL = 1e-9

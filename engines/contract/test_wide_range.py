@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from engines.contract.lanes import lane_of, random_state, scaled_state, tolerance_of
-from engines.interface.registry import law_of
-from engines.interface.tolerances import STEPS, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
-from engines.shared.law_distance import allowed_distance, stepped_by, unclaimed_reason
-from engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS, RangePoint
+from multibody_xval.engines.contract.lanes import lane_of, random_state, scaled_state, tolerance_of
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import STEPS, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import allowed_distance, stepped_by, unclaimed_reason
+from multibody_xval.engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS, RangePoint
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import BASE_AMPLITUDE

@@ -2,9 +2,9 @@
 
 from typing import ClassVar
 
-from engines.dart.contact import DEPTH, DartContactLane
-from engines.dart.joint import DartJointLane
-from engines.dart.presets import (
+from multibody_xval.engines.dart.contact import DEPTH, DartContactLane
+from multibody_xval.engines.dart.joint import DartJointLane
+from multibody_xval.engines.dart.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_SPHERE,
@@ -14,10 +14,10 @@ from engines.dart.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.dart.scene import STEP, contacts, joints
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.dart.scene import STEP, contacts, joints
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_si
 
 
 class Dart(PipEngine):

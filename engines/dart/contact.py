@@ -1,16 +1,13 @@
 """DART's contact formulation: in every cell a box, or a sphere, the inner mass, pressed on a plate, the outer one."""
 
-import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from engines.dart.joint import new_world
-from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.dart.joint import new_world
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import ChainCoordinates
+from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
@@ -40,15 +37,6 @@ class DartContactLane(PressedLane):
             )
         super().__init__(lane, preset)
         self._rubbing = self._chain.friction_bound > 0
-        self._sine, self._cosine = math.sin(lane.inclination), math.cos(lane.inclination)
-
-    def _native_step(self) -> Callable[[], object]:
-        # Under constant forces that are set once: at rest, without any, contacts have nothing to do.
-        world, skeletons = self._new_world()
-        pressing = np.where(self._rubbing, -self._chain.normal_force, 0.0)
-        for skeleton, bound, normal_load in zip(skeletons, self._chain.friction_bound, pressing, strict=True):
-            skeleton.setForces([0.0, bound / 2, normal_load])
-        return partial(world.step, False)
 
     def _begin(self, motion: FloatArray) -> Step:
         self._world, skeletons = self._new_world()
@@ -58,10 +46,7 @@ class DartContactLane(PressedLane):
             degree.setPosition(place)
             degree.setVelocity(rate)
         self._aside = [skeleton.getDof(2) for skeleton in skeletons]
-        self._slips = along[self._chain.cells :]
-        slips = motion.reshape(2, -1)[:, self._chain.cells :]
-        heights = (self._across + self._sine * slips) / self._cosine
-        for degree, height, rate in zip(self._aside, *heights.tolist(), strict=True):
+        for degree, height, rate in zip(self._aside, *self._across.tolist(), strict=True):
             degree.setPosition(height)
             degree.setVelocity(rate)
         # Forces stay, for a step with this argument does not clear them.
@@ -69,10 +54,9 @@ class DartContactLane(PressedLane):
         # Numbers go in and out in a fifth of the time of short arrays.
         loads = [degree.setForce for degree in along]
         reads = [degree.getPosition for degree in along] + [degree.getVelocity for degree in along]
-        advance, cells = self._world.step, self._chain.cells
+        advance = self._world.step
 
         def step(force: FloatArray) -> None:
-            force[cells:] += self._pushing
             for load, value in zip(loads, force.tolist(), strict=True):
                 load(value)
             advance(False)
@@ -91,27 +75,21 @@ class DartContactLane(PressedLane):
         places = points[:, 2] * (self.lane.direction == 0)
         cells = np.rint(places / self._sizes.spacing).astype(np.intp)
         count, (x, z) = self._chain.cells, self.lane.axis
-        along = x * forces[:, 0] + z * forces[:, 2] if z else forces[:, 0]
-        friction = self._cosine * along + self._sine * forces[:, 1]
-        normal = self._cosine * forces[:, 1] - self._sine * along
+        friction = x * forces[:, 0] + z * forces[:, 2] if z else forces[:, 0]
+        normal = forces[:, 1]
         # The force on either mass; the one that points away from the plate is on the inner.
         sign = np.where(normal > 0, 1.0, -1.0)
         return np.array([np.bincount(cells, sign * part, count) for part in (friction, normal)])
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         pressing = np.where(self._rubbing, -normal_load, 0.0)
-        # What is left of them along the row is added to the loop's forces.
-        self._pushing = -self._sine * pressing
-        for degree, value in zip(self._aside, (self._cosine * pressing).tolist(), strict=True):
+        for degree, value in zip(self._aside, pressing.tolist(), strict=True):
             degree.setForce(value)
 
     def _gaps(self) -> FloatArray:
         # At the coordinate zero a body is in its plate by less than anything that is measured.
-        heights, slips = (
-            np.array([[degree.getPosition() for degree in degrees], [degree.getVelocity() for degree in degrees]])
-            for degrees in (self._aside, self._slips)
-        )
-        return self._cosine * heights - self._sine * slips
+        degrees = self._aside
+        return np.array([[degree.getPosition() for degree in degrees], [degree.getVelocity() for degree in degrees]])
 
     def _contact_forces(
         self, read: FloatArray, motions: FloatArray, given: FloatArray
@@ -134,8 +112,7 @@ class DartContactLane(PressedLane):
             below, plate = skeleton.createPrismaticJointAndBodyNodePair()
             above, body = skeleton.createTranslationalJoint2DAndBodyNodePair(plate)
             below.setAxis([1.0, 0.0, 0.0])
-            height = 2 * sizes.box - depth
-            rest = [-self._sine * height, self._cosine * height, 0.0]
+            rest = [0.0, 2 * sizes.box - depth, 0.0]
             for joint, place in ((below, [0.0, 0.0, cell * sizes.spacing]), (above, rest)):
                 before, after = dartpy.math.Isometry3(), dartpy.math.Isometry3()
                 before.set_translation(place)
@@ -160,13 +137,10 @@ class DartContactLane(PressedLane):
 
         edge, length = 2 * self._sizes.box, 2 * self._sizes.plate
         width = length if self.lane.direction else edge
-        inclined = np.array([[self._cosine, -self._sine, 0.0], [self._sine, self._cosine, 0.0], [0.0, 0.0, 1.0]])
         box = self._preset["shape"] == "box"
         shape = dynamics.BoxShape([edge, edge, edge]) if box else dynamics.SphereShape(self._sizes.box)
         for owner, solid in ((plate, dynamics.BoxShape([length, edge, width])), (body, shape)):
             node = owner.createShapeNode(solid)
-            if self.lane.inclination:
-                node.setRelativeRotation(inclined)
             node.createCollisionAspect()
             surface = node.createDynamicsAspect()
             surface.setFrictionCoeff(coefficient)

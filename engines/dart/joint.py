@@ -1,14 +1,12 @@
 """DART's joint formulation: a skeleton of sliders with Coulomb friction in the inner ones."""
 
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import ChainCoordinates
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -33,13 +31,6 @@ class DartJointLane(ExplicitForcesLane):
         self._own_springs = preset["springs"] == "of the joints"
         self.coordinates = ChainCoordinates.ROW if self._own_springs else ChainCoordinates.CELLS
         super().__init__(lane, preset)
-
-    def _native_step(self) -> Callable[[], object]:
-        # Under constant forces that are set once: DART leaves the friction of still joints out.
-        world, skeleton = self._new_world()
-        force = float(np.mean(self._chain.friction_bound)) / 2 * (-1.0) ** np.arange(self._chain.cells)
-        skeleton.setForces(np.concatenate([force, -force]))
-        return partial(world.step, False)
 
     def _begin(self, motion: FloatArray) -> Step:
         world, self._skeleton = self._new_world()

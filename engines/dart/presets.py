@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.shared.claims import IMPLICIT_SPRINGS, tangents_of_the_world
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.shared.claims import IMPLICIT_SPRINGS, tangents_of_the_world
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
@@ -118,7 +118,6 @@ CONTACT_DEFAULT = Preset(
     residual_slip_compliance=CONTACT_MIXING / 4,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     turned_bound=tangents_of_the_world,
 )
 

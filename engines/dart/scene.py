@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
     FINGER_MASS,

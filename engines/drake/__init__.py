@@ -2,10 +2,10 @@
 
 from typing import ClassVar
 
-from engines.drake import contact, joint, presets, scene
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.drake import contact, joint, presets, scene
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_si
 
 
 class Drake(PipEngine):

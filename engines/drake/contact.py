@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.drake.joint import Diagram, DrakeLane, add_mass, set_options
-from engines.drake.step_model import contact_scale, stiction_speed
-from engines.interface.presets import Preset
+from multibody_xval.engines.drake.joint import Diagram, DrakeLane, add_mass, set_options
+from multibody_xval.engines.drake.step_model import contact_scale, stiction_speed
+from multibody_xval.engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.presets import Preset
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -54,13 +54,6 @@ class Diagram:
         self._source.UpdateTrajectory(PiecewisePolynomial.ZeroOrderHold(breaks, table))
         self._step(vector, steps)
         return np.array(self.plant.GetPositionsAndVelocities(self._plant_context))
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps from rest, under no load."""
-        from pydrake.trajectories import PiecewisePolynomial
-
-        self._source.UpdateTrajectory(PiecewisePolynomial(np.zeros((1, 1))))
-        self._step(np.zeros(self.plant.num_multibody_states()), steps)
 
     def recorded(self, *, sampled: bool) -> tuple[FloatArray, FloatArray]:
         """Give what the last run logged at the ends of its steps: coordinates with velocities, and forces.
@@ -151,10 +144,6 @@ class DrakeLane(LaneModel):
         end = diagram.advance(self._vector(state), self._loads(start, steps))
         position, velocity = (_absolute(diagram, half) for half in np.split(end[None], 2, axis=1))
         return self._units.state(position, velocity, self._internal_state(diagram, end))
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of Drake alone, from rest; see `NativeStepping`."""
-        self._diagram().native_steps(checked_count("steps", steps))
 
     def close(self) -> None:
         """Let go of the diagrams; the next use builds them again."""

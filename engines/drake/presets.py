@@ -2,9 +2,15 @@
 
 from dataclasses import replace
 
-from engines.drake.step_model import actuator, lagged_contact, near_rigid_actuator, sap_contact, similar_contact
-from engines.interface.law import NotModelled
-from engines.interface.presets import Option, Preset
+from multibody_xval.engines.drake.step_model import (
+    actuator,
+    lagged_contact,
+    near_rigid_actuator,
+    sap_contact,
+    similar_contact,
+)
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import Option, Preset
 
 SMOOTH_LAW_MARGIN = 1e-3
 """Drake's friction is μ λ_N v / √(v² + v_s²): at 22 v_s it has come to within a thousandth of its bound, never nearer

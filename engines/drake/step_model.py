@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
-from engines.shared.kernel_lane import KernelLane
-from engines.shared.units import power_of_two
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.kernel_lane import KernelLane
+from multibody_xval.engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
@@ -193,7 +193,7 @@ class GlidingLane(KernelLane):
         )
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
-        from engines.drake.step_kernel import advance  # numba is imported once something moves
+        from multibody_xval.engines.drake.step_kernel import advance  # numba is imported once something moves
 
         step, motion, across = self._step, np.vstack([state.positions[0], state.velocities[0]]), self._across(state)
         matrices = step.state, np.ascontiguousarray(step.load[:, 0]), step.response, step.coupling

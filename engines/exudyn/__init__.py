@@ -7,14 +7,14 @@ on planes have the first law only.
 
 from typing import ClassVar
 
-from engines.exudyn import presets
-from engines.exudyn.contact import ContactLane
-from engines.exudyn.joint import BristleLane, RegularisedLane
-from engines.exudyn.reproducer import bristle_numbers, disc_numbers, zone_numbers
-from engines.exudyn.scene import NO_CONTACTS, STEP, JointWorld
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.exudyn import presets
+from multibody_xval.engines.exudyn.contact import ContactLane
+from multibody_xval.engines.exudyn.joint import BristleLane, RegularisedLane
+from multibody_xval.engines.exudyn.reproducer import bristle_numbers, disc_numbers, zone_numbers
+from multibody_xval.engines.exudyn.scene import NO_CONTACTS, STEP, JointWorld
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_si
 
 
 class ExudynRegularised(PipEngine):
@@ -22,7 +22,7 @@ class ExudynRegularised(PipEngine):
 
     name: ClassVar[str] = "exudyn-regularised"
     module: ClassVar[str] = "exudyn"
-    versions: ClassVar[str] = ">=1.13"
+    versions: ClassVar[str] = ">=1.13.6"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, regularised",
         package="exudyn",
@@ -56,7 +56,7 @@ class ExudynBristle(PipEngine):
 
     name: ClassVar[str] = "exudyn-bristle"
     module: ClassVar[str] = "exudyn"
-    versions: ClassVar[str] = ">=1.13"
+    versions: ClassVar[str] = ">=1.13.6"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, bristle",
         package="exudyn",

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from engines.exudyn.step_model import (
+from multibody_xval.engines.exudyn.step_model import (
     bristle_numbers,
     bristles_at,
     harmonic_amplitudes,
     reduced_mass,
     zone_widths,
 )
-from engines.interface.presets import Preset
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel
@@ -79,11 +79,6 @@ class ExudynLane(LaneModel):
         position = self._along(np.array(data.GetODE2Coordinates(current)))
         velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
         return self._units.state(position[None], velocity[None], self._friction_state())
-
-    def native_steps(self, steps: int) -> None:
-        """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
-        rest = np.zeros(2 * self._chain.cells)
-        self._solve(rest, rest, 0, steps, record=False)
 
     def close(self) -> None:
         """Empty the system; Python frees the rest with the last reference."""

@@ -16,8 +16,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from engines.exudyn.step_kernel import keep, zone_friction
-from engines.exudyn.step_model import DISC_CORRECTIONS
+from multibody_xval.engines.exudyn.step_kernel import keep, zone_friction
+from multibody_xval.engines.exudyn.step_model import DISC_CORRECTIONS
 
 ITERATIONS = 25
 """Exudyn's newton.maxIterations: one that needs more has failed."""

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from engines.exudyn.step_model import bristle, disc, zone
-from engines.interface.presets import Option, Preset
+from multibody_xval.engines.exudyn.step_model import bristle, disc, zone
+from multibody_xval.engines.interface.presets import Option, Preset
 
 OPTIONS = {
     "units": Option.own("SI", "The chain in SI units."),
@@ -57,7 +57,6 @@ REGULARISED_TUNED = Preset(
     law=zone,
     static_friction=True,
     split_tolerance=1e-9,
-    varied={"zone": (1e-3, 4e-3, 16e-3)},
 )
 
 # A restart has to find the accelerations anew, which generalised alpha carries from step to step: runs split inexactly.
@@ -108,7 +107,6 @@ CONTACT_TUNED = Preset(
     known_deviation=REGULARISED_TUNED.known_deviation,
     law=disc,
     split_tolerance=1e-9,
-    varied={"zone": (2e-3, 8e-3)},
 )
 
 CONTACT_DEFAULT = Preset(

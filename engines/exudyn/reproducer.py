@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from engines.exudyn.contact import INERTIA, contact_springs
-from engines.exudyn.joint import bristles
-from engines.exudyn.step_model import bristles_at, zone_widths
-from engines.interface.presets import Preset
-from engines.shared.script_units import SI
-from engines.shared.units import Units
+from multibody_xval.engines.exudyn.contact import INERTIA, contact_springs
+from multibody_xval.engines.exudyn.joint import bristles
+from multibody_xval.engines.exudyn.step_model import bristles_at, zone_widths
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.script_units import SI
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 

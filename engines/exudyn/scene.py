@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from engines.exudyn.joint import imported, silent
-from engines.interface.scene import (
+from multibody_xval.engines.exudyn.joint import imported, silent
+from multibody_xval.engines.interface.scene import (
     GRAVITY,
     LINK_INERTIA,
     LINK_LENGTH,

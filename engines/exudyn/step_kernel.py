@@ -15,7 +15,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from engines.exudyn.step_model import BRISTLE, DISC_CORRECTIONS, ZONE
+from multibody_xval.engines.exudyn.step_model import BRISTLE, DISC_CORRECTIONS, ZONE
 from reference_lcp.schemes.linear_implicit_kernel import add_rows, solve_contacts
 
 

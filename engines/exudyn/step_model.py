@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law, NotModelled
-from engines.interface.presets import Preset
-from engines.shared.kernel_lane import KernelLane
-from engines.shared.units import Units
+from multibody_xval.engines.interface.law import Constant, Law, NotModelled
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.kernel_lane import KernelLane
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -218,7 +218,7 @@ class GeneralisedAlphaLane(KernelLane):
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
         """Run the kernel; a run begins with new accelerations, as Exudyn's do."""
-        from engines.exudyn.step_kernel import advance, forces  # numba is imported once something moves
+        from multibody_xval.engines.exudyn.step_kernel import advance, forces  # numba is imported once something moves
 
         lane, (length, parts) = self.lane, self._rule[:2]
         times = length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
@@ -253,7 +253,7 @@ class NewtonLane(GeneralisedAlphaLane):
     """The same by Exudyn's own Newton iteration, whose path decides where equations have no solution, or several."""
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
-        from engines.exudyn.newton_kernel import advance, frictions
+        from multibody_xval.engines.exudyn.newton_kernel import advance, frictions
 
         lane, (length, parts), parabolic = self.lane, self._rule[:2], self._kind == DISC
         first = start * parts

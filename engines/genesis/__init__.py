@@ -2,8 +2,8 @@
 
 from typing import ClassVar
 
-from engines.genesis.contact import ContactSimulation, FreeContactSimulation, share_a_scene
-from engines.genesis.presets import (
+from multibody_xval.engines.genesis.contact import ContactSimulation, FreeContactSimulation, share_a_scene
+from multibody_xval.engines.genesis.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -11,11 +11,11 @@ from engines.genesis.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.genesis.scene import STEP, contacts, joints
-from engines.genesis.simulation import JointSimulation
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
-from engines.shared.pip_engine import PipEngine
-from engines.shared.worlds_simulation import LaneAlone
+from multibody_xval.engines.genesis.scene import STEP, contacts, joints
+from multibody_xval.engines.genesis.simulation import JointSimulation
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -26,9 +26,7 @@ class Genesis(PipEngine):
     name: ClassVar[str] = "genesis"
     module: ClassVar[str] = "genesis"
     versions: ClassVar[str] = ">=1.4.5,<1.5"
-    apart: ClassVar[bool] = True
-    # Genesis imports PyTorch, and does not ask for it.
-    environment_packages: ClassVar[tuple[str, ...]] = ("torch>=2.8",)
+    extra: ClassVar[str] = "genesis"
     # Half a minute of a processor a formulation; ten times as much where it is busy with other things.
     preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 600.0)
     capabilities: ClassVar[Capabilities] = Capabilities(

@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from engines.genesis.presets import CHOICES, OPTIONS
-from engines.interface.presets import Preset
-from engines.mujoco.step_model import WIDTH
+from multibody_xval.engines.genesis.presets import CHOICES, OPTIONS
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.mujoco.step_model import WIDTH
 from reference_lcp.validation import FloatArray
 
 SOLVER_OPTIONS = (
@@ -106,10 +106,9 @@ class Scene:
         self._scene.step()
         return np.concatenate([self._chain.get_dofs_position(), self._chain.get_dofs_velocity()], axis=1)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of Genesis alone."""
-        for _ in range(steps):
-            self._scene.step()
+    def step_freely(self) -> None:
+        """Take a step without new forces."""
+        self._scene.step()
 
     def friction(self, forces: FloatArray) -> FloatArray:
         """Give the friction on the inner masses in the step that was taken under these forces."""

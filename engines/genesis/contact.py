@@ -12,12 +12,12 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.chains import FREE_STRIDE, Scene, chain_model, constraint_parameters
-from engines.genesis.simulation import GenesisSimulation
-from engines.interface.presets import OfStep, Preset
-from engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
-from engines.shared.units import Units, power_of_two
-from engines.shared.worlds_simulation import LanesOfJoints, rub_alike
+from multibody_xval.engines.genesis.chains import FREE_STRIDE, Scene, chain_model, constraint_parameters
+from multibody_xval.engines.genesis.simulation import GenesisSimulation
+from multibody_xval.engines.interface.presets import OfStep, Preset
+from multibody_xval.engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
+from multibody_xval.engines.shared.units import Units, power_of_two
+from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints, rub_alike
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
@@ -74,7 +74,7 @@ class ContactSimulation(GenesisSimulation):
         scene.set_contact_constraints(self._constraints(np.ones(self._rubs.size)))
         # The edges of a pyramid are the softer, the smaller the coefficient.
         scene.set_coefficients(self._of_chains("friction_coefficient"))
-        scene.native_steps(1)
+        scene.step_freely()
         pressed, given = np.where(self._rubs, scene.normal_force(), 1.0), self._of_chains("normal_force")
         hardness, coefficients = self._hardness(pressed)
         _check_coefficients(coefficients[:, self._rubs])
@@ -147,13 +147,13 @@ class FreeContactSimulation(LanesOfJoints, ContactSimulation):
         return motion
 
     def _state(self, index: int, motions: FloatArray) -> State:
-        end, units, lane = super()._state(index, motions), self._units[index], self.lanes[index]
-        gap, speed = (self._gaps(half, lane) for half in np.split(motions[-1], 2))
+        end, units = super()._state(index, motions), self._units[index]
+        gap, speed = (self._gaps(half) for half in np.split(motions[-1], 2))
         return replace(end, internal_state=units.normal_state(gap, speed)[None])
 
     def _trajectory(self, index: int, start: int, motions: FloatArray, read: FloatArray) -> Trajectory:
         trajectory = super()._trajectory(index, start, motions, read)
-        gap = self._gaps(motions[:, : motions.shape[1] // 2], self.lanes[index]) * self._units[index].length
+        gap = self._gaps(motions[:, : motions.shape[1] // 2]) * self._units[index].length
         end = self._state(index, motions).internal_state
         return replace(trajectory, internal_state=None if end is None else end[0], normal_gap=gap)
 

@@ -1,9 +1,9 @@
 """Genesis's own settings, and the presets that change them."""
 
-from engines.genesis.step_model import joint_friction, pyramidal_contact
-from engines.interface.law import NotModelled
-from engines.interface.presets import ACROSS, FREE, NormalForce, OfStep, Option, Preset
-from engines.mujoco.presets import IS_HELD, SOFT_EDGES, SOLIMP
+from multibody_xval.engines.genesis.step_model import joint_friction, pyramidal_contact
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, FREE, NormalForce, OfStep, Option, Preset
+from multibody_xval.engines.mujoco.presets import IS_HELD, SOFT_EDGES, SOLIMP
 
 OPTIONS = {
     "precision": Option("64", "32", "In single precision a stuck contact would be no better than MuJoCo Warp's."),

@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree
 
-from engines.genesis.chains import import_genesis
-from engines.genesis.presets import CHOICES
-from engines.interface.scene import (
+from multibody_xval.engines.genesis.chains import import_genesis
+from multibody_xval.engines.genesis.presets import CHOICES
+from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
     FINGER_MASS,

@@ -7,11 +7,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.chains import Scene, chain_model, constraint_parameters
-from engines.interface.presets import OfStep, Preset
-from engines.shared.coordinates import JointCoordinates
-from engines.shared.forced_lanes import ForcedLanes
-from engines.shared.units import Units
+from multibody_xval.engines.genesis.chains import Scene, chain_model, constraint_parameters
+from multibody_xval.engines.interface.presets import OfStep, Preset
+from multibody_xval.engines.shared.coordinates import JointCoordinates
+from multibody_xval.engines.shared.forced_lanes import ForcedLanes
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

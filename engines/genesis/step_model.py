@@ -3,9 +3,9 @@
 import math
 from collections.abc import Mapping
 
-from engines.interface.law import Constant, Law, NotModelled
-from engines.interface.presets import OfStep, Preset
-from engines.mujoco.step_model import (
+from multibody_xval.engines.interface.law import Constant, Law, NotModelled
+from multibody_xval.engines.interface.presets import OfStep, Preset
+from multibody_xval.engines.mujoco.step_model import (
     FREE_FORMULA,
     LARGEST_IMPEDANCE,
     LEAST_IMPEDANCE,

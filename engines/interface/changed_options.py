@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from engines.interface.law import Law, NotModelled
-from engines.interface.presets import ACROSS, OfStep, Option, Preset
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, OfStep, Option, Preset
 from reference_lcp.errors import ParameterError, shown
 
 MOST_COUNT = 2**31 - 1

@@ -4,41 +4,24 @@ import math
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
-from engines.interface.changed_options import changed_preset
-from engines.interface.device import PROCESSOR
-from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
-from engines.interface.reproducer import Reproducer
-from engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
+from multibody_xval.engines.interface.changed_options import changed_preset
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preparation, Preset
+from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.interface.scene import Scene, SceneBuilder, SceneSetting, SceneWorld, formulation_of
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shown
 
 if TYPE_CHECKING:
     from reference_lcp.one_call import SteadyState
 
 
-VERSIONS = "engines.isolated.versioned_engine"
-"""Module of versions of engines, and of engines in environments of their own: engines, and so loaded by name."""
-
 STEPS_PER_PERIOD = 400
 """Of the lane by which engines are prepared; those that compile do so whatever its numbers are."""
-
-
-@runtime_checkable
-class NativeStepping(Protocol):
-    """A simulation, or the model of one lane, that can be stepped without the adapter, to measure the engine alone."""
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, of every lane: nothing is loaded, set or read in between.
-
-        They start from rest, or from a motion or under constant forces that keep contacts active.
-        """
-        ...
 
 
 @runtime_checkable
@@ -67,8 +50,6 @@ class Engine(ABC):
     """What writes such scenes as texts, of an engine whose users write models so."""
     no_scenes: ClassVar[str] = "its adapter builds none"
     """Why there are no scenes of a formulation that is not in `scene_worlds`."""
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR,)
-    """Where its steps can be timed; all else is done on the processor."""
 
     @abstractmethod
     def version(self) -> str:
@@ -79,14 +60,11 @@ class Engine(ABC):
         return platform.python_version()
 
     def versioned(self, version: str) -> "Engine":
-        """Give what is called ``NAME@VERSION``: a version of it, beside the suite or in an environment of its own.
-
-        Raises
-        ------
-        ParameterError
-            If it has no versions, or its adapter does not take this one.
-        """
-        return import_module(VERSIONS).versioned_engine(self, version)
+        """Refuse ``NAME@VERSION``: an engine has the version that is installed; tests give other meanings to it."""
+        raise ParameterError(
+            f"engine = {shown(f'{self.name}@{version}')} is unknown; allowed: {self.name}, as installed; for another "
+            "version install it with the suite in a virtual environment, and compare what --store keeps there"
+        )
 
     @property
     def states_laws_of(self) -> str:
@@ -101,13 +79,6 @@ class Engine(ABC):
     @abstractmethod
     def unavailable_reason(self) -> str | None:
         """Reason in a sentence why the engine cannot be used here; ``None`` if it can."""
-
-    def unavailable_reason_of(self, preset: Preset) -> str | None:
-        """Reason why a preset cannot be used here: the engine cannot, or its version lacks what the preset sets."""
-        missing = self.unavailable_reason()
-        if missing is not None or preset.takes(self.version()):
-            return missing
-        return f"{self.capabilities.package} {self.version()} is installed, and this preset takes {preset.versions}"
 
     @abstractmethod
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
@@ -133,16 +104,15 @@ class Engine(ABC):
         return changed_preset(presets[name], settings, every, installed, f"{self.name}:{formulation}:{name}")
 
     def prepare(self, cells: int, formulation: str, preset: str) -> None:
-        """Do what `preparation` names, for chains of this length: build its batches, and take a step of each.
+        """Do what `preparation` names, for chains of this length: build a lane, and take a step.
 
         Workers of engines that name a preparation call this before their first batch of a variant.
         """
-        for lanes in self.preparation.batches if self.preparation else (1,):
-            simulation = self.build([sample_lane(cells)] * lanes, formulation, preset)
-            try:
-                simulation.advance(State.at_rest(lanes, cells), 0, 1)
-            finally:
-                simulation.close()
+        simulation = self.build([sample_lane(cells)], formulation, preset)
+        try:
+            simulation.advance(State.at_rest(1, cells), 0, 1)
+        finally:
+            simulation.close()
 
     def build(self, lanes: Sequence[Lane], formulation: str = "joint", preset: str = "tuned") -> Simulation:
         """Build every lane in the engine.
@@ -160,7 +130,7 @@ class Engine(ABC):
             If lanes, formulation or preset are not what the engine takes; for one, if a normal force changes in time
             and the preset cannot represent that.
         EngineNotInstalled
-            If the engine cannot be used on this machine, or not with this preset.
+            If the engine cannot be used on this machine.
         """
         chosen = self.preset(formulation, preset)
         common_cells(lanes)
@@ -168,7 +138,7 @@ class Engine(ABC):
             unsupported = chosen.unsupported_reason(lane, f"{self.name}:{formulation}:{preset}")
             if unsupported is not None:
                 raise ParameterError(unsupported)
-        missing = self.unavailable_reason_of(chosen)
+        missing = self.unavailable_reason()
         if missing is not None:
             raise EngineNotInstalled(f"{self.name}: {missing}")
         return self._build(tuple(map(chosen.pressed, lanes)), Formulation(formulation), chosen)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.tolerances import STEPS
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 
@@ -68,8 +68,6 @@ class Law:
     """It holds under a normal force that changes while contacts stay closed, too."""
     lifting: bool = False
     """It holds where contacts open and close, too; its state then has their gaps."""
-    inclines: bool = False
-    """It holds where the faces of contacts are inclined to the row, too."""
     without_friction: str = ""
     """Why no constants make its friction Coulomb's: the law is then one of the chain's alone. Empty where some do."""
     settles: bool = True
@@ -93,8 +91,6 @@ class Law:
         """Say why the contacts of a lane are others than those that it models; ``None`` if they are not."""
         if lane.static_ratio != 1:
             return "it holds for one coefficient of friction, and these contacts have two"
-        if lane.inclination and not self.inclines:
-            return "it holds for contacts along the row alone, and these are inclined to it"
         if lane.opens and not self.lifting:
             return "it holds for closed contacts alone, and these open"
         if lane.preload is not None and not self.modulated:

@@ -5,7 +5,7 @@ from dataclasses import InitVar, dataclass, field, replace
 from enum import StrEnum
 from typing import Any, Self
 
-from engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.law import Law, NotModelled
 from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import DEFAULT_RESIDUAL
@@ -115,7 +115,7 @@ class Preset:
     """Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
     friction of a sliding contact only tends to its bound."""
     passes_bound: str = ""
-    """Why its friction may pass μ λ_N, where its law lets it; empty where it may not."""
+    """Why its friction may pass μ λ_N for some time, as by the damping of a bristle; empty where it may not."""
     normal_force: NormalForce = NormalForce.CONSTANT
     """How the normal force may change in time."""
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
@@ -124,24 +124,17 @@ class Preset:
     """`residual_slip_compliance` where it does."""
     batch_lanes: int | None = None
     """Lanes that one simulation takes at best, where that is another number than the engine's."""
-    versions: str = ""
-    """Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this."""
     optional: bool = False
     """It takes part where it is named, and not where all presets of an engine are meant."""
     turns: bool = False
     """The row may have any direction in the plane of the contacts."""
-    inclines: bool = False
-    """The faces of contacts may be inclined to the row."""
     static_friction: bool = False
     """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
-    inclined_law: "Callable[[Preset], Law] | None" = None
-    """As `law`, where contacts are inclined to the row and other steps are taken there than the preset otherwise
-    states."""
     turned_bound: Callable[[Lane, float], float] | None = None
     """Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
     not 1 as Coulomb's law has it, and nothing else but this is another."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    """Options that decide much, with other values of theirs: reports show the error over them, at a few points."""
+    """Options that a recipe changes, with other values of theirs: `run recipes` measures them too."""
     unchanged: "Preset | None" = None
     """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()
@@ -185,12 +178,6 @@ class Preset:
         """Give a lane as it is built: where masses are free across the row, a constant force presses them together."""
         return replace(lane, preload=CONSTANT) if self.is_free and lane.preload is None else lane
 
-    def takes(self, version: str) -> bool:
-        """Tell whether a version of the engine has what it sets."""
-        from packaging.specifiers import SpecifierSet
-
-        return not self.versions or SpecifierSet(self.versions).contains(version, prereleases=True)
-
     def stated_law(self) -> Law | NotModelled | None:
         """Give the model of its steps, or the reason why there is none; ``None`` where it states neither."""
         return None if self.law is None else self.law(self)
@@ -210,14 +197,12 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: its direction, inclination or forces.
+        """Say why a lane cannot be represented by what has this name: its direction or forces.
 
         ``None`` if it can.
         """
         if lane.direction and not self.turns:
             return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
-        if lane.inclination and not self.inclines:
-            return f"inclination = {lane.inclination:g}: {name} cannot incline its contacts to the row; allowed: 0"
         if lane.static_ratio != 1 and not self.static_friction:
             return f"static_ratio = {lane.static_ratio:g}: {name} cannot set static friction of its own; allowed: 1"
         if lane.preload is None or self.represents(NormalForce.of(lane)):
@@ -238,8 +223,6 @@ class Preparation:
     """What it does, for a reader, such as ``compiles its kernels``."""
     limit: float
     """Seconds after which it is given up."""
-    batches: tuple[int, ...] = (1,)
-    """Numbers of lanes that are built, where what it does depends on that."""
 
 
 @dataclass(frozen=True)
@@ -268,6 +251,3 @@ class Capabilities:
     """What matters of its friction, in a sentence or two."""
     optional: bool = False
     """It comes with an extra or with the system and not with the suite: it takes part where it is named."""
-    terms: str = ""
-    """Where the terms stand that its user agrees to, if it is not free software: they are said before it is
-    installed."""

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import is_dataclass, replace
 from functools import cache
-from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from engines.interface.engine import VERSIONS, Engine
-from engines.interface.law import Law
-from engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.errors import ParameterError, checked_choice, text_of
@@ -84,11 +83,7 @@ def _capabilities(modelled: Capabilities) -> Capabilities:
 
 
 def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
-    """Give the presets that have a model; its constants come from the options that they keep.
-
-    Where a preset has one for inclined contacts alone, that is the model.
-    """
-    presets = {name: _inclined(preset) for name, preset in presets.items()}
+    """Give the presets that have a model; its constants come from the options that they keep."""
     laws = {name: law_of(preset) for name, preset in presets.items()}
     return {
         name: replace(
@@ -98,20 +93,11 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             normal_force=_normal_force(law),
             modulated_options={},
             batch_lanes=None,
-            versions="",
-            inclines=law.inclines,
             static_friction=False,
         )
         for name, law in laws.items()
         if law is not None
     }
-
-
-def _inclined(preset: Preset) -> Preset:
-    """Give a preset with its law for inclined contacts, and the options there, if it has one."""
-    if preset.inclined_law is None:
-        return preset
-    return replace(preset.modulated(), law=preset.inclined_law, shares_scheme=False)
 
 
 def _normal_force(law: Law) -> NormalForce:
@@ -172,7 +158,7 @@ def _raised(check: Callable[[], None]) -> str | None:
 def _check_engine(registered: Any) -> None:
     """Raise unless this is an engine with capabilities."""
     if not isinstance(registered, Engine):
-        raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of engines.Engine")
+        raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of multibody_xval.Engine")
     if not isinstance(registered.capabilities, Capabilities):
         raise TypeError(f"its capabilities are a {type(registered.capabilities).__name__}; allowed: Capabilities")
     for formulation, presets in registered.capabilities.presets.items():
@@ -218,8 +204,7 @@ def _check_versions(registered: Engine) -> None:
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
-    ``NAME@law`` is the model of that engine's laws, which needs no package, and ``NAME@VERSION`` what its `versioned`
-    gives: a version of it, in an environment of its own unless it is the one beside the suite.
+    ``NAME@law`` is the model of that engine's laws, which needs no package.
 
     Raises
     ------
@@ -231,11 +216,6 @@ def engine(name: str) -> Engine:
     versioned, at, version = name.partition("@")
     if at and versioned in _entry_points():
         return _version(versioned, version)
-    return _in_own_environment(name) or registered_engine(name)
-
-
-def registered_engine(name: str) -> Engine:
-    """Give the engine that is registered under a name, as it is beside the suite; see `engine`."""
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
@@ -252,14 +232,7 @@ def _law_engine(name: str) -> Engine:
 @cache
 def _version(name: str, version: str) -> Engine:
     """Give a version of a registered engine."""
-    return registered_engine(name).versioned(version)
-
-
-@cache
-def _in_own_environment(name: str) -> Engine | None:
-    """Give an engine that is not beside the suite, but in an environment of its own; ``None`` otherwise."""
-    built: Engine | None = import_module(VERSIONS).engine_of_its_own_environment(registered_engine(name))
-    return built
+    return engine(name).versioned(version)
 
 
 def default_engine_names() -> list[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from engines.interface.presets import Preset
+from multibody_xval.engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.interface.presets import Formulation, Preset
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_scalar
 

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from engines.interface.changed_options import value_text
-from engines.interface.presets import Capabilities, Formulation, Preset
-from engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
+from multibody_xval.engines.interface.changed_options import value_text
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preset
+from multibody_xval.engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError, checked_choice
 
@@ -33,21 +33,13 @@ class Variant:
     def parse(cls, text: str) -> Self:
         """Read ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
 
-        An engine may be a version of one, ``NAME@VERSION``. Options of the preset may follow, as ``:NAME=VALUE``.
+        Options of the preset may follow, as ``:NAME=VALUE``.
 
         Raises
         ------
         ParameterError
-            If there are more parts, the engine has no such formulation, preset or option, or it is a version that is
-            not there.
+            If there are more parts, or the engine has no such formulation, preset or option.
         """
-        variant = cls.recorded(text)
-        check_version(variant.engine)
-        return variant
-
-    @classmethod
-    def recorded(cls, text: str) -> Self:
-        """Read what `parse` reads, where it is not to be run: versions need not be there."""
         names, settings = name_parts(text)
         variant = cls(*names)
         preset = engine(variant.engine).preset(variant.formulation, ":".join([variant.preset_name, *settings]))
@@ -65,7 +57,7 @@ class Variant:
         return ":".join([*names, *settings])
 
     def changed(self, option: str, value: Any) -> Self:
-        """Give it with one more option changed; versions need not be there, as for `recorded`.
+        """Give it with one more option changed.
 
         Raises
         ------
@@ -73,7 +65,7 @@ class Variant:
             If the preset has no such option, or it does not take the value.
         """
         setting = f"{option}={value_text(value)}"
-        return self.recorded(":".join([self.engine, self.formulation, self.preset_name, setting]))
+        return self.parse(":".join([self.engine, self.formulation, self.preset_name, setting]))
 
     @property
     def unchanged(self) -> Self:
@@ -114,7 +106,7 @@ class Variant:
     @property
     def unavailable_reason(self) -> str | None:
         """Give the reason why it cannot be used here; ``None`` if it can."""
-        return engine(self.engine).unavailable_reason_of(self.preset)
+        return engine(self.engine).unavailable_reason()
 
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
@@ -125,13 +117,6 @@ class Variant:
         """Give the variant that is the model of this one's law; ``None`` where it has no model."""
         if law_of(self.preset) is None or self.engine.endswith(LAW_SUFFIX):
             return None
-        return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
-
-    @property
-    def inclined_law(self) -> Self | None:
-        """Give the same of its steps where contacts are inclined to the row; ``None`` where they have no model."""
-        if self.preset.inclined_law is None:
-            return self.law
         return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property
@@ -156,13 +141,6 @@ def name_parts(text: str) -> tuple[list[str], list[str]]:
     if not 1 <= len(names) <= 3 or parts[len(names) :] != settings:
         raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: {FORM}")
     return names, settings
-
-
-def check_version(name: str) -> None:
-    """Refuse a version of an engine that cannot be run here, with the command that makes it."""
-    missing = engine(name).unavailable_reason() if "@" in name else None
-    if missing is not None:
-        raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
 
 
 ALL = "all"

@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation, Preset
-from engines.interface.scene import Vector
-from engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
-from engines.isolated.worker import Message
-from engines.shared.units import Units
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.interface.scene import Vector
+from multibody_xval.engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
+from multibody_xval.engines.isolated.worker import Message
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
@@ -91,10 +91,6 @@ class OutOfProcessLane(LaneModel):
         rows = self._rows(state, start, steps, record=False)
         return self._units.state(rows["position"], rows["velocity"], self._internal_state(rows))
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
-        self._request("native_steps", checked_count("steps", steps), steps=steps)
-
     def close(self) -> None:
         """Let the worker drop the chain; another use builds it again."""
         self._built.close()
@@ -120,7 +116,6 @@ class OutOfProcessLane(LaneModel):
             "time_step": self.lane.time_step / self._units.time,
             "length": scale,
             "axis": np.array(self.lane.axis),
-            "inclination": self.lane.inclination,
         }
 
     def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:
@@ -158,9 +153,9 @@ class OutOfProcessLane(LaneModel):
 class ServedScene:
     """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
 
-    def __init__(self, process: EngineProcess, parameters: Message, limit: float = REQUEST_LIMIT):
-        """Take what the server builds it from, and the seconds that it may take for that."""
-        self._built = Built(process, parameters, limit)
+    def __init__(self, process: EngineProcess, parameters: Message):
+        """Take what the server builds it from."""
+        self._built = Built(process, parameters)
         self._launch: Sequence[float] = ()
         self.close = self._built.close
 
@@ -183,7 +178,7 @@ class OutOfProcessEngine(Engine):
     """An engine whose lanes live in a worker process; an adapter adds name, capabilities and server."""
 
     server: ClassVar[Path]
-    """File that serves it in another Python; see `engines.isolated.worker`."""
+    """File that serves it in another Python; see `multibody_xval.engines.isolated.worker`."""
     lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
 
     @property

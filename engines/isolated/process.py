@@ -15,8 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from engines.isolated.worker import Message, NotAMessage, read_message, write_message
-from reference_lcp.errors import ParameterError
+from multibody_xval.engines.isolated.worker import Message, NotAMessage, read_message, write_message
 from reference_lcp.process import ONE_THREAD
 from reference_lcp.terminal import visible
 
@@ -45,9 +44,6 @@ LAST_LINES = 5
 LONGEST_LINE = 200
 """Characters of a line that it quotes."""
 
-CACHE_VARIABLES = ("HOME", "XDG_CACHE_HOME")
-"""Where engines that compile keep what they have compiled; one that finds no home may end the process."""
-
 
 class EngineProcessError(RuntimeError):
     """The worker crashed, took too long, or replied with an error; the message names the engine and the cause."""
@@ -56,13 +52,12 @@ class EngineProcessError(RuntimeError):
 class EngineProcess:
     """An engine in a worker process, which is started on first use and anew after it was lost.
 
-    Requests of several threads wait for each other. After a fork, the new process starts a worker of its own. The
-    server finds the last arguments in `sys.argv`, from the third on.
+    Requests of several threads wait for each other. After a fork, the new process starts a worker of its own.
     """
 
-    def __init__(self, engine: str, interpreter: str, server: Path, *arguments: str):
+    def __init__(self, engine: str, interpreter: str, server: Path):
         self.engine = engine
-        self._command = [interpreter, "-I", str(WORKER), str(server), *arguments]
+        self._command = [interpreter, "-I", str(WORKER), str(server)]
         self._lock = threading.Lock()
         self._worker: _WorkerProcess | None = None
         self._numbers = itertools.count()
@@ -90,8 +85,7 @@ class EngineProcess:
     def request(self, request: str, limit: float, /, **values: Any) -> Message:
         """Send a request and wait for the reply, `limit` seconds at most: then the worker is killed.
 
-        An `EngineProcessError` says that it crashed, took longer or replied with an error; a `ParameterError` is that
-        of the suite's own adapter there.
+        An `EngineProcessError` says that it crashed, took longer or replied with an error.
         """
         with self._lock:
             worker = self._usable_worker()
@@ -104,10 +98,8 @@ class EngineProcess:
                 self._lose()
                 raise
         if "error" in reply:
-            kind, text = str(reply["kind"]), visible(" ".join(str(reply["error"]).split()))
-            if kind == ParameterError.__name__:
-                raise ParameterError(text)
-            failure = EngineProcessError(f"{self.engine} in {self._command[0]}: {kind}: {text}")
+            text = visible(" ".join(str(reply["error"]).split()))
+            failure = EngineProcessError(f"{self.engine} in {self._command[0]}: {reply['kind']}: {text}")
             failure.add_note(str(reply["traceback"]))
             raise failure
         return reply
@@ -158,7 +150,6 @@ class _WorkerProcess:
     """One process, its pipes and its error stream."""
 
     def __init__(self, command: list[str]):
-        caches = {name: os.environ[name] for name in CACHE_VARIABLES if name in os.environ}
         with contextlib.ExitStack() as undone:
             self._errors = undone.enter_context(tempfile.TemporaryFile())
             _append(self._errors)
@@ -168,7 +159,7 @@ class _WorkerProcess:
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
                 # Nothing else of this environment: paths and libraries of this Python would be the wrong ones there.
-                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD, **caches},
+                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD},
                 cwd=tempfile.gettempdir(),
                 start_new_session=True,
             )
@@ -263,12 +254,11 @@ STEP_LIMIT = 0.02
 
 
 class Built:
-    """A lane, or a simulation, of a server; building may take `limit` seconds."""
+    """A lane, or a scene, of a server."""
 
-    def __init__(self, process: EngineProcess, parameters: Message, limit: float = REQUEST_LIMIT):
+    def __init__(self, process: EngineProcess, parameters: Message):
         self._process = process
         self._parameters = parameters
-        self._limit = limit
         self._generation = 0
         self._release: Callable[[], object] = int
         self.number = -1
@@ -290,6 +280,6 @@ class Built:
             return
         self._release()
         self.number = self._process.new_number()
-        self._process.request("build", self._limit, number=self.number, **self._parameters)
+        self._process.request("build", REQUEST_LIMIT, number=self.number, **self._parameters)
         self._generation = self._process.generation
         self._release = weakref.finalize(self, self._process.release, self.number)

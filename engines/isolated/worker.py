@@ -4,11 +4,11 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
 
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
 - ``EngineLane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
-  arrays with one row a step (position and velocity alone where nothing is recorded), and ``native_steps(steps)``.
+  arrays with one row a step (position and velocity alone where nothing is recorded).
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
-  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that
-  runs an adapter of the suite has ``call(pickled)`` instead, see `engines.isolated.server`; one that is a scene has
-  ``follow(steps, launch)``, which gives a row a step, see `engines.isolated.out_of_process.ServedScene`.
+  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that is a
+  scene has ``follow(steps, launch)`` instead, which gives a row a step, see
+  `multibody_xval.engines.isolated.out_of_process.ServedScene`.
 
 A message is a pickled dictionary of the data type, the shape and the bytes of every array: a pickled array would need
 the other side's version of NumPy. An ``npz`` file holds the same, and takes as long as a hundred steps of a fast
@@ -103,15 +103,8 @@ class Service:
             return dict(rows)
         return {name: rows[name][-1:] for name in (*MOTION, *GAPS) if name in rows}
 
-    def _call(self, request: Message) -> Message:
-        return dict(self._lanes[int(request["number"])].call(request["pickled"]))
-
     def _follow(self, request: Message) -> Message:
         return {"rows": self._lanes[int(request["number"])].follow(int(request["steps"]), request["launch"])}
-
-    def _native_steps(self, request: Message) -> Message:
-        self._lanes[int(request["number"])].native_steps(int(request["steps"]))
-        return {}
 
 
 def _end_at(seconds: float) -> None:

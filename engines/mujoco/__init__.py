@@ -2,11 +2,10 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.contact import compiled_contacts
-from engines.mujoco.joint import compiled_joints
-from engines.mujoco.lugre import BristleSimulation, compiled_bristles
-from engines.mujoco.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.mujoco.contact import compiled_contacts
+from multibody_xval.engines.mujoco.joint import compiled_joints
+from multibody_xval.engines.mujoco.presets import (
     CONTACT_DEFAULT,
     CONTACT_NEWTON,
     CONTACT_RECOMMENDED,
@@ -14,14 +13,11 @@ from engines.mujoco.presets import (
     JOINT_DEFAULT,
     JOINT_RECOMMENDED,
     JOINT_TUNED,
-    LUGRE,
-    YIELD,
 )
-from engines.mujoco.reproducer import CONTACT, JOINT
-from engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
-from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
-from engines.mujoco.yielding import YieldingSimulation, compiled_springs
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.mujoco.reproducer import CONTACT, JOINT
+from multibody_xval.engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
+from multibody_xval.engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
+from multibody_xval.engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
@@ -30,7 +26,7 @@ class MuJoCo(PipEngine):
 
     name: ClassVar[str] = "mujoco"
     module: ClassVar[str] = "mujoco"
-    versions: ClassVar[str] = ">=3.3.7,<5"
+    versions: ClassVar[str] = ">=3.3.6,<5"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo",
         package="mujoco",
@@ -39,8 +35,6 @@ class MuJoCo(PipEngine):
         presets={
             Formulation.JOINT: {
                 "tuned": JOINT_TUNED,
-                "yield": YIELD,
-                "lugre": LUGRE,
                 "recommended": JOINT_RECOMMENDED,
                 "default": JOINT_DEFAULT,
             },
@@ -64,10 +58,6 @@ class MuJoCo(PipEngine):
     scene_models: ClassVar = {Formulation.JOINT: joint_model, Formulation.CONTACT: contact_model}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        if "spring_phase" in preset.options:
-            return YieldingSimulation([compiled_springs(lane, preset) for lane in lanes])
-        if "bristle_phase" in preset.options:
-            return BristleSimulation([compiled_bristles(lane, preset) for lane in lanes])
         modulated = any(lane.preload is not None for lane in lanes)
         options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:

@@ -6,16 +6,15 @@ the plate, and so the normal force stays what it is.
 Where it changes in time the sphere is free across the plate, and an actuator pushes it on, or pulls it off.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec, solref_of
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec, solref_of
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
@@ -106,24 +105,11 @@ def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool, depth: fl
     add_chain(spec, chain)
     if lifting:
         for cell in range(chain.cells):
-            _add_pressing(spec, lane, cell)
+            spec.add_actuator(target=f"above {cell}", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
     model = spec.compile()
     if not lifting:
         _set_normal_load(model, chain)
     return model
-
-
-def _add_pressing(spec: Any, lane: Lane, cell: int) -> None:
-    """Add the actuator that presses along the normal of a plate, through a tendon as long as the gap if inclined."""
-    import mujoco
-
-    name, kind = f"above {cell}", mujoco.mjtTrn.mjTRN_JOINT
-    if lane.inclination:
-        tendon = spec.add_tendon(name=f"gap {cell}")
-        tendon.wrap_joint(f"inner {cell}", -math.sin(lane.inclination))
-        tendon.wrap_joint(name, math.cos(lane.inclination))
-        name, kind = tendon.name, mujoco.mjtTrn.mjTRN_TENDON
-    spec.add_actuator(target=name, trntype=kind).set_to_motor()
 
 
 def _add_masses(spec: Any, lane: Lane, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
@@ -147,14 +133,11 @@ def _add_geometry(outer: Any, inner: Any, lane: Lane, cell: int, scale: float, d
     radius = RADIUS * scale
     width = PLATE * scale if lane.direction else radius
     height = 2 * radius - depth * scale
-    half = lane.inclination / 2
-    turned = [math.cos(half), 0, -math.sin(half), 0]
-    above = [-height * math.sin(lane.inclination), 0, height * math.cos(lane.inclination)]
     for body, name, kind, size, place in (
         (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, width, radius], [0, 0, 0]),
-        (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], above),
+        (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], [0, 0, height]),
     ):
-        body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, quat=turned, contype=0, conaffinity=0)
+        body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, contype=0, conaffinity=0)
 
 
 def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset) -> Any:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray

@@ -1,10 +1,13 @@
 """MuJoCo's own settings, and the presets that change them."""
 
-from engines.interface.law import NotModelled
-from engines.interface.presets import ACROSS, FREE, HELD, NormalForce, OfStep, Option, Preset
-from engines.mujoco.lugre import bristle
-from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, joint_friction, pyramidal_contact
-from engines.mujoco.yielding import yielding_spring
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, FREE, HELD, NormalForce, OfStep, Option, Preset
+from multibody_xval.engines.mujoco.step_model import (
+    LARGEST_IMPEDANCE,
+    LEAST_IMPEDANCE,
+    joint_friction,
+    pyramidal_contact,
+)
 
 SOLIMP = (LEAST_IMPEDANCE, LARGEST_IMPEDANCE)
 """d_0 and d_max: MuJoCo's own."""
@@ -95,7 +98,6 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    varied={"noslip_iterations": (0, 2)},
 )
 
 JOINT_DEFAULT = Preset(
@@ -110,59 +112,9 @@ JOINT_DEFAULT = Preset(
     normal_force=NormalForce.MODULATED,
 )
 
-YIELD_CHANGES = {
-    "units": ("lane", "No number comes near MuJoCo's built-in smallest and largest ones."),
-    "jacobian": TUNED["jacobian"],
-    "disable": TUNED["disable"],
-}
-
-YIELD = Preset(
-    "A spring parallel to the inner one that yields at the friction bound, as stiff as the step resolves.",
-    {
-        **OPTIONS,
-        "spring_phase": Option(
-            1.0,
-            0.0,
-            "h √(k_s / m_red), and so stiffness k_s and springyield F / k_s: half of Euler's limit of stability.",
-        ),
-    },
-    YIELD_CHANGES,
-    known_deviation=(
-        "a stuck contact is a spring that gives way by F / k_s, without a dashpot: it rings, at velocities up to "
-        "F h / (θ m_red)"
-    ),
-    law=yielding_spring,
-    split_tolerance=1e-12,
-    versions=">=4",
-    optional=True,
-)
-
 HARDEST_STOPS = stops_in_one_step(HARDEST)
 
 IS_HELD = (HELD, "A construct of this suite, exact for its chain: nothing moves across, whatever friction does.")
-
-LUGRE = Preset(
-    "The LuGre friction of a motor without an input: bristles as stiff as the step resolves, half critically damped.",
-    {
-        **OPTIONS,
-        "bristle_phase": Option(
-            1.0, None, "h √(σ_0 / m_red), and so stiffness σ_0: half of Euler's limit of stability."
-        ),
-        "bristle_damping": Option(
-            0.5, None, "Of critical, and so damping σ_1: Euler's step is stable below 0.75 here."
-        ),
-    },
-    YIELD_CHANGES,
-    known_deviation=(
-        "a stuck contact is a spring with a dashpot that gives way by F / σ_0: under a load that swings "
-        "it creeps (a ratchet), and where bristles bend first friction is beyond its bound by σ_1 w"
-    ),
-    law=bristle,
-    passes_bound="the damping of bristles is not bounded: σ_1 w is added where a slip begins or reverses",
-    split_tolerance=1e-12,
-    versions=">=3.12",
-    optional=True,
-)
 
 CONTACT_TUNED = Preset(
     "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
@@ -180,7 +132,6 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     modulated_options={
         "solimp": Option(
             (HARDEST, HARDEST), SOLIMP, "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
@@ -194,7 +145,6 @@ CONTACT_TUNED = Preset(
         "solreffriction": Option(HARDEST_STOPS[0], (0.0, 0.0), HARDEST_STOPS[1]),
     },
     modulated_residual_slip_compliance=1e-4,
-    varied={"noslip_iterations": (0, 2)},
 )
 
 CONTACT_NEWTON = Preset(
@@ -223,7 +173,6 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-9,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     modulated_options={
         "solimp": Option.own(SOLIMP, "MuJoCo's own: contacts are soft."),
         "solref": Option.own(SOLREF, "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
@@ -260,7 +209,6 @@ CONTACT_RECOMMENDED = Preset(
     split_tolerance=1e-9,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     modulated_options=CONTACT_DEFAULT.modulated_options,
     optional=True,
     varied={"impratio": (100.0, 1000.0, 1e5), "noslip_iterations": (3,)},

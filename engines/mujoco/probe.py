@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from engines.interface.presets import Formulation, Preset
-from engines.interface.scene import SceneSetting
-from engines.mujoco.scene import JOINT_ATTRIBUTES, written
-from engines.mujoco.simulation import no_warning_file
-from engines.mujoco.step_model import damping_rate, relative_softness
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.interface.scene import SceneSetting
+from multibody_xval.engines.mujoco.scene import JOINT_ATTRIBUTES, written
+from multibody_xval.engines.mujoco.simulation import no_warning_file
+from multibody_xval.engines.mujoco.step_model import damping_rate, relative_softness
 from reference_lcp.errors import ParameterError, checked_path, shown
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 

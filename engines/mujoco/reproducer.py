@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any
 
-from engines.interface.presets import OfStep, Preset
-from engines.interface.reproducer import Reproducer
-from engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
-from engines.mujoco.joint import solref_of
-from engines.shared.script_units import SI, script_units
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.interface.presets import OfStep, Preset
+from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
+from multibody_xval.engines.mujoco.joint import solref_of
+from multibody_xval.engines.shared.script_units import SI, script_units
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 
@@ -63,7 +63,7 @@ def _bound(preset: Preset) -> dict[str, str]:
 
 
 def _pair(preset: Preset, lane: Lane, units: Units) -> list[str]:
-    """Give the attributes of the pair; see `engines.mujoco.contact`."""
+    """Give the attributes of the pair; see `multibody_xval.engines.mujoco.contact`."""
     changed = "solimp" in preset.options and preset["solimp"] != preset.options["solimp"].default
     attributes = [f'solimp="{preset["solimp"][0]} {preset["solimp"][1]}"'] if changed else []
     if lane.preload is None:
@@ -84,5 +84,5 @@ def _solref(preset: Preset, name: str, lane: Lane, units: Units) -> str:
     )
 
 
-JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers, without=("yield", "lugre"))
+JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers)
 CONTACT = Reproducer("reproducer_contact.py.jinja", contact_numbers)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     FINGER,
     FINGER_MASS,
     GRAVITY,

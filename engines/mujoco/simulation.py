@@ -2,16 +2,15 @@
 
 import contextlib
 import importlib.util
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.mujoco.joint import CompiledLane
-from engines.shared.coordinates import absolute_coordinates, joint_coordinates
-from engines.shared.worlds_simulation import LanesOfJoints
+from multibody_xval.engines.mujoco.joint import CompiledLane
+from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints
 from reference_lcp.chain.simulation import common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
@@ -48,7 +47,7 @@ class MuJoCoSimulation(LanesOfJoints):
                 self._friction(index, record),
                 self._normal_force(index, record, start, steps),
                 None if end is None else end[index],
-                self._gaps(record["qpos"][index], lane) * units.length if self._opens else None,
+                self._gaps(record["qpos"][index]) * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -62,13 +61,6 @@ class MuJoCoSimulation(LanesOfJoints):
         """Give the lanes of these indices; they share the models."""
         return type(self)([self._compiled[lane] for lane in lanes])
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of MuJoCo's own loop on the model of one lane after the other, from rest."""
-        import mujoco
-
-        for model in self._models:
-            mujoco.mj_step(model, mujoco.MjData(model), steps)
-
     def _rollout(self, state: State, start: int, steps: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Set the state and take `steps` steps, with the load of each step as its control."""
         checked_count("steps", steps)
@@ -76,14 +68,10 @@ class MuJoCoSimulation(LanesOfJoints):
         qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         qpos[:] = self._checked("positions", state.positions, self._length)
         qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        self._set_internal_state(state, start)
+        self._set_heights(state, qpos, qvel)
         self._batch.bind("qacc_warmstart")[:] = 0
         with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
-
-    def _set_internal_state(self, state: State, start: int) -> None:
-        """Set what a state holds besides: gaps and their rates."""
-        self._set_heights(state, self._batch.bind("qpos"), self._batch.bind("qvel"))
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
@@ -115,12 +103,8 @@ class MuJoCoSimulation(LanesOfJoints):
         return coordinates
 
     def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
-        """λ_T on the inner masses along the faces, shape (steps, n), from the forces of joints."""
-        force, inclination = record["qfrc_constraint"][index] * self._units[index].force, self.lanes[index].inclination
-        along = force[:, 1 :: self._joints]
-        if not inclination:
-            return along
-        return math.cos(inclination) * along + math.sin(inclination) * force[:, 3 :: self._joints]
+        """λ_T on the inner masses, shape (steps, n), from the forces of joints."""
+        return record["qfrc_constraint"][index][:, 1 :: self._joints] * self._units[index].force
 
     def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
         """λ_N as the sensors of the contacts measured it, if there are any."""

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law, NotModelled
-from engines.interface.presets import NormalForce, Preset
-from engines.mujoco.contact import DEPTH, LEAST_COEFFICIENT, TOUCH
-from engines.shared.kernel_lane import Kernel, KernelLane
-from engines.shared.units import power_of_two
+from multibody_xval.engines.interface.law import Constant, Law, NotModelled
+from multibody_xval.engines.interface.presets import NormalForce, Preset
+from multibody_xval.engines.mujoco.contact import DEPTH, LEAST_COEFFICIENT, TOUCH
+from multibody_xval.engines.shared.kernel_lane import Kernel, KernelLane
+from multibody_xval.engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
@@ -97,7 +97,6 @@ def pyramidal_contact(preset: Preset) -> Law:
         bound_reason=NEWTON_REASON,
         modulated=lifting,
         lifting=lifting,
-        inclines=preset.inclines,
     )
 
 
@@ -174,40 +173,34 @@ class PyramidLane(KernelLane):
         depth = (TOUCH if free else DEPTH) * power_of_two(lane.drive.displacement_scale(chain))
         touching = np.full(chain.cells, depth) if free else np.where(chain.friction_bound > 0, depth, 0.0)
         self._numbers = (lane.time_step, rate, touching)
-        sine, cosine = math.sin(lane.inclination), math.cos(lane.inclination)
-        self._normal, tangent = np.array([-sine, 0.0, cosine]), np.array([cosine, 0.0, sine])
         solimp = (constants["d_0"], constants["d_max"], constants["δ"])
         # the critical damping of MuJoCo's default; where spheres are held, what they press with takes its place
         constraint = (lane.time_step * rate**2 / 4 if free else 0.0, *solimp)
-        edges = _edges(lane, self._normal)
-        self._contacts = (_masses(lane), self._normal, tangent, edges, constraint)
+        self._contacts = (_masses(lane), _edges(lane), constraint)
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
         """Run the kernel; what moves across the row in the plane of contacts begins at rest, as in MuJoCo."""
-        lane, cells, (along, _, above) = self.lane, self.lane.chain.cells, self._normal
+        lane, cells = self.lane, self.lane.chain.cells
         motion = np.vstack([state.positions[0], state.velocities[0]])
         aside = np.zeros((cells, 3))
         if self._free:
-            slips = motion[:, cells:] - motion[:, :cells]
-            gaps = np.vstack([part[0] for part in state.normal_state(cells)])
-            aside[:, 1:] = ((gaps - along * slips) / above).T
+            aside[:, 1:] = np.vstack([part[0] for part in state.normal_state(cells)]).T
         loads, presses = lane.loads(start, steps), np.ascontiguousarray(lane.preloads(start, steps))
         advance(motion, aside, loads, presses, self._matrices, self._numbers, self._contacts, record)
         if not self._free:
             return State(motion[:1], motion[1:])
-        gaps = above * aside[:, 1:].T + along * (motion[:, cells:] - motion[:, :cells])
-        return State(motion[:1], motion[1:], gaps.reshape(1, -1))
+        return State(motion[:1], motion[1:], aside[:, 1:].T.reshape(1, -1))
 
 
-def _edges(lane: Lane, normal: FloatArray) -> FloatArray:
+def _edges(lane: Lane) -> FloatArray:
     """Give the edges n ± μ t of every contact, shape (n, 4, 3): along the row, across it in its plane, out of that.
 
     Tangents have the directions of the world, whatever that of the row.
     """
     along, aside = lane.axis
-    tangents = np.array([[along * normal[2], -aside, -normal[0]], [aside, along, 0.0]])
+    tangents = np.array([[along, -aside, 0.0], [aside, along, 0.0]])
     coefficient = np.maximum(lane.chain.friction_coefficient, LEAST_COEFFICIENT)
-    return normal + coefficient[:, None, None] * np.vstack([tangents, -tangents])
+    return np.array([0.0, 0.0, 1.0]) + coefficient[:, None, None] * np.vstack([tangents, -tangents])
 
 
 def _masses(lane: Lane) -> FloatArray:
@@ -367,13 +360,13 @@ def advance(
     `motion`, shape (2, 2n), are positions and velocities along the row; `aside`, shape (n, 3), of every cell the
     velocity across the row in the plane of its contacts, the height, and its rate; `loads`, shape (steps,), the force
     on cell 1, and `presses`, shape (steps, n), what presses contacts. `matrices` are those of the linear step;
-    `numbers` h, b and the depths at no gap; `contacts` inverse masses and softness, normal and tangent along the row,
-    edges, and numbers of the constraint. `record`, shape (steps, 7n), gets positions, velocities, friction, normal
+    `numbers` h, b and the depths at no gap; `contacts` inverse masses and softness, edges, and numbers of the
+    constraint. `record`, shape (steps, 7n), gets positions, velocities, friction, normal
     force and gap of each step; it may have no rows.
     """
     state_matrix, load, response = matrices
     length, rate, touch = numbers
-    contact, normal, tangent, edges, constraint = contacts
+    contact, edges, constraint = contacts
     cells, size = contact.shape[0], motion.shape[1]
     state, seen = np.empty(2 * size), np.empty(size + cells)
     for i in range(size):
@@ -385,18 +378,17 @@ def advance(
         for i in range(size + cells):
             seen[i] = load[i] * loads[step] + _dot(state_matrix[i], state)
         for i in range(cells):
-            gap = normal[2] * aside[i, 1] + normal[0] * (state[size + cells + i] - state[size + i])
             free[0], free[1], free[2] = seen[size + i], length * rate * aside[i, 0], length * rate * aside[i, 2]
             for k in range(3):
-                impulse[k] = 0.0 if held else -length * presses[step, i] * normal[k]
+                impulse[k] = 0.0 if held or k < 2 else -length * presses[step, i]
                 free[k] += contact[i, k] * impulse[k]
-            press, depth = length * presses[step, i], touch[i] - gap
+            press, depth = length * presses[step, i], touch[i] - aside[i, 1]
             _write_impulses(free, press, depth, contact[i], edges[i], constraint, work)
             for k in range(3):
                 pressed[k] = _total(work, edges[i], k)
                 impulse[k] += pressed[k]
             if record.shape[0] > 0:
-                record[step, 2 * size + i] = _dot(pressed, tangent) / length
+                record[step, 2 * size + i] = pressed[0] / length
                 record[step, 2 * size + cells + i] = _dot(work[IMPULSE], np.ones(count)) / length
             aside[i, 0] += contact[i, 1] * impulse[1]
             aside[i, 2] += contact[i, 2] * impulse[2]
@@ -407,19 +399,17 @@ def advance(
             state[i] = seen[i]
             state[size + i] += length * state[i]
         if record.shape[0] > 0:
-            _keep(state, aside, normal, record[step])
+            _keep(state, aside, record[step])
     for i in range(size):
         motion[0, i], motion[1, i] = state[size + i], state[i]
 
 
 @Kernel
-def _keep(state: Any, aside: Any, normal: Any, row: Any) -> None:
+def _keep(state: Any, aside: Any, row: Any) -> None:
     """Write positions, velocities and gaps of a step."""
     cells = aside.shape[0]
     size = 2 * cells
     for i in range(size):
         row[i], row[size + i] = state[size + i], state[i]
     for i in range(cells):
-        row[2 * size + 2 * cells + i] = normal[2] * aside[i, 1] + normal[0] * (
-            state[size + cells + i] - state[size + i]
-        )
+        row[2 * size + 2 * cells + i] = aside[i, 1]

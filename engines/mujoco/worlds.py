@@ -8,11 +8,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.presets import Formulation, Preset
-from engines.mujoco.contact import TOUCH_IN_SINGLE, compiled_contacts, light_units
-from engines.mujoco.joint import CompiledLane, compiled_joints
-from engines.shared.worlds import Worlds
-from engines.shared.worlds_simulation import WorldsSimulation
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.mujoco.contact import TOUCH_IN_SINGLE, compiled_contacts, light_units
+from multibody_xval.engines.mujoco.joint import CompiledLane, compiled_joints
+from multibody_xval.engines.shared.worlds import Worlds
+from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray

@@ -2,15 +2,14 @@
 
 from typing import ClassVar
 
-from engines.interface.device import CARD, PROCESSOR
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
-from engines.interface.reproducer import Reproducer
-from engines.interface.tolerances import SINGLE_RESIDUAL
-from engines.mujoco.contact import TOUCH_IN_SINGLE, light_units, pressed_harder
-from engines.mujoco.reproducer import contact_numbers, joint_numbers
-from engines.mujoco.scene import STEP
-from engines.mujoco.worlds import ModelsSimulation
-from engines.mujoco_warp.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
+from multibody_xval.engines.mujoco.contact import TOUCH_IN_SINGLE, light_units, pressed_harder
+from multibody_xval.engines.mujoco.reproducer import contact_numbers, joint_numbers
+from multibody_xval.engines.mujoco.scene import STEP
+from multibody_xval.engines.mujoco.worlds import ModelsSimulation
+from multibody_xval.engines.mujoco_warp.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -18,12 +17,12 @@ from engines.mujoco_warp.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.mujoco_warp.scene import contacts, joints
-from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
-from engines.shared.claims import check_mass_ratio
-from engines.shared.pip_engine import PipEngine
-from engines.shared.units import Units
-from engines.shared.worlds_simulation import LaneAlone, rub_alike
+from multibody_xval.engines.mujoco_warp.scene import contacts, joints
+from multibody_xval.engines.mujoco_warp.worlds import MuJoCoWarpWorlds
+from multibody_xval.engines.shared.claims import check_mass_ratio
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds_simulation import LaneAlone, rub_alike
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -81,7 +80,6 @@ class MuJoCoWarp(PipEngine):
         ),
     }
 
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR, CARD)
     scene_step: ClassVar[float] = STEP
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 

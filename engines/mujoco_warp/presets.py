@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from engines.interface.law import Law, NotModelled
-from engines.interface.presets import ACROSS, NormalForce, Preset
-from engines.mujoco import presets as mujoco
-from engines.mujoco import step_model
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, NormalForce, Preset
+from multibody_xval.engines.mujoco import presets as mujoco
+from multibody_xval.engines.mujoco import step_model
 
 NEWTON_PERIOD = 4e-5
 """Of U0: MuJoCo Warp stops at a tolerance of 1e-6, a hundred times MuJoCo's, which leaves ten times the acceleration,
@@ -75,8 +75,8 @@ CONTACT_TUNED = Preset(
     turns=True,
 )
 
-CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6, inclines=False)
+CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6)
 
 JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_tolerance=1e-6)
 
-CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6, inclines=False)
+CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6)

@@ -3,11 +3,17 @@
 from collections.abc import Callable
 from typing import Any
 
-from engines.interface.device import PROCESSOR
-from engines.interface.scene import ArmScene, ContactScene, JointScene, SceneSetting, SteppedWorld, Vector
-from engines.mujoco.scene import contact_world, joint_world
-from engines.mujoco_warp.worlds import import_mujoco_warp
-from engines.shared.warp_worlds import import_warp
+from multibody_xval.engines.interface.scene import (
+    ArmScene,
+    ContactScene,
+    JointScene,
+    SceneSetting,
+    SteppedWorld,
+    Vector,
+)
+from multibody_xval.engines.mujoco.scene import contact_world, joint_world
+from multibody_xval.engines.mujoco_warp.worlds import import_mujoco_warp
+from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp
 
 MOST_CONTACTS, MOST_ROWS = 64, 300
 """Memory of a world: three boxes that lie flat have 12 contacts, with four rows each."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from engines.shared.warp_worlds import WarpWorlds, import_warp
-from engines.shared.worlds import Rows
+from multibody_xval.engines.shared.warp_worlds import WarpWorlds, import_warp
+from multibody_xval.engines.shared.worlds import Rows
 from reference_lcp.validation import FloatArray
 
 ROWS_OF_A_CONTACT = 4
@@ -38,7 +38,7 @@ class MuJoCoWarpWorlds(WarpWorlds):
         self._data.qacc_warmstart.zero_()
 
     def _set_forces(self) -> None:
-        from engines.shared import warp_kernels as kernels
+        from multibody_xval.engines.shared import warp_kernels as kernels
 
         warp = import_warp()
         warp.launch(kernels.load, len(self._models), [self._step, self._loads, self._data.ctrl])

@@ -2,10 +2,9 @@
 
 from typing import ClassVar
 
-from engines.interface.device import CARD, PROCESSOR
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
-from engines.interface.tolerances import SINGLE_RESIDUAL
-from engines.newton.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
+from multibody_xval.engines.newton.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -13,13 +12,13 @@ from engines.newton.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.newton.scene import STEP, contacts, joints
-from engines.newton.worlds import ContactWorlds, NewtonSimulation
-from engines.shared.claims import check_mass_ratio
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_units
-from engines.shared.units import Units
-from engines.shared.worlds_simulation import LaneAlone
+from multibody_xval.engines.newton.scene import STEP, contacts, joints
+from multibody_xval.engines.newton.worlds import ContactWorlds, NewtonSimulation
+from multibody_xval.engines.shared.claims import check_mass_ratio
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_units
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -69,7 +68,6 @@ class Newton(PipEngine):
         ),
     }
 
-    devices: ClassVar[tuple[str, ...]] = (PROCESSOR, CARD)
     scene_step: ClassVar[float] = STEP
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 

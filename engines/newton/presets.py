@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.newton.step_model import friction_anchors
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.newton.step_model import friction_anchors
 
 UNITS = Option.own("SI", "The chain in SI units.")
 

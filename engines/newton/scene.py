@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.device import PROCESSOR
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     FINGER,
     FINGER_MASS,
     GROUND,
@@ -22,8 +21,8 @@ from engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from engines.newton.worlds import import_newton
-from engines.shared.warp_worlds import import_warp
+from multibody_xval.engines.newton.worlds import import_newton
+from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp
 
 STEP = 1 / 240
 """Of Newton's own examples with rigid contacts [s]; a solver has no default."""

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
-from engines.shared.box_geometry import BOX
-from engines.shared.kernel_lane import Kernel, KernelLane, keep
-from engines.shared.units import power_of_two
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.box_geometry import BOX
+from multibody_xval.engines.shared.kernel_lane import Kernel, KernelLane, keep
+from multibody_xval.engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
 
 LEAST_SLIP = 1e-5

@@ -9,12 +9,12 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.presets import Formulation, Preset
-from engines.shared.box_geometry import PressedBoxes
-from engines.shared.units import Units
-from engines.shared.warp_worlds import WarpWorlds, import_warp
-from engines.shared.worlds import Rows
-from engines.shared.worlds_simulation import WorldsSimulation
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.shared.box_geometry import PressedBoxes
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.warp_worlds import WarpWorlds, import_warp
+from multibody_xval.engines.shared.worlds import Rows
+from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -95,7 +95,7 @@ class NewtonWorlds(WarpWorlds):
         import_newton().eval_fk(self._model, self._before.joint_q, self._before.joint_qd, self._before)
 
     def _set_forces(self) -> None:
-        from engines.newton import kernels
+        from multibody_xval.engines.newton import kernels
 
         inputs = [self._step, self._loads, self._springs, self.joints, self._positions, self._velocities, self._forces]
         import_warp().launch(kernels.set_forces, self._pressing.shape[1:], inputs)
@@ -143,7 +143,7 @@ class JointWorlds(NewtonWorlds):
         return self._friction, zeros((size, 0), dtype=float)
 
     def _set_forces(self) -> None:
-        from engines.newton import kernels
+        from multibody_xval.engines.newton import kernels
 
         super()._set_forces()
         bounds = self._pressing
@@ -151,7 +151,7 @@ class JointWorlds(NewtonWorlds):
         import_warp().launch(kernels.set_effort_limits, bounds.shape[1:], inputs)
 
     def _read_forces(self) -> None:
-        from engines.newton import kernels
+        from multibody_xval.engines.newton import kernels
 
         inputs = [self._rows, self._solver._impulses, self.joints, 1 / self._time_step, self._friction]
         import_warp().launch(kernels.read_drives, self._friction.shape, inputs)
@@ -199,7 +199,7 @@ class ContactWorlds(NewtonWorlds):
         return self._friction, self._normal_force
 
     def _set_forces(self) -> None:
-        from engines.newton import kernels
+        from multibody_xval.engines.newton import kernels
 
         super()._set_forces()
         inputs = [self._step, self._pressing, self.joints, self._forces]
@@ -211,7 +211,7 @@ class ContactWorlds(NewtonWorlds):
         self._solver.step(*states, self._control, self._contacts, self._time_step, observables=self._observables)
 
     def _read_forces(self) -> None:
-        from engines.newton import kernels
+        from multibody_xval.engines.newton import kernels
 
         self._friction.zero_()
         self._normal_force.zero_()

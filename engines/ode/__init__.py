@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
-from engines.ode.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
+from multibody_xval.engines.ode.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -14,8 +14,8 @@ from engines.ode.presets import (
     JOINT_STOPS,
     JOINT_TUNED,
 )
-from engines.ode.scene import STEP, contacts, joints
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.ode.scene import STEP, contacts, joints
+from multibody_xval.engines.shared.script_units import script_in_si
 
 BOX = 4.0
 """Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from engines.interface.law import NotModelled
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.ode.step_model import normal_first, soft_boxes, soft_motors, soft_stops
-from engines.shared.claims import IMPLICIT_SPRINGS, tangents_of_the_world
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.ode.step_model import soft_boxes, soft_motors, soft_stops
+from multibody_xval.engines.shared.claims import IMPLICIT_SPRINGS, tangents_of_the_world
 
 BOUNCE, APPROXIMATION = 0x004, 0x7000
 """Bits of a contact's mode: `ContactBounce`, and `ContactApprox1_1`, `_2` and `_N` of ODE 0.16 together."""
@@ -82,9 +82,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     turned_bound=tangents_of_the_world,
-    inclined_law=normal_first,
     modulated_options={
         "surface_layer": Option(
             2.0**-20, 0.0, "After a landing spheres stay as deep as this, and take off from there."
@@ -104,7 +102,6 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-8,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    inclines=True,
     turned_bound=tangents_of_the_world,
 )
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     GRAVITY,
     LINK_INERTIA,
     LINK_LENGTH,
@@ -15,8 +15,8 @@ from engines.interface.scene import (
     JointScene,
     SceneSetting,
 )
-from engines.isolated.out_of_process import ServedScene, process_of
-from engines.shared.solids import solids
+from multibody_xval.engines.isolated.out_of_process import ServedScene, process_of
+from multibody_xval.engines.shared.solids import solids
 
 STEP = 0.01
 """Chosen [s]: ODE has no default."""

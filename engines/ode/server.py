@@ -5,7 +5,6 @@ computed here at the start of each step.
 """
 
 import functools
-import math
 import shutil
 import struct
 import subprocess
@@ -51,16 +50,6 @@ class EngineLane:
             model.modulate(normal_load)
         return model.run(loads, across)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
-        model = self._new_model(None, None, False)
-        model.set_rubbing(steps)
-        step, time_step, before = model.world.step, model.time_step, model.before_step
-        for _ in range(steps):
-            if before is not None:
-                before()
-            step(time_step)
-
 
 class JointModel:
     """Outer masses that slide in the world, on each an inner one whose slider has a motor of target velocity zero."""
@@ -77,8 +66,6 @@ class JointModel:
         self._cells = len(self._bound)
         self._has_springs = str(given.get("springs")) == "stops"
         self._axis = (*given["axis"].tolist(), 0.0)
-        self._inclination = float(given["inclination"])
-        self._sine, self._cosine = math.sin(self._inclination), math.cos(self._inclination)
         self.world = ode.World()
         self.world.setCFM(float(given["cfm"]))
         self.world.setERP(float(given["erp"]))
@@ -88,8 +75,7 @@ class JointModel:
         # A joint ends with its last reference.
         self._guides = list(self._sprung()) if self._has_springs else [self._slider(*pair) for pair in sliding]
         self._add_friction()
-        if position is not None:
-            self._set_state(position.tolist(), velocity.tolist())
+        self._set_state(position.tolist(), velocity.tolist())
 
     def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
@@ -176,12 +162,6 @@ class JointModel:
             body.setPosition((x * place, aside + y * place, height))
             body.setLinearVel((x * speed, y * speed, 0.0))
 
-    def set_rubbing(self, steps: int) -> None:
-        """Give inner masses the velocity that friction alone would stop in half of so many steps."""
-        mass = self._given["mass"].reshape(2, -1)
-        speed = self._bound * np.sum(1 / mass, axis=0) * self.time_step * steps / 2
-        self._set_state([0.0] * len(self._bodies), [0.0] * self._cells + speed.tolist())
-
     def _slider(self, body: Any, base: Any) -> Any:
         slider = ode.SliderJoint(self.world)
         slider.attach(body, base)
@@ -267,8 +247,7 @@ class ContactModel(JointModel):
 
         def note() -> None:
             heights = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
-            heights_and_rates = np.array([heights, [body.getLinearVel()[2] for body in inner]])
-            notes.append(self._cosine * heights_and_rates - self._sine * self._slips())
+            notes.append(np.array([heights, [body.getLinearVel()[2] for body in inner]]))
 
         def before() -> None:
             note()
@@ -284,16 +263,10 @@ class ContactModel(JointModel):
 
     def _open(self, rest: list[float], across: Any) -> None:
         """Put inner masses where their gaps, and the rates of these, are those in `across`, shape (2, n)."""
-        heights = (across + self._sine * self._slips()) / self._cosine
-        for body, height, above, rate in zip(self._bodies[self._cells :], rest, *heights.tolist()):
+        for body, height, above, rate in zip(self._bodies[self._cells :], rest, *across.tolist()):
             along, aside, _ = body.getPosition()
             body.setPosition((along, aside, height + above))
             body.setLinearVel((*body.getLinearVel()[:2], rate))
-
-    def _slips(self) -> Any:
-        """Give by how much inner masses are ahead of their outer ones, and the rates of that, shape (2, n)."""
-        along = np.array([[body.getPosition()[0], body.getLinearVel()[0]] for body in self._bodies])
-        return (along[self._cells :] - along[: self._cells]).T
 
     def modulate(self, normal_load: Any) -> None:
         """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
@@ -301,20 +274,14 @@ class ContactModel(JointModel):
         find_contacts = self.before_step
         self._constant_normal_load = False
         pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
-        x, z = -self._sine, self._cosine
 
         def before() -> None:
             for (outer, inner), value in zip(pairs, next(normal_loads)):
-                outer.addForce((x * value, 0.0, z * value))
-                inner.addForce((-x * value, 0.0, -z * value))
+                outer.addForce((0.0, 0.0, value))
+                inner.addForce((0.0, 0.0, -value))
             find_contacts()
 
         self.before_step = before
-
-    def set_rubbing(self, steps: int) -> None:
-        """Press inner masses on their plates by gravity, the one force that lasts: ODE clears others in a step."""
-        super().set_rubbing(steps)
-        self.world.setGravity((0.0, 0.0, -float(np.mean(self._given["normal"] / self._given["mass"][self._cells :]))))
 
     def _named(self, measured: Any) -> dict[str, Any]:
         friction, normal = np.split(measured, 2, axis=1)
@@ -326,10 +293,8 @@ class ContactModel(JointModel):
 
     def _places(self) -> list[tuple[float, float]]:
         half, depth = self._half, float(self._given["depth"]) * self._scale
-        # An inner mass is above the centre of its plate, along a face that is inclined.
-        further = (2 * half - depth) * (1 / self._cosine - 1)
         asides = [cell * float(self._given["spacing"]) * self._scale for cell in range(self._cells)]
-        return [(aside, height) for height in (-half, half - depth + further) for aside in asides]
+        return [(aside, height) for height in (-half, half - depth) for aside in asides]
 
     def _add_friction(self) -> None:
         """Give all masses their shapes; before a step, contacts have to be found."""
@@ -377,9 +342,8 @@ class ContactModel(JointModel):
         measured = [0.0] * self._measures
         for cell, joint in self._joints:
             force = joint.getFeedback()[0]
-            along = self._axis[0] * force[0] + self._axis[1] * force[1]
-            measured[cell] += self._cosine * along + self._sine * force[2]
-            measured[self._cells + cell] += self._cosine * force[2] - self._sine * along
+            measured[cell] += self._axis[0] * force[0] + self._axis[1] * force[1]
+            measured[self._cells + cell] += force[2]
         return measured
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
@@ -387,6 +351,4 @@ class ContactModel(JointModel):
         turning = float(self._given["inertia"]) * mass * self._half**2
         inertia.setParameters(mass, 0, 0, 0, turning, turning, turning, 0, 0, 0)
         body.setMass(inertia)
-        if self._inclination:
-            body.setQuaternion((math.cos(self._inclination / 2), 0.0, -math.sin(self._inclination / 2), 0.0))
         return body

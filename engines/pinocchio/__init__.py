@@ -2,11 +2,11 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.pinocchio.joint import PinocchioJointLane
-from engines.pinocchio.presets import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.pinocchio.joint import PinocchioJointLane
+from multibody_xval.engines.pinocchio.presets import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_si
 
 
 class Pinocchio(PipEngine):

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import JointCoordinates
-from engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import JointCoordinates
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -23,22 +23,6 @@ class PinocchioJointLane(ExplicitForcesLane):
         # The loop gives impulses of a step in place of forces, which saves the multiplications by the time step.
         self._forces *= self._time_step
         self._force_unit = self._units.force / self._time_step
-
-    def _native_step(self) -> Callable[[], object]:
-        from pinocchio import aba, integrate
-
-        model, data, impulses_for = self._solver()
-        chain, still = self._chain, np.zeros(2 * self._chain.cells)
-        # Friction has work to do, in the same state again and again.
-        gap = chain.friction_bound * self._time_step * (1 / chain.outer_mass + 1 / chain.inner_mass) / 2
-
-        def step() -> None:
-            aba(model, data, still, still, still)
-            impulses_for(gap)
-            aba(model, data, still, still, still)
-            integrate(model, still, still)
-
-        return step
 
     def _begin(self, motion: FloatArray) -> Step:
         import pinocchio

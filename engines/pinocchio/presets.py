@@ -1,7 +1,7 @@
 """Options and presets of Pinocchio."""
 
-from engines.interface.law import NotModelled
-from engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
 
 
 def admm(preset: Preset) -> NotModelled:

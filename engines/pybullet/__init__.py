@@ -3,10 +3,10 @@
 import sys
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.pybullet.contact import PLATE, REST_DEPTH, SPACING, PyBulletContactLane
-from engines.pybullet.joint import Connection, PyBulletJointLane
-from engines.pybullet.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.pybullet.contact import PLATE, REST_DEPTH, SPACING, PyBulletContactLane
+from multibody_xval.engines.pybullet.joint import Connection, PyBulletJointLane
+from multibody_xval.engines.pybullet.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -14,9 +14,9 @@ from engines.pybullet.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.pybullet.scene import STEP, contacts, joints
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.pybullet.scene import STEP, contacts, joints
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_si
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -26,6 +26,7 @@ class PyBullet(PipEngine):
 
     name: ClassVar[str] = "pybullet"
     module: ClassVar[str] = "pybullet"
+    versions: ClassVar[str] = ">=3.2.7"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="PyBullet",
         package="pybullet",

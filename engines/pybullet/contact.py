@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.pybullet.joint import Connection, PyBulletLane, import_pybullet
-from engines.shared.box_geometry import BOX
-from engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.pybullet.joint import Connection, PyBulletLane, import_pybullet
+from multibody_xval.engines.shared.box_geometry import BOX
+from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError

@@ -3,15 +3,14 @@
 import functools
 import importlib
 import sys
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.silence import silent_standard_error
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import ChainCoordinates
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.shared.silence import silent_standard_error
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
@@ -61,11 +60,6 @@ class PyBulletLane(ExplicitForcesLane):
     def __init__(self, lane: Lane, preset: Preset, connection: Connection):
         super().__init__(lane, preset)
         self._connection = connection
-
-    def _native_step(self) -> Callable[[], object]:
-        self._across = np.zeros((2, self._chain.cells))
-        self._begin(np.zeros(4 * self._chain.cells))
-        return functools.partial(import_pybullet().stepSimulation, physicsClientId=self._connection.client)
 
     def close(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
@@ -84,7 +84,6 @@ JOINT_DEFAULT = Preset(
     law=damped_joints,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    varied={"linearDamping": (0.0, 0.01, 0.02)},
 )
 
 CONTACT_OPTIONS = {

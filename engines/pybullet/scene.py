@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
     FINGER_MASS,
@@ -23,7 +23,7 @@ from engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from engines.pybullet.joint import import_pybullet
+from multibody_xval.engines.pybullet.joint import import_pybullet
 
 STEP = 1 / 240
 """PyBullet's own time step [s]."""

@@ -2,10 +2,10 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.pymunk.contact import DEPTH, PymunkBoxes
-from engines.pymunk.joint import PymunkJoints
-from engines.pymunk.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.pymunk.contact import DEPTH, PymunkBoxes
+from multibody_xval.engines.pymunk.joint import PymunkJoints
+from multibody_xval.engines.pymunk.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -13,11 +13,11 @@ from engines.pymunk.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.pymunk.scene import STEP, contacts, joints
-from engines.pymunk.simulation import SPRING_LENGTH
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_si
-from engines.shared.worlds_simulation import LaneAlone
+from multibody_xval.engines.pymunk.scene import STEP, contacts, joints
+from multibody_xval.engines.pymunk.simulation import SPRING_LENGTH
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_si
+from multibody_xval.engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -27,7 +27,7 @@ class Pymunk(PipEngine):
 
     name: ClassVar[str] = "pymunk"
     module: ClassVar[str] = "pymunk"
-    versions: ClassVar[str] = ">=6.11"
+    versions: ClassVar[str] = ">=6.11.1"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="pymunk",
         optional=True,

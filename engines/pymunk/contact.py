@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.pymunk.simulation import PymunkSimulation, World
-from engines.shared.box_geometry import PressedBoxes
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.pymunk.simulation import PymunkSimulation, World
+from multibody_xval.engines.shared.box_geometry import PressedBoxes
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray

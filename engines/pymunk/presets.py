@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.pymunk.step_model import damped_springs
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.pymunk.step_model import damped_springs
 
 OPTIONS = {
     "units": Option.own("SI", "The chain in SI units."),

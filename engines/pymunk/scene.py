@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
     FINGER_MASS,
@@ -20,7 +20,7 @@ from engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from engines.shared.planar_scene import check_planar, hinge_angles, in_plane, row
+from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, row
 
 STEP = 1 / 60
 """Of pymunk's own examples [s]; it has no default."""

@@ -4,7 +4,6 @@ A step of one chain takes pymunk a microsecond, and so does a call that sets or 
 of a space, such a call costs little. Lanes share a space when they share its time step, which their own units see to.
 """
 
-import functools
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -14,11 +13,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
-from engines.shared.units import Units, power_of_two
-from engines.shared.worlds_simulation import LanesInUnits
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import ChainCoordinates
+from multibody_xval.engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
+from multibody_xval.engines.shared.units import Units, power_of_two
+from multibody_xval.engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -112,13 +111,6 @@ class PymunkSimulation(LanesInUnits):
         """Give the lanes of these indices, in a space of their own."""
         return type(self)([self.lanes[lane] for lane in lanes], self._preset)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the space of all lanes alone; see `NativeStepping`."""
-        self._place(self._idle, np.zeros((len(self.lanes), 4 * self._cells)))
-        step, time_step = self._idle.space.step, self._time_step
-        for _ in range(steps):
-            step(time_step)
-
     @abstractmethod
     def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         """Add what makes friction between the masses of each cell of a lane; give what is to be read of it."""
@@ -159,10 +151,6 @@ class PymunkSimulation(LanesInUnits):
                 self._add_springs(world.space, index, outer, inner)
             world.bodies.extend(bodies)
         return world
-
-    @functools.cached_property
-    def _idle(self) -> World:
-        return type(self)(self.lanes, self._preset)._new_world()
 
     def _add_springs(self, space: Any, index: int, outer: list[Any], inner: list[Any]) -> None:
         """Add the springs: the right end of each is an anchor that its body carries ahead of it, at equal height."""

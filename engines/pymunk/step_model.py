@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Law
-from engines.interface.presets import NormalForce, Preset
-from engines.shared.kernel_lane import Kernel, KernelLane, keep
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.presets import NormalForce, Preset
+from multibody_xval.engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

@@ -2,12 +2,12 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.interface.tolerances import SUBSTEPS_RESIDUAL
-from engines.rapier.contact import CLEARANCE, RapierContactLane
-from engines.rapier.joint import RapierJointLane
-from engines.rapier.native import RapierNativeLane
-from engines.rapier.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.interface.tolerances import SUBSTEPS_RESIDUAL
+from multibody_xval.engines.rapier.contact import CLEARANCE, RapierContactLane
+from multibody_xval.engines.rapier.joint import RapierJointLane
+from multibody_xval.engines.rapier.native import RapierNativeLane
+from multibody_xval.engines.rapier.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -16,9 +16,9 @@ from engines.rapier.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.rapier.scene import STEP, contacts, joints
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_units
+from multibody_xval.engines.rapier.scene import STEP, contacts, joints
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_units
 from reference_lcp.chain.simulation import Lane
 
 
@@ -32,6 +32,7 @@ class Rapier(PipEngine):
 
     name: ClassVar[str] = "rapier"
     module: ClassVar[str] = "rapier3d"
+    versions: ClassVar[str] = ">=0.36.1"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Rapier",
         optional=True,

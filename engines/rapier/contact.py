@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.rapier.joint import RapierLane
-from engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.rapier.joint import RapierLane
+from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

@@ -1,13 +1,12 @@
 """Lanes of Rapier, and its joint formulation: motors of bounded force that hold slip velocities at zero."""
 
 from abc import abstractmethod
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -24,16 +23,12 @@ class RapierLane(ExplicitForcesLane):
         self._places = np.zeros((2 * lane.chain.cells, 2))
         self._pressing = np.zeros(2 * lane.chain.cells)
 
-    def _native_step(self) -> Callable[[], object]:
-        world, _ = self._new_world(np.zeros(4 * self._chain.cells), can_sleep=False)
-        return world.step
-
     @abstractmethod
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
         """Add what makes friction between the masses of each cell, given by their handles."""
 
     def _begin(self, motion: FloatArray) -> Step:
-        self._world, handles = self._new_world(motion, can_sleep=self._preset["can_sleep"])
+        self._world, handles = self._new_world(motion)
         self._bodies = bodies = [self._world.rigid_bodies[handle] for handle in handles]
         loads = [(body.reset_forces, body.add_force) for body in bodies]
         advance, (x, y) = self._world.step, self.lane.axis
@@ -49,7 +44,7 @@ class RapierLane(ExplicitForcesLane):
 
         return step
 
-    def _new_world(self, motion: FloatArray, *, can_sleep: bool) -> tuple[Any, list[Any]]:
+    def _new_world(self, motion: FloatArray) -> tuple[Any, list[Any]]:
         """Make the world with this motion; give it and the handles of its bodies, outer masses first."""
         import rapier3d
 
@@ -74,7 +69,7 @@ class RapierLane(ExplicitForcesLane):
                 .additional_mass(mass)
                 .enabled_translations(directions)
                 .enabled_rotations((False, False, False))
-                .can_sleep(can_sleep)
+                .can_sleep(self._preset["can_sleep"])
             )
             for position, velocity, (aside, z), mass, directions in zip(
                 positions, velocities, self._places.tolist(), masses.tolist(), free, strict=True

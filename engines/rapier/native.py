@@ -1,15 +1,14 @@
 """Rapier's own dry friction of joints, which only its loader of MJCF files sets: one multibody, a slide a mass."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.interface.tolerances import SINGLE
-from engines.shared.claims import check_mass_ratio
-from engines.shared.coordinates import JointCoordinates
-from engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.shared.claims import check_mass_ratio
+from multibody_xval.engines.shared.coordinates import JointCoordinates
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -47,10 +46,6 @@ class RapierNativeLane(ExplicitForcesLane):
         check_mass_ratio([lane], LARGEST_MASS_RATIO, "a multibody of Rapier")
         super().__init__(lane, preset)
         self._file = model_of(self._chain)
-
-    def _native_step(self) -> Callable[[], object]:
-        world, _, _ = self._new_world()
-        return world.step
 
     def _begin(self, motion: FloatArray) -> Step:
         world, bodies, multibody = self._new_world()

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.rapier.step_model import contact_substeps, motor_substeps
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.rapier.step_model import contact_substeps, motor_substeps
 
 OPTIONS = {
     "units": Option.own("SI", "The chain in SI units."),
@@ -62,7 +62,6 @@ JOINT_NATIVE = Preset(
     {name: change for name, change in TUNED.items() if name != "can_sleep"},
     shares_scheme=True,
     optional=True,
-    varied={"num_solver_iterations": (4,)},
 )
 
 CONTACT_TUNED = Preset(

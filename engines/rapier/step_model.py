@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
-from engines.shared.kernel_lane import Kernel, KernelLane, keep
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray

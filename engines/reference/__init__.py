@@ -1,9 +1,9 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
-from engines.interface.engine import Engine
-from engines.interface.law import NotModelled
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
-from engines.shared.pip_engine import installed_version
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
+from multibody_xval.engines.shared.pip_engine import installed_version
 from reference_lcp.chain.simulation import Lane, Simulation
 
 EXACT = "exact"
@@ -42,7 +42,6 @@ class Reference(Engine):
                     shares_scheme=True,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
-                    inclines=True,
                     static_friction=True,
                 ),
                 "converged": Preset(
@@ -55,7 +54,6 @@ class Reference(Engine):
                     law=authority,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
-                    inclines=True,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",
@@ -81,7 +79,7 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        from engines.reference.simulations import RefinedSimulation, exact_simulation
+        from multibody_xval.engines.reference.simulations import RefinedSimulation, exact_simulation
         from reference_lcp.schemes.euler import euler_simulation
 
         if preset is self.capabilities.presets[formulation][EXACT]:

@@ -2,11 +2,11 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.interface.tolerances import SUBSTEPS_RESIDUAL
-from engines.sapien.contact import SapienContactLane
-from engines.sapien.joint import SapienJointLane
-from engines.sapien.presets import (
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.interface.tolerances import SUBSTEPS_RESIDUAL
+from multibody_xval.engines.sapien.contact import SapienContactLane
+from multibody_xval.engines.sapien.joint import SapienJointLane
+from multibody_xval.engines.sapien.presets import (
     CONTACT_DEFAULT,
     CONTACT_RECOMMENDED,
     CONTACT_TUNED,
@@ -14,9 +14,9 @@ from engines.sapien.presets import (
     JOINT_RECOMMENDED,
     JOINT_TUNED,
 )
-from engines.sapien.scene import STEP, contacts, joints
-from engines.shared.pip_engine import PipEngine
-from engines.shared.script_units import script_in_units
+from multibody_xval.engines.sapien.scene import STEP, contacts, joints
+from multibody_xval.engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.shared.script_units import script_in_units
 
 
 class Sapien(PipEngine):
@@ -24,6 +24,7 @@ class Sapien(PipEngine):
 
     name: ClassVar[str] = "sapien"
     module: ClassVar[str] = "sapien"
+    versions: ClassVar[str] = ">=3.0.3"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="SAPIEN (PhysX)",
         optional=True,

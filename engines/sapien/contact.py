@@ -4,15 +4,14 @@ Both are pressed, against each other, and touch without a gap: a mass that is pr
 some steps after the start, with another normal force in each.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.interface.tolerances import SINGLE
-from engines.sapien.joint import SapienLane, import_sapien
-from engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.sapien.joint import SapienLane, import_sapien
+from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -31,9 +30,6 @@ class SapienContactLane(PressedLane, SapienLane):
         super().__init__(lane, preset)
         # Forces on all bodies in the next step; those along the motion are the loop's.
         self._pushing = np.zeros((2 * lane.chain.cells, 3))
-
-    def _native_step(self) -> Callable[[], object]:
-        return self._new_bodies(np.zeros(4 * self._chain.cells))[0].step
 
     def _begin(self, motion: FloatArray) -> Step:
         self._system, bodies = self._new_bodies(motion)

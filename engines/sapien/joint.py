@@ -3,14 +3,13 @@
 import functools
 import importlib
 import warnings
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.coordinates import CarriedCoordinates, friction_of_joints
-from engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.coordinates import CarriedCoordinates, friction_of_joints
+from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -54,9 +53,6 @@ class SapienJointLane(SapienLane):
     def __init__(self, lane: Lane, preset: Preset):
         self.coordinates = CarriedCoordinates.of_chain(lane.chain)
         super().__init__(lane, preset)
-
-    def _native_step(self) -> Callable[[], object]:
-        return self._new_articulation()[0].step
 
     def _begin(self, motion: FloatArray) -> Step:
         self._system, articulation = self._new_articulation()

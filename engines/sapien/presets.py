@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.sapien.step_model import damped_links, temporal_gauss_seidel
-from engines.shared.claims import tangents_of_the_world
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import NormalForce, Option, Preset
+from multibody_xval.engines.sapien.step_model import damped_links, temporal_gauss_seidel
+from multibody_xval.engines.shared.claims import tangents_of_the_world
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 
 OPTIONS = {

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.scene import (
+from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
     FINGER_MASS,
@@ -22,7 +22,7 @@ from engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from engines.sapien.joint import import_sapien
+from multibody_xval.engines.sapien.joint import import_sapien
 
 STEP = 0.01
 """SAPIEN's own time step [s]."""

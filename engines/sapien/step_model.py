@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
-from engines.shared.kernel_lane import Kernel, KernelLane, keep
+from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.kernel_lane import Kernel, KernelLane, keep
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

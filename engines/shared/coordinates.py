@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.tolerances import SINGLE
+from multibody_xval.engines.interface.tolerances import SINGLE
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 

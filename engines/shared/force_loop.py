@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
-from engines.interface.presets import Preset
-from engines.shared.box_geometry import PLATE, SPACING, PressedBoxes
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
-from engines.shared.units import Units
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.shared.box_geometry import PLATE, SPACING, PressedBoxes
+from multibody_xval.engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
+from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel
@@ -92,16 +92,6 @@ class ExplicitForcesLane(LaneModel):
             step(force)
         end, internal_state = self._state(motion[None]), self._internal_state()
         return end if internal_state is None else replace(end, internal_state=internal_state[None])
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        step = self._native_step()
-        for _ in range(steps):
-            step()
-
-    @abstractmethod
-    def _native_step(self) -> Callable[[], object]:
-        """Give what takes one step of the engine alone, from rest or where friction has work to do."""
 
     @abstractmethod
     def _begin(self, motion: FloatArray) -> Step:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.coordinates import CarriedCoordinates, JointCoordinates
-from engines.shared.force_loop import LARGEST_MOTION
-from engines.shared.units import Units
-from engines.shared.worlds_simulation import LanesInUnits
+from multibody_xval.engines.shared.coordinates import JointCoordinates
+from multibody_xval.engines.shared.force_loop import LARGEST_MOTION
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, checked_count
@@ -21,16 +21,10 @@ class ForcedLanes(LanesInUnits, ABC):
     """Lanes of one scene, each in units of its own, under forces that are computed at the start of each step.
 
     A motion of all lanes, a row each, holds coordinates, then their velocities. The scene of an engine has
-    ``set_motion(coordinates, velocities)``, ``step(forces)``, which gives the motion after it, ``native_steps(steps)``
-    and ``close()``.
+    ``set_motion(coordinates, velocities)``, ``step(forces)``, which gives the motion after it, and ``close()``.
     """
 
-    def __init__(
-        self,
-        lanes: Sequence[Lane],
-        units: Sequence[Units],
-        coordinates: Sequence[CarriedCoordinates | JointCoordinates],
-    ):
+    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], coordinates: Sequence[JointCoordinates]):
         super().__init__(lanes, units)
         self._coordinates = tuple(coordinates)
         self._chains = [unit.scaled(lane.chain) for unit, lane in zip(units, lanes, strict=True)]
@@ -88,10 +82,6 @@ class ForcedLanes(LanesInUnits, ABC):
         for motion, _, _ in self._steps(state, start, steps):
             end = motion
         return State.stack([self._state(index, end[index : index + 1]) for index in range(len(self.lanes))])
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, from where the lanes are; see `NativeStepping`."""
-        self._scene.native_steps(steps)
 
     def close(self) -> None:
         """Free the scene."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.interface.engine import Engine
-from engines.interface.law import Law
-from engines.interface.registry import engine, law_of
-from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import engine, law_of
+from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation

@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from engines.interface.registry import engine, law_of
-from engines.interface.tolerances import STEPS
-from engines.interface.variant import Variant
-from engines.shared.law_distance import figure3_lanes
+from multibody_xval.engines.interface.registry import engine, law_of
+from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import figure3_lanes
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
-from engines.interface.scene import ContactScene, Vector
+from multibody_xval.engines.interface.scene import ContactScene, Vector
 from reference_lcp.errors import ParameterError
 
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from engines.interface.presets import Preset
-from engines.interface.reproducer import Reproducer, no_numbers
-from engines.shared.box_geometry import PressedBoxes
-from engines.shared.units import Units, power_of_two
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.reproducer import Reproducer, no_numbers
+from multibody_xval.engines.shared.box_geometry import PressedBoxes
+from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 

@@ -3,7 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
-from engines.interface.scene import BELT, FINGER, FINGER_MASS, GRAVITY, LEVEL, ContactScene, Quaternion, Vector
+from multibody_xval.engines.interface.scene import (
+    BELT,
+    FINGER,
+    FINGER_MASS,
+    GRAVITY,
+    LEVEL,
+    ContactScene,
+    Quaternion,
+    Vector,
+)
 
 
 def solids(scene: ContactScene) -> dict[str, Any]:

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.device import chosen_device
-from engines.shared.silence import silent_standard_error
-from engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.silence import silent_standard_error
+from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.validation import FloatArray
+
+PROCESSOR = "cpu"
+"""The device of all worlds, as Warp names it: results are the processor's alone."""
 
 
 class WarpWorlds(Worlds):
@@ -22,7 +24,7 @@ class WarpWorlds(Worlds):
     """
 
     def __init__(self, size: int, cells: int):
-        warp, self._device = import_warp(), chosen_device()
+        warp, self._device = import_warp(), PROCESSOR
         with warp.ScopedDevice(self._device):
             self._step = warp.zeros(1, dtype=int)
             self._loads = warp.zeros((CHUNK, size), dtype=float)
@@ -50,7 +52,7 @@ class WarpWorlds(Worlds):
 
     def eager_step(self) -> None:
         """Load, take and record a step, kernel by kernel."""
-        from engines.shared import warp_kernels as kernels
+        from multibody_xval.engines.shared import warp_kernels as kernels
 
         warp = import_warp()
         with warp.ScopedDevice(self._device):
@@ -60,13 +62,6 @@ class WarpWorlds(Worlds):
             for values, record in zip(self._values, self._record, strict=True):
                 warp.launch(kernels.record, values.shape, [self._step, values, record])
             warp.launch(kernels.count, 1, [self._step])
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, as a graph, from where the worlds are."""
-        launch = self._captured(self._advance)
-        for _ in range(steps):
-            launch()
-        import_warp().synchronize_device(self._device)
 
     @property
     def _force_columns(self) -> tuple[int, int]:

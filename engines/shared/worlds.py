@@ -40,10 +40,6 @@ class Worlds(ABC):
         self._last = Rows(*(values[-1] for values in rows))
         return rows
 
-    @abstractmethod
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, from where the worlds are."""
-
     @property
     @abstractmethod
     def _force_columns(self) -> tuple[int, int]:

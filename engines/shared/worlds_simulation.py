@@ -1,6 +1,5 @@
 """Lanes as worlds of engines that advance all lanes of a batch at once."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from typing import Self
@@ -8,10 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.engine import NativeStepping
-from engines.shared.coordinates import absolute_coordinates, joint_coordinates
-from engines.shared.units import Units
-from engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel
@@ -60,8 +58,8 @@ class LanesOfJoints(LanesInUnits):
         if self._opens:
             gap, speed = state.normal_state(self.lanes[0].chain.cells)
             for rows, across in ((positions, gap / self._length), (velocities, speed / self._velocity)):
-                for row, given, lane in zip(rows, across, self.lanes, strict=True):
-                    row[3 :: self._joints] = self._heights(row, given, lane)
+                for row, given in zip(rows, across, strict=True):
+                    row[3 :: self._joints] = given
 
     def _state_at(self, positions: FloatArray, velocities: FloatArray) -> State:
         """Give the state of all lanes at joint coordinates, shape (lanes, nq), and their rates."""
@@ -69,26 +67,12 @@ class LanesOfJoints(LanesInUnits):
         velocity = absolute_coordinates(velocities, self._joints) * self._velocity
         if not self._opens:
             return State(position, velocity)
-        gap, speed = (
-            np.stack([self._gaps(row, lane) for row, lane in zip(rows, self.lanes, strict=True)])
-            for rows in (positions, velocities)
-        )
+        gap, speed = (self._gaps(rows) for rows in (positions, velocities))
         return State(position, velocity, np.hstack([gap * self._length, speed * self._velocity]))
 
-    def _gaps(self, coordinates: FloatArray, lane: Lane) -> FloatArray:
-        """Give the gaps of joint coordinates, shape (..., nq), along the normals of the plates; rates likewise."""
-        above = coordinates[..., 3 :: self._joints]
-        if not lane.inclination:
-            return above
-        slip = coordinates[..., 1 :: self._joints]
-        return math.cos(lane.inclination) * above - math.sin(lane.inclination) * slip
-
-    def _heights(self, coordinates: FloatArray, gap: FloatArray, lane: Lane) -> FloatArray:
-        """Give the coordinates across the row of a lane, at which its gaps are these; rates likewise."""
-        if not lane.inclination:
-            return gap
-        slip = coordinates[1 :: self._joints]
-        return (gap + math.sin(lane.inclination) * slip) / math.cos(lane.inclination)
+    def _gaps(self, coordinates: FloatArray) -> FloatArray:
+        """Give the gaps of joint coordinates, shape (..., nq); rates likewise."""
+        return coordinates[..., 3 :: self._joints]
 
 
 def rub_alike(lanes: Sequence[Lane]) -> bool:
@@ -109,11 +93,6 @@ class LaneAlone(LaneModel):
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, and keep the end only."""
         return self._simulation.advance(state, start, steps)
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        assert isinstance(self._simulation, NativeStepping)
-        self._simulation.native_steps(steps)
 
     def close(self) -> None:
         """Free what the simulation holds."""
@@ -146,7 +125,7 @@ class WorldsSimulation(LanesOfJoints, ABC):
                 self._friction(index, rows.friction[:, index]),
                 self._normal_force(index, rows.normal_force[:, index], lane.preloads(start, steps)),
                 None if end is None else end[index],
-                None if end is None else self._gaps(rows.positions[:, index], lane) * units.length,
+                None if end is None else self._gaps(rows.positions[:, index]) * units.length,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -160,10 +139,6 @@ class WorldsSimulation(LanesOfJoints, ABC):
     @abstractmethod
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices."""
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        self._worlds.native_steps(steps)
 
     def _chunks(self, state: State, start: int, steps: int) -> Iterator[Rows]:
         """Set the state, and give the rows of `steps` steps, some at a time."""

@@ -3,11 +3,17 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
-from engines.shared.script_units import script_in_si
-from engines.siconos.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_EULER, JOINT_TUNED
-from engines.siconos.scene import STEP, contacts
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
+from multibody_xval.engines.shared.script_units import script_in_si
+from multibody_xval.engines.siconos.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_EULER,
+    JOINT_TUNED,
+)
+from multibody_xval.engines.siconos.scene import STEP, contacts
 from reference_lcp.validation import FloatArray
 
 DEEP = 1e9

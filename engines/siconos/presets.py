@@ -1,7 +1,7 @@
 """Options and presets of Siconos, and the law of its steps; `server` holds its model."""
 
-from engines.interface.law import Constant, Law, NotModelled
-from engines.interface.presets import Option, Preset
+from multibody_xval.engines.interface.law import Constant, Law, NotModelled
+from multibody_xval.engines.interface.presets import Option, Preset
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 

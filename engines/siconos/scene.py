@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from engines.interface.scene import ContactScene, SceneSetting
-from engines.isolated.out_of_process import ServedScene, process_of
-from engines.shared.solids import solids
+from multibody_xval.engines.interface.scene import ContactScene, SceneSetting
+from multibody_xval.engines.isolated.out_of_process import ServedScene, process_of
+from multibody_xval.engines.shared.solids import solids
 
 STEP = 0.0005
 """Of Siconos's `mechanics_run`, where none is given [s]."""

@@ -46,10 +46,6 @@ class EngineLane:
         model = self._new_model(position, velocity, len(loads))
         return model.rows(*model.advance(loads))
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps from rest, without a load."""
-        self._new_model(None, None, steps).native_steps(steps)
-
 
 class JointModel:
     """Relays between outer and inner masses: an impulse within fixed bounds stops their relative velocity."""
@@ -87,13 +83,6 @@ class JointModel:
             for rows in (position, velocity, impulse):
                 rows[step:] = rows[step - 1]
         return (position, velocity), impulse
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps and do nothing else."""
-        compute, advance = self._stepping.computeOneStep, self._stepping.nextStep
-        for _ in range(steps):
-            compute()
-            advance()
 
     def rows(self, motion: Any, impulse: Any) -> dict[str, Any]:
         """Name the rows; impulses become forces."""
@@ -146,8 +135,7 @@ class JointModel:
         """Make the masses and springs, with their state and a force on every coordinate."""
         mass, *others = self._matrices()
         state = np.zeros((2, mass.shape[0]))
-        if position is not None:
-            state[:, : len(position)] = position, velocity
+        state[:, : len(position)] = position, velocity
         self._system = kernel.LagrangianLinearTIDS(*state, mass, *others)
         self._system.setFExtPtr(np.zeros(mass.shape[0]))
 

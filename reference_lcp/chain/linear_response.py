@@ -19,24 +19,17 @@ LOWEST_DB = -80.0
 """Lowest transmittance that is drawn [dB]."""
 
 
-def frictionless_response(chain: Chain, drive: PeriodicDrive, inclination: float = 0.0) -> NDArray[np.complex128]:
+def frictionless_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]:
     """Complex amplitudes [m] of all masses with friction left out, shape (2n,), outer masses first.
 
-    Solves (K + iωC − ω²M) x = f; a displacement is Im(x exp(iωt)), as the base's is U0 sin ωt. M is `sliding_mass`,
-    where contact faces have an `inclination` [rad] to the row and stay closed.
+    Solves (K + iωC − ω²M) x = f; a displacement is Im(x exp(iωt)), as the base's is U0 sin ωt.
     """
-    return _response(chain, drive, np.eye(2 * chain.cells), inclination)
+    return _response(chain, drive, np.eye(2 * chain.cells))
 
 
 def stuck_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]:
     """Complex amplitudes [m] with every inner mass fixed to its outer mass; as `frictionless_response`."""
     return _response(chain, drive, stuck_basis(chain))
-
-
-def sliding_mass(chain: Chain, inclination: float) -> NDArray[np.float64]:
-    """Mass matrix [kg], shape (2n, 2n), with the inertia across the row of masses on inclined faces."""
-    slip = chain.contact_directions
-    return chain.mass_matrix + np.tan(inclination) ** 2 * (slip * chain.inner_mass) @ slip.T
 
 
 def stuck_basis(chain: Chain) -> NDArray[np.float64]:
@@ -73,12 +66,10 @@ def plot_limits(chain: Chain) -> "Figure":
     return shown_in_notebooks(figure)
 
 
-def _response(
-    chain: Chain, drive: PeriodicDrive, basis: NDArray[np.float64], inclination: float = 0.0
-) -> NDArray[np.complex128]:
+def _response(chain: Chain, drive: PeriodicDrive, basis: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Solve in the subspace of `basis`, shape (2n, k)."""
-    omega, mass = drive.angular_frequency, sliding_mass(chain, inclination)
-    dynamic = chain.stiffness_matrix + 1j * omega * chain.damping_matrix - omega**2 * mass
+    omega = drive.angular_frequency
+    dynamic = chain.stiffness_matrix + 1j * omega * chain.damping_matrix - omega**2 * chain.mass_matrix
     force = np.zeros(2 * chain.cells, dtype=np.complex128)
     if isinstance(drive, HarmonicBase):
         force[0] = (chain.chain_stiffness[0] + 1j * omega * chain.chain_damping[0]) * drive.amplitude

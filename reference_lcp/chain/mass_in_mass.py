@@ -1,7 +1,6 @@
 """The mass-in-mass chain with an internal Coulomb contact in every cell."""
 
 import dataclasses
-import html
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -141,13 +140,6 @@ class Chain:
             f"friction bound {_span(self.friction_bound)} N",
         ]
         return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
-
-    def _repr_html_(self) -> str:
-        import pandas as pd
-
-        cells = pd.Index(range(1, self.cells + 1), name="cell")
-        rows = {name: getattr(self, name) for name in _REQUIREMENTS}
-        return f"<p>{html.escape(repr(self))}</p>{pd.DataFrame(rows, cells).T.to_html(max_cols=20)}"
 
     def plot(self) -> "Figure":
         """Draw the transmittance of the chain on a moving base with all contacts free, and with all of them stuck.

@@ -19,32 +19,6 @@ from reference_lcp.errors import ParameterError
 from reference_lcp.validation import MOST_STEPS, FloatArray, check_record_size, checked_count, checked_scalar
 
 
-def uniqueness_margin(chain: Chain, inclination: float) -> FloatArray:
-    """Give m_i (G_NN − μ |G_NT|) = 1 + (sin² α − μ |sin α cos α|) m_i / m_o of every contact, shape (n,).
-
-    Where it is not positive, friction presses a slipping contact together more than the normal force parts it
-    (Painlevé, 1895): a step may have several solutions or none.
-    """
-    along, across = math.cos(inclination), math.sin(inclination)
-    coupling = across**2 - chain.friction_coefficient * abs(across * along)
-    return 1 + coupling * chain.inner_mass / chain.outer_mass
-
-
-def check_inclination(chain: Chain, inclination: float) -> None:
-    """Raise a `ParameterError` unless −π/2 < `inclination` < π/2 [rad], and the motion of every contact is unique."""
-    if abs(checked_scalar("inclination", inclination)) >= math.pi / 2:
-        raise ParameterError(f"inclination = {inclination:g} is outside its range; allowed: (-pi/2, pi/2)")
-    margin = uniqueness_margin(chain, inclination)
-    if np.any(margin <= 0):
-        cell = int(np.argmin(margin))
-        across, along = math.sin(inclination), abs(math.cos(inclination))
-        largest = (float(chain.outer_mass[cell] / chain.inner_mass[cell]) + across**2) / abs(across * along)
-        raise ParameterError(
-            f"friction_coefficient = {chain.friction_coefficient[cell]:g} in cell {cell + 1} with inclination = "
-            f"{inclination:g}: its motion is not unique; allowed: < {largest:.4g}"
-        )
-
-
 @dataclass(frozen=True)
 class Lane:
     """One chain under one drive, advanced with one time step."""
@@ -57,11 +31,6 @@ class Lane:
     """How the normal force changes in time; ``None`` where it is constant."""
     direction: float = 0.0
     """Angle by which the row, of one cell, is turned in the plane of the contacts [rad], −π/2 to π/2."""
-    inclination: float = 0.0
-    """α of the contact faces to the row [rad], see `reference_lcp.schemes.inclined`.
-
-    It needs a preload, which acts along the normals, and is refused where the motion would not be unique.
-    """
     static_ratio: float = 1.0
     """μ_s / μ_k >= 1 of all contacts, with the chain's coefficient of friction as μ_k."""
 
@@ -73,16 +42,8 @@ class Lane:
                 f"direction = {self.direction:g} in a row of {self.chain.cells}; allowed: -pi/2 to pi/2 in a row of "
                 "one cell, 0 in others"
             )
-        check_inclination(self.chain, self.inclination)
-        if self.inclination and (self.preload is None or self.direction):
-            raise ParameterError(
-                f"inclination = {self.inclination:g} in a row without preload, or one that is turned; allowed: 0 there"
-            )
-        if checked_scalar("static_ratio", self.static_ratio) < 1 or (self.static_ratio > 1 and self.inclination):
-            raise ParameterError(
-                f"static_ratio = {self.static_ratio:g} with inclination = {self.inclination:g}; allowed: >= 1, and 1 "
-                "where contacts are inclined"
-            )
+        if checked_scalar("static_ratio", self.static_ratio) < 1:
+            raise ParameterError(f"static_ratio = {self.static_ratio:g}; allowed: >= 1")
 
     @classmethod
     def periodic(
@@ -91,16 +52,15 @@ class Lane:
         drive: PeriodicDrive,
         steps_per_period: int,
         preload: Preload | None = None,
-        inclination: float = 0.0,
     ) -> Self:
         """Divide the period of the drive into `steps_per_period` steps."""
         checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
-        return cls(chain, drive, drive.period / steps_per_period, preload, inclination=inclination)
+        return cls(chain, drive, drive.period / steps_per_period, preload)
 
     @property
     def opens(self) -> bool:
         """Whether contacts can open; then a state carries the gaps, see `State.normal_state`."""
-        return self.preload is not None and (self.preload.opens or self.inclination != 0)
+        return self.preload is not None and self.preload.opens
 
     @cached_property
     def axis(self) -> tuple[float, float]:
@@ -213,10 +173,7 @@ class PeriodicOrbit:
     More than one for a subharmonic response, 0 where no repetition was found.
     """
     reason: str = ""
-    """Whether it attracts, and what the motion from rest reaches, where motions need not tend to a steady state.
-
-    See `reference_lcp.steady.attraction`; empty elsewhere.
-    """
+    """Whether it attracts, of a chain with a cell without dashpot, see `reference_lcp.steady.attraction`."""
 
     @property
     def converged(self) -> bool:

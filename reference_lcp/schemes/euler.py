@@ -22,7 +22,6 @@ from reference_lcp.chain.simulation import Lane, Simulation, check_one_coefficie
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.lcp.time_step import FrictionalStep, solved_steps
 from reference_lcp.schemes.euler_kernel import advance
-from reference_lcp.schemes.inclined import InclinedLane
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray, checked_count
 
@@ -137,9 +136,7 @@ class CompiledSimulation:
 
 
 def euler_simulation(lanes: Sequence[Lane]) -> Simulation:
-    """Give the compiled scheme of equation (5); with static friction or inclination, equation (7) by Lemke's method."""
-    if any(lane.inclination for lane in lanes):
-        return SequentialSimulation([InclinedLane(lane) for lane in lanes])
+    """Give the compiled scheme of equation (5); with static friction, equation (7) by Lemke's method."""
     if any(lane.static_ratio > 1 for lane in lanes):
         return LemkeSimulation(tuple(lanes))
     return CompiledSimulation(lanes)
@@ -162,7 +159,6 @@ class _LemkeLane(LaneModel):
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
         lane, chain, dt = self.lane, self.lane.chain, self.lane.time_step
-        # With faces along the row nothing couples the normal direction to the row's motion.
         gap, speed = (part[0] for part in state.normal_state(chain.cells)) if lane.opens else np.zeros((2, 1))
         normal = normal_motion(lane.preloads(start, steps), chain.inner_mass, dt, gap, speed)
         loads = lane.loads(start, steps)

@@ -1,9 +1,9 @@
-"""Whether a steady state attracts: the multipliers of its period map, and for which chains that is known without them.
+"""Whether the steady state of a chain with a cell without dashpot attracts: the multipliers of its period map.
 
-Friction with given normal forces is monotone: the energy norm of the difference of two motions never grows. With a
-chain dashpot in every cell, all periodic motions then have one transmittance, and every motion tends to one of them:
-a difference that lasts moves no dashpot, and stays that of contacts that stick. Without dashpots free oscillations may
-last. Where contacts are inclined, or hold more at rest than they slide with, friction is not monotone.
+Friction with given normal forces and one coefficient is monotone: the energy norm of the difference of two motions
+never grows. With a chain dashpot in every cell, all periodic motions then have one transmittance, and every motion
+tends to one of them: a difference that lasts moves no dashpot, and stays that of contacts that stick. Without dashpots
+free oscillations may last.
 """
 
 import dataclasses
@@ -50,14 +50,9 @@ class Stability(StrEnum):
         return cls.ATTRACTS if multiplier < 1 - NEUTRAL else cls.NEUTRAL
 
 
-def is_monotone(lane: Lane) -> bool:
-    """Whether friction is monotone: the energy norm of the difference of two motions never grows."""
-    return lane.inclination == 0 and lane.static_ratio == 1
-
-
 def attracts_all(lane: Lane) -> bool:
-    """Whether every motion is known to tend to the steady state: of monotone friction, with a dashpot in every cell."""
-    return is_monotone(lane) and bool(np.all(lane.chain.chain_damping > 0))
+    """Whether every motion tends to the steady state, where friction is monotone: with a dashpot in every cell."""
+    return bool(np.all(lane.chain.chain_damping > 0))
 
 
 def without_dashpots(orbit: PeriodicOrbit, multiplier: float) -> PeriodicOrbit:

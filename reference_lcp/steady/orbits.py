@@ -8,28 +8,18 @@ the attractor may be a cycle of m points of the map, a subharmonic response, or 
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from itertools import pairwise
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from reference_lcp.chain.drives import PeriodicDrive
-from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation, steps_per_period_for
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, FEWEST_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
-from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch, StateScales
-from reference_lcp.steady.attraction import (
-    Stability,
-    attracts_all,
-    is_monotone,
-    largest_multiplier,
-    without_dashpots,
-)
+from reference_lcp.steady.attraction import attracts_all, largest_multiplier, without_dashpots
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
@@ -41,15 +31,6 @@ SETTLING_PERIODS = 64
 
 HINT = 0.5
 """x(t + mT) this many times closer to x(t) than x(t + T) is makes m worth a search of its own."""
-
-FROM_REST, MOST_FROM_REST = 128, 2048
-"""Plain periods from rest after which it is asked, time and again, whether the motion has settled; most of them."""
-
-SETTLED = 0.05
-"""Change in a period over that in the first one at which a motion from rest is on its way to a steady state."""
-
-SAME_DB = 1e-3
-"""Distance of the transmittances of two searches that have found one steady state, far above their residuals [dB]."""
 
 SEARCHED = 30
 """Applications of the m-fold map that such a search may take: the median of figure 3's with m = 1 is 28."""
@@ -67,9 +48,8 @@ def periodic_orbits(
 ) -> list[PeriodicOrbit]:
     """Find the periodic orbit of every lane of a simulation.
 
-    Where every cell has a chain dashpot and normal forces are given, the fixed point of the period map is the
-    attractor. Where normal forces depend on the motion, it may repel: the motion from rest is followed, what it reaches
-    is given, and `PeriodicOrbit.reason` names the other.
+    Where every cell has a chain dashpot, the fixed point of the period map is the attractor; elsewhere
+    `PeriodicOrbit.reason` says whether it is.
 
     Parameters
     ----------
@@ -81,7 +61,7 @@ def periodic_orbits(
         Residual to reach, see `PeriodicOrbit.residual`; periods after which the search gives the best orbit.
     longest_multiple
         Most periods of the drive after which a motion without a fixed point is searched for a repetition, on top of
-        `max_periods`; 1 for no such search, and for none from rest.
+        `max_periods`; 1 for no such search, and for no word on what attracts.
 
     Returns
     -------
@@ -105,7 +85,7 @@ def periodic_orbits(
         found = searched(
             simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline
         )
-        return found if longest_multiple == 1 else _judged(found, simulation, tolerance, max_periods, longest_multiple)
+        return found if longest_multiple == 1 else _judged(found, simulation)
     orbits = _first_periods(simulation, start, steps_per_period, tolerance)
     late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
     if late and max_periods > 1:
@@ -169,62 +149,13 @@ def orbit_status(residual: float, tolerance: float) -> OrbitStatus:
     return OrbitStatus.PERIOD_LIMIT if residual < LARGEST_RESIDUAL else OrbitStatus.DIVERGED
 
 
-def _judged(
-    orbits: Sequence[PeriodicOrbit], simulation: Simulation, tolerance: float, max_periods: int, longest: int
-) -> list[PeriodicOrbit]:
-    """Say of steady states that need not attract whether they do, or give what the motion from rest reaches."""
+def _judged(orbits: Sequence[PeriodicOrbit], simulation: Simulation) -> list[PeriodicOrbit]:
+    """Say of the steady states of chains with a cell without dashpot whether they attract."""
     judged = list(orbits)
     for number, orbit in enumerate(orbits):
-        if orbit.converged and not attracts_all(orbit.lane):
-            alone = simulation.subset([number])
-            multiplier = largest_multiplier(alone, orbit)
-            if is_monotone(orbit.lane):
-                judged[number] = without_dashpots(orbit, multiplier)
-            else:
-                judged[number] = _reached_from_rest(orbit, alone, multiplier, tolerance, max_periods, longest)
+        if orbit.converged and orbit.lane.static_ratio == 1 and not attracts_all(orbit.lane):
+            judged[number] = without_dashpots(orbit, largest_multiplier(simulation.subset([number]), orbit))
     return judged
-
-
-def _reached_from_rest(
-    orbit: PeriodicOrbit, alone: Simulation, multiplier: float, tolerance: float, max_periods: int, longest: int
-) -> PeriodicOrbit:
-    """Follow one lane's motion from rest, and give what it reaches, beside the orbit that was found."""
-    steps, level = orbit.trajectory.steps, decibel(transmittance(orbit))
-    known = f"{Stability.of(multiplier)}, largest multiplier {multiplier:.7g}"
-    drive = cast(PeriodicDrive, orbit.lane.drive)
-    coarse = min(steps, steps_per_period_for(orbit.lane.chain, drive))
-    end, followed, settled = _followed_from_rest(dataclasses.replace(orbit.lane, time_step=drive.period / coarse))
-    periods = orbit.periods + followed
-    if settled:
-        (reached,) = searched(alone, end, steps, tolerance, max_periods, 1)
-        same = abs(decibel(transmittance(reached)) - level) <= SAME_DB
-        if reached.converged:
-            reason = f"reached from rest; {known}" if same else f"reached from rest; one at {level:.6g} dB {known}"
-            return dataclasses.replace(reached, reason=reason, periods=periods + reached.periods)
-    multiples, states, distances = repetitions(alone, end, steps, tolerance, longest)
-    return PeriodicOrbit(
-        orbit.lane,
-        alone.run(states, 0, steps)[0],
-        float(distances[0, 0]),
-        periods + SETTLING_PERIODS + longest,
-        orbit_status(float(distances[0, 0]), tolerance),
-        multiples[0],
-        f"the motion from rest; it does not reach the steady state at {level:.6g} dB, which {known}",
-    )
-
-
-@lru_cache(maxsize=64)
-def _followed_from_rest(lane: Lane) -> tuple[State, int, bool]:
-    """Follow the Euler scheme from rest: the end, after how many periods, and whether it settles."""
-    drive = cast(PeriodicDrive, lane.drive)
-    steps, simulation = round(drive.period / lane.time_step), euler_simulation([lane])
-    scales, state = StateScales([lane], steps), State.at_rest(1, lane.chain.cells)
-    first = _distances(simulation, scales, state, steps, 1)[0, 0]
-    for periods in range(FROM_REST, MOST_FROM_REST + 1, FROM_REST):
-        state = simulation.advance(state, 0, FROM_REST * steps)
-        if _distances(simulation, scales, state, steps, 1)[0, 0] <= SETTLED * first:
-            return state, periods, True
-    return state, MOST_FROM_REST, False
 
 
 def search_repetitions(

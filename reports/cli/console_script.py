@@ -1,8 +1,4 @@
-"""``multibody-xval``: every command of the suite.
-
-``python -m reports`` finds a file ``reports.py`` of the folder that it is typed in before it finds the package; a
-console script does not look there.
-"""
+"""``multibody-xval``: every command of the suite."""
 
 import importlib
 import sys
@@ -20,20 +16,14 @@ COMMANDS = {
     "run": ("run", "Run a scenario of the catalogue, all of them, or a measurement."),
     "sweep": ("sweep", "Run every combination of the parameters and engines that a file names."),
     "example": ("sweep", "Print a commented file of parameters for `sweep`."),
-    "store": ("sweep", "Check a store of results, and save the intact rows of a damaged one."),
     "report": ("report", "Compare engines with the reference, and write a page about it."),
     "compare": ("compare", "Compare two stores, and print what has changed."),
-    "card": ("shown", "Write the numbers of one engine that its maintainer would quote."),
     "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
-    "reproduce": ("shown", "Print a script that shows a number in an engine's own API."),
+    "reproduce": ("reproduce", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
-    "site": ("shown", "Write a static site of engines, version by version."),
-    "history": ("history", "Say what released versions of an engine do with dry friction."),
-    "bisect": ("history", "Find between which two versions of an engine a number changed."),
-    "animate": ("shown", "Show the chain in motion over one period."),
 }
-"""The module of `reports.cli` that has each command, and what the command does in a sentence."""
+"""The module of `multibody_xval.reports.cli` that has each command, and what the command does in a sentence."""
 
 
 class HelpAlone(TyperGroup):
@@ -67,7 +57,7 @@ class CommandsOnUse(HelpAlone):
 @cache  # that of `run` takes longer to make than its help to print
 def loaded(name: str | None) -> Any:
     """Import a command of `COMMANDS`: one of its module, or the only one that this has."""
-    module = importlib.import_module(f"reports.cli.{COMMANDS[str(name)][0]}")
+    module = importlib.import_module(f"multibody_xval.reports.cli.{COMMANDS[str(name)][0]}")
     command: Any = typer.main.get_command(module.app)
     return getattr(command, "commands", {}).get(name, command)
 

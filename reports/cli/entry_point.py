@@ -6,6 +6,6 @@ from reference_lcp.process import heed_interrupts
 def main() -> None:
     """Run the command line and end with its exit code."""
     heed_interrupts()
-    from reports.cli.console_script import main as run
+    from multibody_xval.reports.cli.console_script import main as run
 
     run()

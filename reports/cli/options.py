@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
-from engines.completion import complete_variant
+from multibody_xval.engines.completion import complete_variant
+from multibody_xval.scenarios.runs import TIME_LIMIT
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import checked_output_file
 from reference_lcp.process import announce_interrupt
 from reference_lcp.terminal import announce_compilation
-from scenarios.runs import TIME_LIMIT
 
 if TYPE_CHECKING:
-    from engines.interface.variant import Variant
-    from scenarios.runs.evaluator import Evaluator
-    from scenarios.runs.executor import Executor
-    from scenarios.runs.store import ResultStore
-    from scenarios.runs.task import Task
+    from multibody_xval.engines.interface.variant import Variant
+    from multibody_xval.scenarios.runs.evaluator import Evaluator
+    from multibody_xval.scenarios.runs.executor import Executor
+    from multibody_xval.scenarios.runs.store import ResultStore
+    from multibody_xval.scenarios.runs.task import Task
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
@@ -80,7 +80,7 @@ class Engines:
 
     def variants(self) -> list[Variant]:
         """Give the variants of these names, those of every engine without any."""
-        from engines.interface.variant import EVERY_VARIANT, variants_named
+        from multibody_xval.engines.interface.variant import EVERY_VARIANT, variants_named
 
         return variants_named(self.names or [EVERY_VARIANT])
 
@@ -121,7 +121,7 @@ class Work:
 
     def executor(self) -> Executor:
         """Give the workers."""
-        from scenarios.runs.dask_cluster import executor_for
+        from multibody_xval.scenarios.runs.dask_cluster import executor_for
 
         return executor_for(self.workers, self.time_limit, self.scheduler)
 
@@ -130,9 +130,9 @@ class Work:
         self, store: Path | None, shown: Sequence[Variant], expected: Sequence[Task] = (), *, run: bool = True
     ) -> Iterator[Evaluator]:
         """Evaluate with the store of a run, see `opened`, and bars on the way; without `run`, give what it has."""
-        from scenarios.runs.evaluator import Evaluator, StoredResults
-        from scenarios.runs.progress import ProgressBars
-        from scenarios.runs.store import existing_store
+        from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+        from multibody_xval.scenarios.runs.progress import ProgressBars
+        from multibody_xval.scenarios.runs.store import existing_store
 
         if not run:
             with opened(existing_store(store), keep_old=self.keep_old) as stored, StoredResults(stored) as known:
@@ -150,7 +150,7 @@ class Work:
 @contextmanager
 def opened(store: Path | None, *, keep_old: bool = False) -> Iterator[ResultStore]:
     """Open the store of a run, a temporary one if none is named; see `keeping`."""
-    from scenarios.runs.store import opened_store
+    from multibody_xval.scenarios.runs.store import opened_store
 
     announce_compilation()
     with opened_store(store, keep_old=keep_old) as stored, keeping(store):

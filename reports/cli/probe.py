@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from engines.mujoco.probe import Probe
+    from multibody_xval.engines.mujoco.probe import Probe
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -33,10 +33,10 @@ def probe(
 
     Example: multibody-xval probe model.xml --time 2
     """
-    from engines.interface.registry import engine
-    from engines.interface.variant import check_installed
-    from engines.mujoco.probe import probe as probed
-    from engines.mujoco.probe import recommended
+    from multibody_xval.engines.interface.registry import engine
+    from multibody_xval.engines.interface.variant import check_installed
+    from multibody_xval.engines.mujoco.probe import probe as probed
+    from multibody_xval.engines.mujoco.probe import recommended
 
     mujoco = engine("mujoco")
     check_installed("mujoco", mujoco.unavailable_reason())

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from engines.completion import complete_engine
-from reports.cli.options import Store, Work, grouped
+from multibody_xval.engines.completion import complete_engine
+from multibody_xval.reports.cli.options import Store, Work, grouped
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -34,10 +34,10 @@ def recipe(
 
     Example: multibody-xval recipe mujoco
     """
-    from engines.interface.registry import engine as engine_of
-    from engines.interface.variant import check_installed
-    from reports.reproducers.recipe import recipe_text
-    from scenarios.catalogue.scenes.recipes import recipe_results
+    from multibody_xval.engines.interface.registry import engine as engine_of
+    from multibody_xval.engines.interface.variant import check_installed
+    from multibody_xval.reports.reproducers.recipe import recipe_text
+    from multibody_xval.scenarios.catalogue.scenes.recipes import recipe_results
 
     text = recipe_text(engine)
     numbers: dict[str, dict[str, float]] = {}
@@ -56,8 +56,8 @@ def recipe(
 
 def _print_table(numbers: dict[str, dict[str, float]], costs: dict[str, float]) -> None:
     """Print a row a number, and what a step costs with the recipe."""
+    from multibody_xval.scenarios.catalogue.scenes.table import printed_number
     from reference_lcp.terminal import print_table
-    from scenarios.catalogue.scenes.table import printed_number
 
     rows = [(name, *(printed_number(value) for value in own.values())) for name, own in numbers.items()]
     print_table(("scene, worst number", "as installed", "recipe"), rows)

@@ -1,4 +1,4 @@
-"""``multibody-xval reference``: the steady state of one chain, and studies of the reference itself."""
+"""``multibody-xval reference``: the steady state of one chain, and how fast it is found."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from multibody_xval.reports.cli.options import grouped
 from reference_lcp import defaults
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode
 from reference_lcp.output import checked_output_file
-from reference_lcp.terminal import announce_compilation, print_table, tracked
-from reports.cli.options import grouped
+from reference_lcp.terminal import announce_compilation, print_table
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain
     from reference_lcp.one_call import SteadyState
-    from reference_lcp.studies.against_exact import CoverageStudy
 
 app = typer.Typer(name="multibody-xval reference", add_completion=False, pretty_exceptions_enable=False)
 
@@ -262,127 +261,15 @@ def _transitions_of(state: SteadyState, cell: int) -> str:
 
 
 @app.command("bench")
-def print_bench(
-    cells: Annotated[bool, typer.Option("--cells", help="Measure chains of 7 to 100,000 cells.")] = False,
-    points: Annotated[
-        bool, typer.Option("--points", help="Measure cost and error of a point by four methods.")
-    ] = False,
-    as_json: AsJson = False,
-) -> None:
+def print_bench(as_json: AsJson = False) -> None:
     """Measure the speed of the reference on this machine.
 
     Exit code 0: measured; 2: wrong input; 130: interrupted.
 
-    Example: multibody-xval reference bench --cells
+    Example: multibody-xval reference bench
     """
-    if cells and points:
-        raise ParameterError("--cells and --points; allowed: one of them")
-    from reference_lcp.studies.bench import bench, bench_cells, bench_points
+    from reference_lcp.studies.bench import bench
 
     announce_compilation()
-    if points:
-        methods = bench_points()
-        _show(as_json, methods, lambda: _print_methods(methods))
-    elif cells:
-        lengths = bench_cells()
-        _show(as_json, lengths, lambda: _print_lengths(lengths))
-    else:
-        numbers = bench()
-        _show(as_json, numbers, lambda: print(*(f"{name}: {number:.4g}" for name, number in numbers.items()), sep="\n"))
-
-
-def _print_lengths(lengths: list[dict[str, float]]) -> None:
-    rows = []
-    for row in lengths:
-        cells, size = row["cells"], row["bytes"]
-        costs = [f"{1e9 * row[f'{name}seconds_per_cell_step']:.2f}" for name in ("", "from_rest_", "dying_out_")]
-        rows.append((f"{cells:,}", *costs, f"{size:,}", f"{size / cells:.0f}"))
-    print_table(("cells", "ns per cell-step", "from rest", "dying out", "bytes", "bytes per cell"), rows)
-
-
-def _print_methods(methods: list[dict[str, Any]]) -> None:
-    rows = []
-    for row in methods:
-        cost = row["method"], f"{1e3 * row['seconds_per_point']:.3g}", str(row["failed"])
-        errors = f"{row['median_error_db']:.2g}", f"{row['largest_error_db']:.2g}"
-        bar, covered = row["median_bar_db"], row["covered"]
-        bars = ("", "") if bar is None or covered is None else (f"{bar:.2g}", f"{100 * covered:.0f}")
-        rows.append((*cost, *errors, *bars))
-    errors_of = "median error (dB)", "largest (dB)"
-    print_table(("method", "ms a point", "failed", *errors_of, "median bar (dB)", "covered (%)"), rows)
-
-
-@app.command("convergence")
-def print_convergence(
-    as_json: AsJson = False,
-    plot: Annotated[Path | None, typer.Option(help="Draw the errors over the time step into this file.")] = None,
-) -> None:
-    """Halve the time step six times from 400 steps a period, and compare with the exact solver.
-
-    The chain is the canonical one, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
-    Exit code 0: compared, whatever the orders; 2: wrong input; 3: --plot could not be written at the end; 130:
-    interrupted.
-
-    Example: multibody-xval reference convergence --plot convergence.png
-    """
-    from reference_lcp.chain.drives import HarmonicBase
-    from reference_lcp.chain.mass_in_mass import Chain
-    from reference_lcp.studies.against_exact import STICK_SLIP_POINTS, convergence, plot_convergence
-
-    _check_picture(plot)
-    announce_compilation()
-    studies, rows = {}, []
-    for friction, frequency in STICK_SLIP_POINTS:
-        chain = Chain.from_ratios(friction_ratio=friction)
-        study = convergence(chain, HarmonicBase.from_ratio(chain, frequency))
-        name, orders = f"({friction:g}, {frequency:g})", (study.transmittance_order, study.transition_order)
-        studies[name] = study
-        rows.append((name, *(f"{order:.2f}" for order in orders), f"{study.error_db[0]:.4f}"))
-    headings = ("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)")
-    content = {name: study.as_dict() for name, study in studies.items()}
-    _show(as_json, content, lambda: print_table(headings, rows))
-    if plot is not None:
-        plot_convergence(studies, plot)
-
-
-@app.command("coverage")
-def print_coverage(
-    chains: Annotated[int, typer.Option(help="Number of random chains.")] = 500,
-    seed: Annotated[int, typer.Option(help="Seed of the random chains.")] = 0,
-    as_json: AsJson = False,
-) -> None:
-    """Compare the error bars of random chains with the exact motion: how many cover it, and how wide they are.
-
-    The chains have 1 to 10 cells, ratios over a decade each, and friction and frequency over the range of figure 3.
-    Each takes a fifth of a second.
-    Exit code 0: compared, whatever the coverage; 2: wrong input; 130: interrupted.
-
-    Example: multibody-xval reference coverage --chains 40
-    """
-    from reference_lcp.studies.against_exact import coverage
-
-    announce_compilation()
-    study = coverage(chains, seed, partial(tracked, unit="chains"))
-    _show(as_json, study.as_dict(), lambda: _print_coverage(study))
-
-
-def _print_coverage(study: CoverageStudy) -> None:
-    """Print a line for each quantity, with the numbers of the three steps, the coarsest first, in every column."""
-    from reference_lcp.steady.richardson import SAFETY
-    from reference_lcp.studies.against_exact import QUANTITIES
-
-    lines = []
-    for quantity in QUANTITIES:
-        rows = [row for row in study.rows if row.quantity == quantity]
-        columns = (
-            [str(len(row.margins)) for row in rows],
-            [f"{100 * row.covered():.1f}" for row in rows],
-            [f"{100 * row.covered(SAFETY):.1f}" for row in rows],
-            [f"{row.median_margin:.1f}" for row in rows],
-            [str(row.inconclusive) for row in rows],
-        )
-        lines.append((quantity, *("\n".join(column) for column in columns)))
-    headings = ("quantity", "compared", "covered (%)", f"by bar / {SAFETY:g} (%)", "bar / error", "inconclusive")
-    print_table(headings, lines)
-    print(f"{study.chains} chains, {study.uncertified} of them without a certified steady state; for each quantity the")
-    print("fewest steps, twice and four times as many (by two steps: the last two); bar / error is the median")
+    numbers = bench()
+    _show(as_json, numbers, lambda: print(*(f"{name}: {number:.4g}" for name, number in numbers.items()), sep="\n"))

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from engines.completion import complete_variant
+from multibody_xval.engines.completion import complete_variant
+from multibody_xval.reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Work, grouped, keeping
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.terminal import announce_compilation, print_table, visible
-from reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Work, grouped, keeping
 
 if TYPE_CHECKING:
-    from reports.write import Written
+    from multibody_xval.reports.write import Written
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
@@ -106,18 +106,18 @@ MOST_ROWS = 9
 
 def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
     """Print what each engine comes to, why the comparison fails, and the line that says whether it does."""
-    from reports.data.options import TITLES
-    from scenarios import tables
-    from scenarios.catalogue.verdict_table import verdict_table
-    from scenarios.verdicts.finding import engine_failures
+    from multibody_xval.reports.data.options import TITLES
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.catalogue.verdict_table import verdict_table
+    from multibody_xval.scenarios.verdicts.finding import engine_failures
 
     report = written.report
     if verbose and report.result.findings:
         tables.print_table(verdict_table(report.result.findings))
-    rows = [(row.variant.title, " → ".join(row.texts), row.decides) for row in report.headlines]
+    rows = [(row.variant.title, " → ".join(row.texts)) for row in report.headlines]
     shown = rows if verbose else rows[:MOST_ROWS]
     if rows:
-        print_table(("largest error [dB]", " → ".join(TITLES.values()), "what decides it"), shown)
+        print_table(("largest error [dB]", " → ".join(TITLES.values())), shown)
     if len(shown) < len(rows):
         print(f"and {len(rows) - len(shown)} more, with --verbose")
     for line in (*engine_failures(report.result.findings), *report.failures):
@@ -134,9 +134,9 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
     executor = work.executor()
     if run and not (store or out).exists():
         executor.warm_up()  # while this process imports and plans
-    from reports.plan import planned_report
-    from reports.write import STORE, check_folder, write_sweep_report
-    from scenarios.runs.store import existing_store
+    from multibody_xval.reports.plan import planned_report
+    from multibody_xval.reports.write import STORE, check_folder, write_sweep_report
+    from multibody_xval.scenarios.runs.store import existing_store
 
     kept = store or out / STORE
     planned = planned_report(names, shown.sweep, quick=shown.quick, stored_in=None if run else kept)
@@ -153,9 +153,9 @@ def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work
 
 
 def _dataset_written(shown: Shown, names: list[str], out: Path, file: Path) -> Written:
-    from reports.plan import PROGRAM
-    from reports.write import write_dataset_report
-    from scenarios.sweeps.dataset_reader import read_dataset
+    from multibody_xval.reports.plan import PROGRAM
+    from multibody_xval.reports.write import write_dataset_report
+    from multibody_xval.scenarios.sweeps.dataset_reader import read_dataset
 
     if shown.sweep or names or shown.quick:
         raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")

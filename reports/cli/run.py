@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from engines.interface.device import CARD, PROCESSOR
-from reference_lcp.errors import ExitCode, ParameterError, checked_choice
+from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
+from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
+from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import announce_compilation, print_table, tracked, visible
-from reports.cli.options import Engines, Store, Work, check_outs, grouped
-from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.runs import TIME_LIMIT
-from scenarios.studies import COST_SECONDS
+from reference_lcp.terminal import print_table, tracked, visible
 
 if TYPE_CHECKING:
-    from engines.interface.variant import Variant
-    from reports.drawing.figure import Figure
-    from scenarios.catalogue.verdict_table import Results
-    from scenarios.runs.evaluator import Evaluator
-    from scenarios.studies.claims import Conclusions
-    from scenarios.studies.cost import CostRow
-    from scenarios.studies.widest_band import WidestBand
-    from scenarios.tables import Column, Row
-
-BATCH_SAMPLES = 3
-"""Samples of a batch of each size: a large one takes as long as many steps of one chain do, and varies less."""
-
-MOST_LANES = {PROCESSOR: 65536, CARD: 262144}
-"""Of a batch, by device: a period of 65,536 chains of seven, recorded, is some 10 GB, and a card's is not recorded."""
+    from multibody_xval.engines.interface.variant import Variant
+    from multibody_xval.reports.figures.drawing import Drawing
+    from multibody_xval.scenarios.catalogue.verdict_table import Results
+    from multibody_xval.scenarios.runs.evaluator import Evaluator
+    from multibody_xval.scenarios.studies.claims import Conclusions
+    from multibody_xval.scenarios.tables import Column, Row
 
 RECORD = "record"
 """The scenario whose base follows a file."""
@@ -41,7 +29,7 @@ RECORD = "record"
 FIGURE3 = "figure3"
 """The scenario that answers the paper's claims."""
 
-ENDINGS, TABLE_ENDINGS = (".md", ".json", ".xml", ".csv"), (".md", ".csv")
+ENDINGS, TABLE_ENDINGS = (".md", ".json", ".csv"), (".md", ".csv")
 """Formats of verdicts, and of tables."""
 
 CHART_ENDINGS = (".svg", ".pdf", ".png")
@@ -51,7 +39,6 @@ TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Mark
 EXPERIMENTS = {
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
-    "cost": "What do a step and a steady state cost in each engine, and how much faster are two workers?",
     "proofs": "What is the exact transmittance at every point of the standard grids, proven?",
     "work-precision": "How large is each engine's error to the proven truth, over the time of a simulated second?",
     "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
@@ -88,8 +75,8 @@ class Verdicts:
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write the verdicts here: a short comment for a pull request as .md, JUnit as .xml, every number as "
-            ".json or .csv; may be repeated."
+            help="Write the verdicts here: a short comment for a pull request as .md, every number as .json or .csv; "
+            "may be repeated."
         ),
     ] = None
     run: Annotated[
@@ -136,23 +123,12 @@ def answer(
         bool,
         typer.Option(help="Also answer the paper's claims with every variant, by some 200 steady states each."),
     ] = True,
-    widest: Annotated[
-        list[float] | None,
-        typer.Option(
-            metavar="ZETA",
-            help="Also find, by the reference, the friction ratio of the lowest edge with this damping ratio; may be "
-            "repeated.",
-        ),
-    ] = None,
     verdicts: Verdicts,
     work: Work,
 ) -> None:
     """Run the scenario of the paper's figure, and others; then answer the claims of the paper."""
-    from reference_lcp.validation import checked_scalar
-
-    dampings = [checked_scalar("widest", value, ">= 0") for value in widest or ()]
     names = [str(context.info_name), *(checked_choice("scenario", name, list(DESCRIPTIONS)) for name in others or ())]
-    _judge(names, engines, verdicts, work, claims=claims, dampings=dampings)
+    _judge(names, engines, verdicts, work, claims=claims)
 
 
 def _add_scenarios() -> None:
@@ -182,17 +158,15 @@ def _judge(
     record: Path | None = None,
     *,
     claims: bool = False,
-    dampings: Sequence[float] = (),
 ) -> None:
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
     outs = check_outs(verdicts.out, ENDINGS, verdicts.store, record)
-    from scenarios.catalogue.base import run_with_predictions
-    from scenarios.catalogue.registry import CATALOGUE
-    from scenarios.catalogue.transient.record import Record
-    from scenarios.catalogue.verdict_table import VERDICT_FORMATS
-    from scenarios.studies.widest_band import widest_band
-    from scenarios.verdicts.finding import failures
+    from multibody_xval.scenarios.catalogue.base import run_with_predictions
+    from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+    from multibody_xval.scenarios.catalogue.transient.record import Record
+    from multibody_xval.scenarios.catalogue.verdict_table import VERDICT_FORMATS
+    from multibody_xval.scenarios.verdicts.finding import failures
 
     asked = list(CATALOGUE.values()) if ALL_SCENARIOS in names else [CATALOGUE[name] for name in dict.fromkeys(names)]
     options = [] if verdicts.run else ["--no-run"]
@@ -205,9 +179,8 @@ def _judge(
     with work.evaluator(verdicts.store, shown, run=verdicts.run) as evaluator:
         results = {each: run_with_predictions(each, own, evaluator) for each, own in variants.items()}
         concluded = _concluded(shown, evaluator) if claims else []
-        bands = [widest_band(damping, evaluator) for damping in dampings]
     print_results(results)
-    print_claims(concluded, bands)
+    print_claims(concluded)
     for out in outs:
         write_whole(out, VERDICT_FORMATS[out.suffix](results, engines.command(" ".join(names), options)))
     if any(failures(findings) for findings in results.values()):
@@ -218,11 +191,17 @@ def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, the matrix of several, laws, and what fails."""
     from rich.console import Console
 
-    from scenarios import tables
-    from scenarios.catalogue.scenes.base import SceneScenario
-    from scenarios.catalogue.scenes.table import scene_table
-    from scenarios.catalogue.verdict_table import details, finding_table, law_in_words, matrix, verdict_table
-    from scenarios.verdicts.finding import engine_failures, failures
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
+    from multibody_xval.scenarios.catalogue.scenes.table import scene_table
+    from multibody_xval.scenarios.catalogue.verdict_table import (
+        details,
+        finding_table,
+        law_in_words,
+        matrix,
+        verdict_table,
+    )
+    from multibody_xval.scenarios.verdicts.finding import engine_failures, failures
 
     console = Console()
     for scenario, findings in results.items():
@@ -245,18 +224,17 @@ def print_results(results: Results) -> None:
 
 def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclusions]:
     """Answer the paper's claims for the reference and variants."""
-    from scenarios.studies.claims import evaluated_conclusions
-    from scenarios.studies.figure3 import figure3
+    from multibody_xval.scenarios.studies.claims import evaluated_conclusions
+    from multibody_xval.scenarios.studies.figure3 import figure3
 
     evaluator.stage("the paper's claims")
     return evaluated_conclusions(figure3(variants), variants, evaluator)
 
 
-def print_claims(concluded: Sequence[Conclusions], bands: Sequence[WidestBand]) -> None:
-    """Print the answers to the paper's claims, what decides them, and where bands begin lowest."""
-    from scenarios import tables
-    from scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
-    from scenarios.studies.widest_band import WIDEST_COLUMNS
+def print_claims(concluded: Sequence[Conclusions]) -> None:
+    """Print the answers to the paper's claims, and what decides them; nothing where there are none."""
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
 
     if concluded:
         print("\nThe paper's claims, and lower edges η_r by friction ratio:")
@@ -267,9 +245,6 @@ def print_claims(concluded: Sequence[Conclusions], bands: Sequence[WidestBand]) 
             print(visible(f"{claim.name}, {concluded[0].variant}: {claim.answer}; {claim.numbers}"))
         for own in concluded:
             print(visible(sentence(own, concluded[0])))
-    if bands:
-        print("\nWhere the band begins lowest, by the reference:")
-        tables.print_table(tables.text_table(WIDEST_COLUMNS, bands))
 
 
 @app.command()
@@ -279,9 +254,6 @@ def accuracy(
     *,
     store: Store = None,
     out: TableFile = None,
-    cost: Annotated[
-        bool, typer.Option(help="Also measure the time of a step, at the end, with nothing else running.")
-    ] = True,
     work: Work,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
@@ -291,17 +263,15 @@ def accuracy(
 
     Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
     """
-    from engines.shared.step_cost import step_cost
-    from scenarios.studies import accuracy as study
-    from scenarios.verdicts.steady_case import EXACT
+    from multibody_xval.scenarios.studies import accuracy as study
+    from multibody_xval.scenarios.verdicts.steady_case import EXACT
 
     variants = engines.variants()
     check_outs([out], TABLE_ENDINGS, store)
     expected = [*study.exact_tasks().values(), *(task for each in variants for task in study.accuracy_tasks(each))]
     with work.evaluator(store, [EXACT, *variants], expected) as evaluator:
-        measured = study.accuracies(variants, evaluator)
-    rows = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
-    remarks = [study.remark(row) for row in measured if row.certified < row.points]
+        rows = study.accuracies(variants, evaluator)
+    remarks = [study.remark(row) for row in rows if row.certified < row.points]
     columns = study.ACCURACY_COLUMNS, study.PRINTED_COLUMNS
     _end(out, *columns, rows, lambda: study.accuracy_document(rows, engines.command("accuracy")), remarks)
 
@@ -316,64 +286,18 @@ def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: 
 
     Example: multibody-xval run laws --engine mujoco --out laws.md
     """
-    from scenarios.studies.law_agreement import LAW_COLUMNS, beside_the_reference, law_agreements, law_document
+    from multibody_xval.scenarios.studies.law_agreement import (
+        LAW_COLUMNS,
+        beside_the_reference,
+        law_agreements,
+        law_document,
+    )
 
     shown = beside_the_reference(engines.variants())
     check_outs([out], TABLE_ENDINGS, store)
     with work.evaluator(store, shown) as evaluator:
         rows = law_agreements(shown, evaluator)
     _end(out, LAW_COLUMNS, LAW_COLUMNS, rows, lambda: law_document(rows, engines.command("laws")))
-
-
-@app.command(name="cost")
-@grouped
-def measure_cost(
-    engines: Engines,
-    *,
-    out: TableFile = None,
-    seconds: Annotated[
-        float, typer.Option(help="Intended length of a measurement of steady states, in seconds; each row has two.")
-    ] = COST_SECONDS,
-    lanes: Annotated[
-        list[int] | None,
-        typer.Option(help="Measure time steps only, in a batch of N chains; may be repeated.", metavar="N"),
-    ] = None,
-    device: Annotated[str, typer.Option(help="Where batches are: cpu, or cuda for a graphics card.")] = PROCESSOR,
-) -> None:
-    """Measure time steps and steady states of each variant, with one and two worker processes, and of the reference.
-
-    A step is measured in the adapter without a record (advance) and with one (run), and in the engine's own loop; on a
-    graphics card in the latter alone.
-    Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
-
-    Example: multibody-xval run cost --engine mujoco:joint
-    """
-    check_outs([out], TABLE_ENDINGS)
-    from engines.shared.step_cost import device_title, step_cost
-    from reference_lcp.validation import checked_count, checked_scalar
-    from scenarios.studies.cost import COST_COLUMNS, STEP_COLUMNS, cost
-    from scenarios.verdicts.steady_case import REFERENCE
-
-    if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
-        raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
-    variants = engines.variants()
-    checked_choice("device", device, list(MOST_LANES))
-    counts = [checked_count("lanes", count, 1, MOST_LANES[device]) for count in lanes or ()]
-    if device != PROCESSOR and not counts:
-        raise ParameterError(f"device = {device} without --lanes; allowed: with --lanes, which measure steps only")
-    for variant in variants:
-        device_title(variant, device)
-    announce_compilation()
-    if counts:
-        steps = _measured(variants, lambda each: [step_cost(each, BATCH_SAMPLES, count, device) for count in counts])
-        _end(out, STEP_COLUMNS, STEP_COLUMNS, steps)
-        return
-    reference = cost(REFERENCE, seconds)
-
-    def beside_the_reference(variant: Variant) -> list[CostRow]:
-        return [(reference if variant == REFERENCE else cost(variant, seconds), reference)]
-
-    _end(out, COST_COLUMNS, COST_COLUMNS, _measured(variants, beside_the_reference))
 
 
 @app.command()
@@ -389,48 +313,42 @@ def work_precision(
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write both tables here as .md, the first in full as .csv, the chart as .svg, .pdf or .png; may be "
-            "repeated."
+            help="Write the table here as .md, in full as .csv, the chart as .svg, .pdf or .png; may be repeated."
         ),
     ] = None,
     work: Work,
 ) -> None:
     """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
 
-    Steady states a second of the reference stand beside those of harmonic balance. All times are measured at the end,
-    with nothing else of the suite running, and none is of --store; a step is one of a single chain. Batches of many
-    worlds: run cost --lanes.
+    The time of an engine is that of the searches for its steady states over the time that they simulate; one of --store
+    is that of the earlier run.
+
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
     130: interrupted.
 
     Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
     """
+    from multibody_xval.scenarios.studies import work_precision as study
+    from multibody_xval.scenarios.studies.figure3 import figure3
+    from multibody_xval.scenarios.verdicts.steady_case import EXACT
     from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
-    from reference_lcp.studies.bench import bench_points
     from reference_lcp.validation import MOST_STEPS, checked_count
-    from scenarios.studies import work_precision as study
-    from scenarios.studies.accuracy import SIX_POINTS
-    from scenarios.studies.figure3 import figure3
-    from scenarios.tables import print_table, text_table
-    from scenarios.verdicts.steady_case import EXACT
 
     chosen = steps or study.USUAL_STEPS
     counts = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in chosen})
     sweep = figure3([variant for variant in engines.variants() if variant != EXACT])
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     with work.evaluator(store, sweep.variants) as evaluator:
-        studied = study.step_study(sweep.variants, evaluator, steps=counts)
-    points, methods = study.timed_now(studied), bench_points(SIX_POINTS)
+        points = study.step_study(sweep.variants, evaluator, steps=counts)
     command = engines.command("work-precision", [f"--steps={count}" for count in steps or ()])
     _end(None, study.WORK_COLUMNS, study.PRINTED_COLUMNS, points, remarks=study.remarks(points))
-    print_table(text_table(study.METHOD_COLUMNS, methods))
     for file in (each for each in outs if each.suffix in TABLE_ENDINGS):
-        _write_table(file, study.WORK_COLUMNS, points, study.document(points, methods, command))
+        _write_table(file, study.WORK_COLUMNS, points, study.document(points, command))
     charts = [each for each in outs if each.suffix in CHART_ENDINGS]
     if charts:
-        from reports.figures.errors import curves, speed_figure
+        from multibody_xval.reports.figures.errors import curves, speed_figure
 
-        _write_charts(charts, speed_figure(sweep, curves(points), study.balance_error(methods)))
+        _write_charts(charts, speed_figure(curves(points)))
 
 
 @app.command()
@@ -449,11 +367,11 @@ def proofs(
     Example: multibody-xval run proofs --sample 20
     """
     check_outs([out], (".csv",))
+    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios.catalogue import proofs as study
+    from multibody_xval.scenarios.verdicts.proven import DIGITS
     from reference_lcp.defaults import PROOF_TIME_LIMIT
     from reference_lcp.exact.proof.prove import check_request
-    from scenarios import tables
-    from scenarios.catalogue import proofs as study
-    from scenarios.verdicts.proven import DIGITS
 
     tasks = study.chosen_tasks(sample, seed)
     check_request(DIGITS, PROOF_TIME_LIMIT)
@@ -495,7 +413,7 @@ def recipes(
     Example: multibody-xval run recipes --engine mujoco
     """
     check_outs([out], TABLE_ENDINGS, store)
-    from scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
+    from multibody_xval.scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
 
     recommended = named_recipes(chosen or [])
     with work.evaluator(store, recommended) as evaluator:
@@ -512,7 +430,7 @@ def _end(
     remarks: Sequence[str] = (),
 ) -> None:
     """Print a table with remarks, and write it: as a document, only the table if there is none, or in full as CSV."""
-    from scenarios import tables
+    from multibody_xval.scenarios import tables
 
     text = tables.text_table(printed, rows)
     tables.print_table(text)
@@ -525,27 +443,12 @@ def _end(
 
 def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row], document: str) -> None:
     """Write a table in full as CSV, or else a document with it."""
-    from scenarios.tables import csv_text, full_table
+    from multibody_xval.scenarios.tables import csv_text, full_table
 
     write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)
 
 
-def _write_charts(outs: Sequence[Path], figure: Figure) -> None:
-    """Draw a figure once, and write it in the format of each file."""
-    from reports.drawing.matplotlib_backend import print_files
-
-    files = print_files(replace(figure, dense=True))  # in pixels too
+def _write_charts(outs: Sequence[Path], drawing: Drawing) -> None:
+    """Write a figure in the format of each file."""
     for out in outs:
-        write_whole(out, files[out.suffix[1:]])
-
-
-def _measured(variants: Sequence[Variant], measure: Callable[[Variant], Sequence[Row]]) -> list[Row]:
-    """Measure one variant after the other, with progress on the way; those that are missing are named."""
-    rows: list[Row] = []
-    for variant in tracked(variants, "variants"):
-        missing = variant.unavailable_reason
-        if missing is not None:
-            print(visible(f"{variant}: {missing}"), file=sys.stderr)
-        else:
-            rows.extend(measure(variant))
-    return rows
+        write_whole(out, drawing.file(out.suffix[1:]))

@@ -1,4 +1,4 @@
-"""``multibody-xval sweep``, ``example`` and ``store``: every combination of a file's parameters, and what is stored."""
+"""``multibody-xval sweep`` and ``example``: every combination of a file's parameters."""
 
 from __future__ import annotations
 
@@ -11,17 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from reference_lcp.errors import ExitCode
-from reference_lcp.output import checked_output_file
+from multibody_xval.reports.cli.options import Work, check_outs, grouped, opened
+from multibody_xval.scenarios.sweeps import UNCONFIRMED_POINTS
 from reference_lcp.terminal import print_table, visible
-from reports.cli.console_script import HelpAlone
-from reports.cli.options import Work, check_outs, grouped, opened
-from scenarios.sweeps import UNCONFIRMED_POINTS
 
 if TYPE_CHECKING:
-    from scenarios.sweeps.point import Point
-    from scenarios.sweeps.run import SweepSummary
-    from scenarios.sweeps.sweep import Sweep
+    from multibody_xval.scenarios.sweeps.point import Point
+    from multibody_xval.scenarios.sweeps.run import SweepSummary
+    from multibody_xval.scenarios.sweeps.sweep import Sweep
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -37,7 +34,7 @@ def example() -> None:
 
     Example: multibody-xval example > sweep.toml
     """
-    from scenarios.sweeps.spec_file import EXAMPLE
+    from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
 
     print(EXAMPLE, end="")
 
@@ -68,11 +65,11 @@ def sweep(
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """
     work.check(run=run)
-    from scenarios.runs.store import existing_store
-    from scenarios.sweeps.dataset import sweep_dataset, write_dataset
-    from scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
-    from scenarios.sweeps.spec_file import read_sweep
-    from scenarios.sweeps.sweep import check_size, size_text
+    from multibody_xval.scenarios.runs.store import existing_store
+    from multibody_xval.scenarios.sweeps.dataset import sweep_dataset, write_dataset
+    from multibody_xval.scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
+    from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+    from multibody_xval.scenarios.sweeps.sweep import check_size, size_text
 
     planned = read_sweep(file)
     whole = out is not None or planned.tolerance is not None  # all results are in memory together
@@ -98,7 +95,7 @@ def sweep(
 
 def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
     """Print how the points of every variant ended, the periods that they took, and every reason once."""
-    from scenarios.sweeps.dataset import STATUSES
+    from multibody_xval.scenarios.sweeps.dataset import STATUSES
 
     rows = []
     for variant in sweep.variants:
@@ -116,8 +113,8 @@ def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
 
 def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
     """Print how every variant compares with the reference, if the file has a tolerance for it."""
-    from scenarios.sweeps.run import compared_points
-    from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+    from multibody_xval.scenarios.sweeps.run import compared_points
+    from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 
     if sweep.tolerance is None:
         return
@@ -133,72 +130,3 @@ def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
             largest = [f"{size:.3g}", f"{worst.case.numbers}, {worst.frequency_ratio:.4g}"]
         rows.append([str(variant), *(str(counts[verdict]) for verdict in Verdict), *largest])
     print_table(["engine:formulation:preset", *map(str, Verdict), "largest [dB]", f"at {axes}"], rows)
-
-
-store_app = typer.Typer(cls=HelpAlone)
-
-
-@store_app.callback()
-def store_group() -> None:
-    """Check a store of results, and save the intact rows of a damaged one."""
-
-
-@store_app.command()
-def check(
-    file: Annotated[Path, typer.Argument(help="The store. It is not changed.")],
-    new: Annotated[
-        Path | None, typer.Option("--salvage", metavar="NEW", help="Write the intact rows into this new store.")
-    ] = None,
-) -> None:
-    """Read every row of a store, and say what is damaged.
-
-    Exit code 0: everything is intact, or the intact rows are in NEW; 2: damaged, or no store; 3: NEW could not be
-    written; 130: interrupted.
-
-    Example: multibody-xval store check results.sqlite --salvage good.sqlite
-    """
-    from scenarios.runs.store_check import check_store, salvage
-
-    if new is not None:
-        checked_output_file("--salvage", new, [file])
-    found = check_store(file)
-    for text in found.damage:
-        print(visible(f"{file}: {text}"))
-    results, sweeps = len(found.good["answers"]), len(found.good["sweeps"])
-    damages = len(found.damage) or "no"
-    print(visible(f"{file}: {results} intact results, {sweeps} intact sweeps, {damages} damages"))
-    if new is not None:
-        salvage(found, new)
-        print(visible(f"{new}: {results} results; what is missing is computed again"))
-    elif found.damage:
-        raise typer.Exit(ExitCode.WRONG_INPUT)
-
-
-@store_app.command()
-@grouped
-def again(
-    file: Annotated[Path, typer.Argument(help="The store. It is not changed.")],
-    *,
-    part: Annotated[float, typer.Option(help="Part of its steady states.")] = 0.05,
-    seed: Annotated[int, typer.Option(help="Of the draw.")] = 0,
-    work: Work,
-) -> None:
-    """Compute a random part of a store again, and compare: what is proposed comes out here too.
-
-    Exit code 0: all are the same, within the thresholds of `compare`; 1: one is not; 2: wrong input; 130: interrupted.
-
-    Example: multibody-xval store again results.sqlite --part 0.05 --seed 1
-    """
-    from scenarios.verdicts.computed_again import compared_again, sampled
-
-    sample = sampled(file, part, seed)
-    with work.evaluator(None, list({task.variant for task, _ in sample})) as evaluator:
-        comparison = compared_again(sample, evaluator.evaluate)
-    for change in comparison.beyond:
-        print(visible(f"{change.variant}: {dict(change.first.task)} differs"))
-    print(f"{len(sample)} of its steady states computed again: {len(comparison.beyond)} differ")
-    if comparison.beyond:
-        raise typer.Exit(ExitCode.FAILED)
-
-
-app.add_typer(store_app, name="store")

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from multibody_xval.reports.cli.console_script import HelpAlone
 from reference_lcp.errors import ExitCode
 from reference_lcp.terminal import print_table, visible
-from reports.cli.console_script import HelpAlone
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 truth_app = typer.Typer(cls=HelpAlone)
@@ -30,7 +30,7 @@ def list_problems() -> None:
 
     Example: multibody-xval truth list
     """
-    from truth import problems
+    from multibody_xval.scenarios.truth import problems
 
     rows = [(each.name, str(len(each.masses)), f"{each.time_step:.4g}", each.title) for each in problems().values()]
     print_table(("problem", "bodies", "step [s]", "what"), rows)
@@ -44,8 +44,8 @@ def show(name: Name) -> None:
 
     Example: multibody-xval truth show block-stops
     """
-    from truth import problem_named
-    from truth.record import text_of
+    from multibody_xval.scenarios.truth import problem_named
+    from multibody_xval.scenarios.truth.record import text_of
 
     print(text_of(problem_named(name)), end="")
 
@@ -70,7 +70,7 @@ def check(
 
     Example: multibody-xval truth check block-stops motion.csv --time-step 0.001
     """
-    from truth import judged, problem_named, read_motion
+    from multibody_xval.scenarios.truth import judged, problem_named, read_motion
 
     problem = problem_named(name)
     found = judged(problem, read_motion(motion, problem), time_step)

@@ -9,18 +9,18 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.base import Scenario, run_with_predictions
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.base import SceneScenario
-from scenarios.catalogue.scenes.table import worst_numbers
-from scenarios.catalogue.verdict_table import finding_table
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Task
-from scenarios.verdicts.finding import Finding, Verdict
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario, run_with_predictions
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
+from multibody_xval.scenarios.catalogue.scenes.table import worst_numbers
+from multibody_xval.scenarios.catalogue.verdict_table import finding_table
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Task
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
 
 
 class Outcome(StrEnum):

@@ -6,18 +6,22 @@ from dataclasses import dataclass, replace
 
 import xarray as xr
 
-from engines.interface.variant import Variant
-from reports.data.catalogue import catalogue_outcomes, scene_numbers
-from reports.data.report import Report
-from reports.data.stick_slip import CasePoint
-from scenarios.catalogue.block.static_hold import CREEP, StaticHold
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.parameters import ChainRatios, OperatingPoint
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies.claims import Conclusions, compared_conclusions, evaluated_conclusions, led_claims_sweep
-from scenarios.studies.friction_map import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import catalogue_outcomes, scene_numbers
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.data.stick_slip import CasePoint
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.parameters import ChainRatios, OperatingPoint
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.studies.claims import (
+    Conclusions,
+    compared_conclusions,
+    evaluated_conclusions,
+    led_claims_sweep,
+)
+from multibody_xval.scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
     QUICK_MAP_FREQUENCY_RATIOS,
@@ -25,23 +29,22 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
-from scenarios.studies.headline import headline_points, headline_sweep, headline_tasks
-from scenarios.studies.response import ONE_CELL, response_curves
-from scenarios.studies.scale import scale_study, scale_tasks
-from scenarios.studies.work_precision import (
+from multibody_xval.scenarios.studies.headline import headline_points, headline_sweep, headline_tasks
+from multibody_xval.scenarios.studies.response import ONE_CELL, response_curves
+from multibody_xval.scenarios.studies.work_precision import (
     STUDY_STEPS,
     coarse_steps,
     exact_step_tasks,
     step_tasks,
     thrifty_step_study,
 )
-from scenarios.sweeps.checks import LEAST_POINTS, check_starts
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
-from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
-from scenarios.sweeps.point import Point, tasks_of
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
-from scenarios.verdicts.steady_case import CONVERGED, EXACT
+from multibody_xval.scenarios.sweeps.checks import LEAST_POINTS, check_starts
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
+from multibody_xval.scenarios.sweeps.point import Point, tasks_of
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
 
 RECORDED_POINTS = (OperatingPoint(0.3, 0.9), OperatingPoint(1.0, 0.9))
 """Points whose period is recorded in full: where contacts stick for part of the period."""
@@ -70,10 +73,6 @@ class Scope:
     """Variants that are compared with the truth at the headline's points only, and have no verdict."""
     recommended: tuple[Variant, ...] = ()
     """Likewise; they take part in no scenario."""
-    one_option: tuple[Variant, ...] = ()
-    """Variants that differ in one option from a preset, see `one_option_variants`; likewise."""
-    scaled: tuple[Variant, ...] = ()
-    """Variants that are simulated in softer and stiffer chains too, see `scale_study`."""
     claims: tuple[Variant, ...] = ()
     """Variants that answer the paper's claims on points of their own; without any, all answer by those of the grid."""
     scenarios: tuple[str, ...] = ()
@@ -113,7 +112,6 @@ def collect(
     headline = _headline(sweep, scope, evaluator)
     evaluator.stage("other steps, friction map and responses")
     steps = None
-    scale = scale_study(scope.scaled, evaluator) if _is_canonical(sweep) else ()
     if _is_canonical(sweep):
         stored = StoredResults(store)
         steps = tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
@@ -128,8 +126,6 @@ def collect(
         headline=headline,
         unit_cell=response_curves(ONE_CELL, evaluator, sweep.excitation) if headline else {},
         chain=response_curves(sweep.ratios, evaluator, sweep.excitation) if headline else {},
-        creeps=held_creeps(scope.one_option, evaluator),
-        scale=scale,
         catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store, evaluator, scope.scenarios),
         scenes=scene_numbers(store),
     )
@@ -142,7 +138,7 @@ def _headline(sweep: Sweep, scope: Scope, evaluator: Evaluator) -> tuple[Point, 
 
 def _shown(sweep: Sweep, scope: Scope) -> tuple[Variant, ...]:
     """Give the variants at the headline's points; those that may have no steady state, and take longest, come last."""
-    return tuple(dict.fromkeys((*sweep.variants, *scope.beside, *scope.recommended, *scope.one_option)))
+    return tuple(dict.fromkeys((*sweep.variants, *scope.beside, *scope.recommended)))
 
 
 def _conclusions(result: ComparedSweep, scope: Scope, evaluator: Evaluator) -> tuple[Conclusions, ...]:
@@ -163,20 +159,6 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     result = judged_points(results.sweep.ascending(), points, results, results.predictions, results.modelled)
     known = with_recorded_truths(result, data, results.sweep)
     return Report(known, command, steps=None, recorded=recorded)
-
-
-def held_creeps(variants: Sequence[Variant], evaluator: Evaluator) -> dict[Variant, float]:
-    """Give how fast a block creeps under 0.99 of its bound, with defaults and with one option of them [µm/s].
-
-    NaN where that is not known.
-    """
-    scenario = StaticHold()
-    (case,) = (case for case in scenario.cases if str(case) == "1 kg, load 0.99")
-    singles = [variant for variant in variants if variant.preset_name.startswith("default:")]
-    shown = list(dict.fromkeys([*singles, *(own.unchanged for own in singles)]))
-    evaluator.evaluate([case.task(variant) for variant in shown])
-    found = (finding for variant in shown for finding in scenario.case_findings(variant, case, evaluator))
-    return {finding.variant: finding.value for finding in found if finding.metric is CREEP}
 
 
 def _map(sweep: Sweep, scope: Scope) -> Sweep | None:
@@ -214,8 +196,6 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     if scope.steps and _is_canonical(sweep):
         steps = coarse_steps(scope.steps)
         tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, steps)]
-    if _is_canonical(sweep):
-        tasks += scale_tasks(scope.scaled)
     return list(dict.fromkeys([*tasks, *exact, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 

@@ -1,9 +1,9 @@
 """A sweep in words: its drive, its axes, its band, what its variants are compared with."""
 
-from engines.interface.variant import Variant
-from reports.formatting import ratio
-from scenarios.sweeps.sweep import Case, GivenTolerance, Sweep, baseline
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.scenarios.sweeps.sweep import Case, GivenTolerance, Sweep, baseline
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 
 def drive_description(sweep: Sweep) -> str:

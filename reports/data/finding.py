@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from reports.data.options import TITLES, Headline, by_engine, is_unsteady
-from reports.formatting import significant
-from scenarios.studies.claims import CLAIMS, Answer, Conclusions, farthest_edge, sentence
-from scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.reports.data.options import TITLES, Headline, by_engine, is_unsteady
+from multibody_xval.reports.formatting import significant
+from multibody_xval.scenarios.studies.claims import CLAIMS, Answer, Conclusions, farthest_edge, sentence
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
 
 MOST_NAMED = 3
 """Engines that the finding names."""

@@ -6,16 +6,16 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.truths import truth_error
-from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Finding, Prediction, unmodelled
-from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.steady_case import CONVERGED
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.edges import BandEdge
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.truths import truth_error
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Finding, Prediction, unmodelled
+from multibody_xval.scenarios.verdicts.judge import metric_difference
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED
 
 MODELLED, UNMODELLED = "modelled", "unmodelled"
 """Outcomes of a point or an edge that deviates from what it is compared with."""

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import band_definition, compared_with, drive_description
+from multibody_xval.reports.data.points import by_variant
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
+from multibody_xval.scenarios.sweeps.checks import Check
+from multibody_xval.scenarios.sweeps.dataset import description_of
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
 from reference_lcp.defaults import DEFAULT_RESIDUAL, LARGEST_PHASE_STEP
-from reports.data.descriptions import band_definition, compared_with, drive_description
-from reports.data.points import by_variant
-from scenarios.runs.result import ResultStatus
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
-from scenarios.sweeps.checks import Check
-from scenarios.sweeps.dataset import description_of
-from scenarios.verdicts.finding import FLOOR_DB
 
 if TYPE_CHECKING:
-    from reports.data.report import Report
+    from multibody_xval.reports.data.report import Report
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 """What every number depends on, beside the engines."""

@@ -8,27 +8,25 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from reports.data.catalogue import Outcomes
-from reports.data.options import Headline, SingleOption, headlines, option_curves, single_options
-from reports.data.points import by_variant, edge_table, point_table
-from reports.data.provenance import provenance
-from reports.data.stick_slip import CasePoint, stick_slip_rows
-from reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
-from reports.data.versions import version_pairs
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import ResultStatus
-from scenarios.studies.claims import Conclusions
-from scenarios.studies.friction_map import FrictionMap
-from scenarios.studies.response import Curves
-from scenarios.studies.scale import ScalePoint
-from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.checks import Check
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import Outcomes
+from multibody_xval.reports.data.options import Headline, headlines
+from multibody_xval.reports.data.points import by_variant, edge_table, point_table
+from multibody_xval.reports.data.provenance import provenance
+from multibody_xval.reports.data.stick_slip import CasePoint, stick_slip_rows
+from multibody_xval.reports.data.variants import Errors, deviations, error_table, errors_of, verdict_row
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.studies.claims import Conclusions
+from multibody_xval.scenarios.studies.friction_map import FrictionMap
+from multibody_xval.scenarios.studies.response import Curves
+from multibody_xval.scenarios.studies.work_precision import StepPoint
+from multibody_xval.scenarios.sweeps.checks import Check
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict, failures, unmodelled
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 
 @dataclass(frozen=True)
@@ -56,16 +54,12 @@ class Report:
     chain: Curves = field(default_factory=dict)
     """Responses of a single cell and of the chain at the paper's friction ratios, by the reference; none where they are
     not asked."""
-    creeps: Mapping[Variant, float] = field(default_factory=dict)
-    """How fast a block creeps that friction holds, with single options and without any, see `held_creeps` [µm/s]."""
     catalogue: Outcomes = field(default_factory=dict)
     """What is known of the scenarios of the catalogue."""
     scenes: pd.DataFrame = field(default_factory=pd.DataFrame)
     """What is known of scenes, of any engine, see `scene_numbers`; empty where that is nothing."""
     conclusions: tuple[Conclusions, ...] = ()
     """The paper's claims, answered for the reference and then every variant; none where they are not asked."""
-    scale: tuple[ScalePoint, ...] = ()
-    """Errors in softer and stiffer chains; none if they are no part of the report."""
 
     @property
     def of_dataset(self) -> bool:
@@ -152,34 +146,14 @@ class Report:
         return error_table(self.ruled, self.result.sweep.case_axes)
 
     @cached_property
-    def _all_errors(self) -> Errors:
+    def errors(self) -> Errors:
+        """Its rows, by variant."""
         return errors_of(self.error_table)
 
     @cached_property
-    def errors(self) -> Errors:
-        """Its rows, but for variants that differ in one option from a preset."""
-        return {own: row for own, row in self._all_errors.items() if not own.preset.settings or own in self.variants}
-
-    @cached_property
-    def single_options(self) -> list[SingleOption]:
-        """Defaults with one option of the tuned preset each, the smallest error of an engine and formulation first."""
-        return single_options(self._all_errors, self.creeps)
-
-    @cached_property
     def headlines(self) -> list[Headline]:
-        """How far each engine is off as installed, as recommended and tuned, and what decides it."""
-        return headlines(self.errors, self.single_options)
-
-    @cached_property
-    def option_curves(self) -> list[pd.DataFrame]:
-        """Errors over one option of an engine, where variants differ in that alone."""
-        return option_curves(self._all_errors, self.ruled)
-
-    @cached_property
-    def versions(self) -> list[dict[str, Any]]:
-        """How versions of one engine differ, see `version_pairs`."""
-        described = dict(zip(self.variants, self.provenance["variants"], strict=True))
-        return version_pairs(self.result, described)
+        """How far each engine is off as installed, as recommended and tuned."""
+        return headlines(self.errors)
 
     @cached_property
     def failures(self) -> list[str]:

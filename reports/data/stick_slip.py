@@ -4,14 +4,14 @@ import math
 from statistics import mean, median
 from typing import Any
 
-from engines.interface.variant import Variant
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
-from reports.data.points import names_of
-from scenarios.runs.result import Result
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.points import names_of
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
+from reference_lcp.defaults import STICK_SLIP_POINTS
 
 CasePoint = tuple[Case, float]
 """Case and frequency ratio."""

@@ -6,13 +6,13 @@ from typing import Any
 
 import pandas as pd
 
-from engines.interface.law import NotModelled
-from engines.interface.variant import Variant
-from reports.data.points import UNMODELLED, by_variant, largest, names_of, rows_of
-from scenarios.runs.result import ResultStatus
-from scenarios.sweeps.truths import error_class
-from scenarios.verdicts.finding import FLOOR_DB, Verdict
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.points import UNMODELLED, by_variant, largest, names_of, rows_of
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.sweeps.truths import error_class
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 Errors = Mapping[Variant, Any]
 """Rows of an `error_table` by variant; their columns are attributes."""

@@ -1,4 +1,4 @@
-"""What changed from one store to another, as text, Markdown, JSON, JUnit and CSV."""
+"""What changed from one store to another, as text, Markdown, JSON and CSV."""
 
 import math
 from collections import Counter
@@ -8,12 +8,20 @@ from typing import Any
 
 import pandas as pd
 
-from scenarios.junit import JUnitCase, junit_text
-from scenarios.runs.result import ResultStatus
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
-from scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
-from scenarios.verdicts.stored import StoredResult
-from scenarios.verdicts.thresholds import Thresholds
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.tables import (
+    Column,
+    csv_text,
+    full_table,
+    json_text,
+    markdown_lines,
+    markdown_list,
+    records,
+    text_table,
+)
+from multibody_xval.scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
+from multibody_xval.scenarios.verdicts.stored import StoredResult
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 
 MOST_SHOWN = 10
 """Points that a summary shows; the others follow, folded."""
@@ -261,26 +269,9 @@ def _content(regression: Regression) -> dict[str, Any]:
     }
 
 
-def _junit_case(change: Change, *, strict: bool) -> JUnitCase:
-    what = "; ".join(change.beyond)
-    skipped = change.first.result.status is ResultStatus.BLOCKED
-    return JUnitCase(
-        suite=change.variant,
-        name=point_text(change),
-        failure=what if change.fails(strict=strict) else "",
-        skipped=f"blocked before: {change.first.result.reason}" if skipped else "",
-        output=what,
-        seconds=0.0 if math.isnan(change.second.result.seconds) else change.second.result.seconds,
-    )
-
-
 CHANGE_FORMATS: dict[str, Callable[[Regression], str]] = {
     ".md": changes_markdown,
     ".json": lambda regression: json_text(_content(regression), indent=1),
-    ".xml": lambda regression: junit_text(
-        "multibody-xval compare",
-        [_junit_case(change, strict=regression.strict) for change in regression.comparison.changes],
-    ),
     ".csv": lambda regression: csv_text(full_table(CHANGE_COLUMNS, regression.comparison.changes)),
 }
 """What is written into a file, by its ending."""

@@ -7,22 +7,19 @@ from pathlib import Path
 
 import xarray as xr
 
+from multibody_xval.reports.data.points import edge_table
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.export.tables import table_files
+from multibody_xval.reports.page.render import FIGURES, TABLES, page, sections
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
+from multibody_xval.scenarios.sweeps.truths import with_truth_variables
 from reference_lcp.output import write_whole
-from reports.data.points import edge_table
-from reports.data.report import Report
-from reports.drawing.printing import DrawnFigures
-from reports.export.tables import table_files
-from reports.page.render import FIGURES, TABLES, page, sections
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.truths import with_truth_variables
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
 NETCDF = "report.nc"
-CARD = "card-"
-"""What the names of an engine's card begin with."""
 FILES = (*TABLES, PAGE)
 
 EDGE_VARIABLES = {
@@ -35,25 +32,15 @@ EDGE_VARIABLES = {
 """Variables of the dataset by column of an `edge_table`, and what they are."""
 
 
-def files_of(
-    report: Report, drawn: DrawnFigures | None = None, cards: Mapping[str, str] | None = None
-) -> dict[str, bytes]:
-    """Give the content of every file of a report by its path in its folder, the page last.
-
-    Figures that are `drawn` already are not drawn again; `cards` of engines, by their names, are linked.
-    """
-    rendered = page(TITLE, sections(report), drawn, cards)
+def files_of(report: Report) -> dict[str, bytes]:
+    """Give the content of every file of a report by its path in its folder, the page last."""
+    rendered = page(TITLE, sections(report))
     return {
         **{name: text.encode() for name, text in table_files(report).items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},
         NETCDF: bytes(report_dataset(report.result).to_netcdf(engine="h5netcdf")),
         PAGE: rendered.html.encode(),
     }
-
-
-def cards_beside(folder: Path) -> dict[str, str]:
-    """Give the pages of the cards in a folder, by name of the engine."""
-    return {file.stem.removeprefix(CARD): file.name for file in sorted(folder.glob(f"{CARD}*.html"))}
 
 
 def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
@@ -67,7 +54,7 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
 def report_dataset(result: ComparedSweep) -> xr.Dataset:
     """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
-    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db``,
+    Beside what `multibody_xval.scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db``,
     ``truth_exact`` and ``truth_proven``, along the axes; ``error_db``, of every variant from the truth;
     ``band_edge`` and ``band_edge_difference`` in η_r, along ``edge``; NaN where there is no number.
     """

@@ -1,16 +1,12 @@
 """Tables and the JSON file beside the page: the numbers in full."""
 
-from collections.abc import Sequence
-
 import pandas as pd
 
-from reports.data.catalogue import Outcome, Outcomes
-from reports.data.options import option_table
-from reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, transition_table, written
-from reports.data.report import Report
-from scenarios.studies.scale import ScalePoint
-from scenarios.studies.work_precision import STEP_COLUMNS
-from scenarios.tables import csv_text, full_table, json_text, records
+from multibody_xval.reports.data.catalogue import Outcome, Outcomes
+from multibody_xval.reports.data.points import EDGE_COLUMNS, NAMES, POINT_COLUMNS, names_of, transition_table, written
+from multibody_xval.reports.data.report import Report
+from multibody_xval.scenarios.studies.work_precision import STEP_COLUMNS
+from multibody_xval.scenarios.tables import csv_text, full_table, json_text, records
 
 HEADLINE_COLUMNS = (
     "frequency_ratio", "steps_per_period", "status", "transmittance_db", "truth_db", "truth_error_db", "error_db",
@@ -27,12 +23,6 @@ def catalogue_table(known: Outcomes) -> pd.DataFrame:
         for variant, counts in own.items()
     ]
     return pd.DataFrame(rows, columns=["scenario", *NAMES, *map(str, Outcome)])
-
-
-def scale_table(points: Sequence[ScalePoint]) -> pd.DataFrame:
-    """Error of every variant by the frequency of the drive."""
-    rows = [(*names_of(point.variant).values(), point.hertz, point.error_db) for point in points]
-    return pd.DataFrame(rows, columns=[*NAMES, "frequency_hz", "error_db"])
 
 
 def table_files(report: Report) -> dict[str, str]:
@@ -58,8 +48,6 @@ def table_files(report: Report) -> dict[str, str]:
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),
         "catalogue.csv": csv_text(catalogue_table(report.catalogue)),
-        "options.csv": csv_text(option_table(report.option_curves, report.single_options)),
         "work_precision.csv": csv_text(full_table(STEP_COLUMNS, report.steps or ())),
-        "scale.csv": csv_text(scale_table(report.scale)),
         "report.json": json_text(content),
     }

@@ -1,1 +1,1 @@
-"""The figures of the report, one module a subject; `reports.drawing` draws them, on the page and in print."""
+"""The figures of the report, one module a subject: functions of data that draw with matplotlib."""

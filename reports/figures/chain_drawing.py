@@ -2,7 +2,7 @@
 
 from markupsafe import Markup
 
-from reports.formatting import environment
+from multibody_xval.reports.formatting import environment
 
 SIZES = {"width": 78.0, "height": 64.0, "gap": 26.0, "top": 34.0, "base": 40.0}
 """Size of an outer mass and length of the spring before it; upper end of the masses; where the first spring begins."""
@@ -13,7 +13,7 @@ MOST_DRAWN = 7
 
 def chain_drawing(cells: int, drive: str) -> Markup:
     """Give the drawing of a chain as SVG, in the colour of the text around it."""
-    templates = environment("reports.figures")
+    templates = environment("multibody_xval.reports.figures")
     templates.filters["g"] = "{:g}".format
     index = str(cells).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     drawn = min(cells, MOST_DRAWN)

@@ -1,50 +1,68 @@
 """Band edges as a forest: differences of all variants from their baselines, with the reference's error bar."""
 
-import math
-from dataclasses import replace
+from typing import Any
 
-import numpy as np
+import matplotlib as mpl
 import pandas as pd
+from matplotlib.axes import Axes
 
-from engines.interface.variant import Variant
-from reports.data.points import by_variant, rows_of
-from reports.data.report import Report
-from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
-from reports.drawing.style import RULE, Style, compared_variants, style_of
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.reports.data.points import by_variant
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing, legend, set_difference_axis, set_ticks, small_multiples
+from multibody_xval.reports.figures.style import GREY, PRINT_STYLE, RULE, by_panel, compared_variants, preset_style
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 LINEAR = 1e-4
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""
 
-TICKS = (0.001, 0.01, 0.1)
+TICKS = (0.001, 0.1)
 
-DECIMALS = 7
-"""Of the differences on the page."""
-
-ROW_SPREAD = 0.32
-"""Largest distance of a variant from the middle of a row, over the distance of rows."""
+ROW, LETTER = 0.17, 0.055
+"""Height of an edge, and width of a letter of its name [inch]."""
 
 
-def edge_forest(report: Report) -> Figure:
+@mpl.rc_context(PRINT_STYLE)
+def edge_forest(report: Report) -> Drawing:
     """Draw the differences of all band edges from those they are compared with, with what is allowed of each."""
     edges = _rows(report.edges)
-    sweep, names = report.result.sweep, dict(zip(edges["row"], edges["name"], strict=True))
-    count, height = len(compared_variants(sweep)), max(len(names), 1)
-    limit = 1.6 * max((edges["difference"].abs() + edges["allowed"]).dropna(), default=TICKS[0])
-    axis = difference_axis("difference of η_r [-]", LINEAR, TICKS, limit, DECIMALS)
-    panel = Panel(
-        axis,
-        Axis(range=(height - 0.5, -0.5), ticks=names, grid=False),
-        [Rule("x", 0.0, RULE), *_marks(report, edges)],
-    )
-    return Figure(
-        "band-edges",
+    own, names = by_variant(edges), dict(zip(edges["row"], edges["name"], strict=True))
+    sizes = edges["difference"].abs() + edges["allowed"].fillna(0.0)
+    limit = 1.6 * max(sizes.dropna(), default=TICKS[0])
+    variants = [variant for variant in compared_variants(report.result.sweep) if variant not in report.blocked]
+    groups = by_panel(variants) or {REFERENCE.title: []}
+    count = max(len(names), 1)
+    canvas, panels = small_multiples(
+        list(groups), ROW * count, columns=3, left=0.2 + LETTER * max(map(len, names.values()), default=0),
+        x_label="difference of η_r from the edge compared with [-]",
+    )  # fmt: skip
+    reference = own.get(REFERENCE, edges.iloc[:0])
+    for (axes,), shown in zip(panels, groups.values(), strict=True):
+        axes.axvline(0.0, **RULE)
+        axes.barh(reference["row"], 2 * reference["allowed"], 0.8, -reference["allowed"], **_bars())
+        for place, variant in enumerate(shown, 1):
+            _edges(axes, own.get(variant, edges.iloc[:0]), place / (len(shown) + 1) - 0.5, preset_style(variant))
+        set_difference_axis(axes, "x", LINEAR, TICKS, limit)
+        set_ticks(axes, "y", names)
+        axes.set_ylim(count - 0.5, -0.5)
+        axes.grid(axis="y", visible=False)
+    legend(canvas)
+    caption = (
         "Differences of the band edges from those of what each variant is compared with; bars: what is allowed of "
-        "each, black around zero: of the reference",
-        [panel],
-        height=1.2 + 0.13 * math.ceil(count / 2) + max(0.28, 0.035 * count) * height,
-        pixels=90 + max(44, 7 * count) * height,
+        "each; grey: the reference’s error bar"
     )
+    return Drawing("band-edges", caption, canvas)
+
+
+def _bars() -> dict[str, Any]:
+    return {"color": GREY["color"], "linewidth": 0.0, "label": "Reference, error bar"}
+
+
+def _edges(axes: Axes, edges: pd.DataFrame, offset: float, style: dict[str, Any]) -> None:
+    """Mark the edges of a variant, a little above or below the middle of each row."""
+    axes.errorbar(
+        edges["difference"], edges["row"] + offset, xerr=edges["allowed"], elinewidth=0.6, capsize=1.5,
+        **{**style, "linestyle": "none"},
+    )  # fmt: skip
 
 
 def _rows(edges: pd.DataFrame) -> pd.DataFrame:
@@ -54,34 +72,3 @@ def _rows(edges: pd.DataFrame) -> pd.DataFrame:
     places = pd.Series(list(zip(edges["case"], edges["edge"], strict=True)), index=edges.index)
     names = [f"{case}, {edge}" for case, edge in places]
     return edges.assign(row=places.map(rows), name=names)[places.isin(list(rows))]
-
-
-def _marks(report: Report, edges: pd.DataFrame) -> list[Mark]:
-    """Give the reference's error bars, and every variant a little above or below the middle of each row."""
-    own = by_variant(edges)
-    reference = own.get(REFERENCE, edges.iloc[:0])
-    bars = Series(
-        [0.0] * len(reference), reference["row"], Style("#000000", "line-ns", 5.0, width=1.4), "Reference, error bar",
-        "markers", "%{text}", [f"{row.name}\nerror bar ± {row.allowed:.4g}" for row in rows_of(reference)],
-        x_error=reference["allowed"],
-    )  # fmt: skip
-    variants = compared_variants(report.result.sweep)
-    offsets = np.linspace(-ROW_SPREAD, ROW_SPREAD, len(variants)) if len(variants) > 1 else [0.0]
-    drawn = zip(variants, offsets, strict=False)
-    return [
-        bars,
-        *(
-            _variant(report, variant, own.get(variant, edges.iloc[:0]), float(offset))
-            for variant, offset in drawn
-            if variant not in report.blocked
-        ),
-    ]
-
-
-def _variant(report: Report, variant: Variant, edges: pd.DataFrame, offset: float) -> Series:
-    return Series(
-        edges["difference"], edges["row"] + offset, replace(style_of(report.result.sweep, variant), width=0.6),
-        variant.title, "markers", "%{text}\ndifference %{x:.4~g}",
-        [f"{row.name}: {'–' if row.absent else format(row.frequency_ratio, '.4f')}" for row in rows_of(edges)],
-        x_error=edges["allowed"],
-    )  # fmt: skip

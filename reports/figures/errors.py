@@ -1,40 +1,45 @@
-"""Errors to the truth: engines as installed and tuned, over cases and frequency, over the step, over one option."""
+"""Errors to the truth: engines as installed and tuned, over cases and frequency, over the step."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.points import by_variant
+from multibody_xval.reports.data.variants import Errors
+from multibody_xval.reports.figures.drawing import Drawing, hatched, legend, place_of, set_ticks, small_multiples
+from multibody_xval.reports.figures.style import (
+    COLUMN,
+    GREY,
+    MAP,
+    PRESETS,
+    PRINT_STYLE,
+    RULE,
+    by_panel,
+    preset_style,
+    preset_title,
+)
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.scenarios.studies.work_precision import StepPoint
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from reference_lcp.validation import FloatArray
-from reports.data.points import by_variant
-from reports.data.variants import Errors
-from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Rule, Series
-from reports.drawing.style import DASHED, DOTTED, Style, style_of
-from reports.formatting import ratio, signed
-from scenarios.studies.scale import ScalePoint
-from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.truths import WRONG_DB
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
-JOINING = Style("#9aa4ae", width=2.0)
-PRESETS = {
-    "as installed": Style("#D55E00", "circle", 7.0),
-    "recommended": Style("#009E73", "square", 5.0),
-    "tuned": Style("#0072B2", "dot", 6.5),
-    "other presets": Style("#8c8c8c", "diamond", 5.0),
-}
-NAMED = dict(zip(("default", "recommended", "tuned"), PRESETS, strict=False))
-"""Titles of presets that have one, by name."""
-LIMIT = Style("#666666", dash=DASHED, width=0.7)
+LIMIT: dict[str, Any] = {**RULE, "linestyle": "--"}
 
 
-def installed_figure(errors: Errors, where: str) -> Figure | None:
+@mpl.rc_context(PRINT_STYLE)
+def installed_figure(errors: Errors, where: str) -> Drawing | None:
     """Draw a row an engine and formulation, the largest error on top; ``None`` without any but the reference's."""
     rows: dict[str, list[Any]] = {}
     for variant, own in errors.items():
@@ -43,57 +48,45 @@ def installed_figure(errors: Errors, where: str) -> Figure | None:
     if not rows:
         return None
     rows = dict(sorted(rows.items(), key=lambda row: -max(own.size for own in row[1])))
-    count = len(rows)
     ends = [own.size for row in rows.values() for own in row]
-    panel = Panel(
-        Axis("largest error [dB]", (min(0.5 * min(ends), 0.01), 2 * max(*ends, WRONG_DB)), "log"),
-        Axis(range=(count - 0.5, -0.5), ticks={float(k): name for k, name in enumerate(rows)}, grid=False),
-        [Rule("x", WRONG_DB, LIMIT), *_marks(list(rows.values()))],
-    )
-    return Figure(
-        "installed",
-        f"Largest error of transmittance at {where}; dashed: {WRONG_DB:g} dB, from which on an engine is wrong",
-        [panel],
-        height=0.9 + 0.27 * count,
-        pixels=70 + 34 * count,
-        legend_columns=3,
-    )
+    canvas = Figure(figsize=(COLUMN, 0.9 + 0.2 * len(rows)), layout="constrained")
+    axes = canvas.subplots()
+    axes.axvline(WRONG_DB, **LIMIT)
+    _draw_presets(axes, list(rows.values()))
+    axes.set(xscale="log", xlim=(min(0.5 * min(ends), 0.01), 2 * max(*ends, WRONG_DB)), xlabel="largest error [dB]")
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.grid(axis="y", visible=False)
+    set_ticks(axes, "y", {float(k): name for k, name in enumerate(rows)})
+    legend(canvas, 3)
+    caption = f"Largest error of transmittance at {where}; dashed: {WRONG_DB:g} dB, from which on an engine is wrong"
+    return Drawing("installed", caption, canvas)
 
 
-def _marks(rows: list[list[Any]]) -> list[Mark]:
-    """Give the lines from the smallest to the largest error of each row, and the presets above them."""
-    joining = [
-        Series([min(sizes), max(sizes)], [k, k], JOINING)
-        for k, row in enumerate(rows)
-        if len(sizes := [own.size for own in row]) > 1
-    ]
-    presets: dict[str, list[tuple[float, Any]]] = {title: [] for title in PRESETS}
-    for k, own in ((k, own) for k, row in enumerate(rows) for own in row):
-        title = NAMED.get(own.variant.preset_name, "other presets")
-        presets[title].append((float(k), own))
-    return [*joining, *(_preset(title, own) for title, own in presets.items() if own)]
-
-
-def _preset(title: str, own: list[tuple[float, Any]]) -> Series:
-    places = [f"{row.worst_case.numbers}, {row.worst_frequency_ratio:.6g}" for _, row in own]
-    return Series(
-        [row.size for _, row in own], [k for k, _ in own], PRESETS[title], title, "markers", "%{text}\n%{x:.4g} dB",
-        [f"{row.variant.title}, at ({place})" for (_, row), place in zip(own, places, strict=True)],
-    )  # fmt: skip
+def _draw_presets(axes: Axes, rows: list[list[Any]]) -> None:
+    """Draw a line from the smallest to the largest error of each row, and the presets on it."""
+    for k, row in enumerate(rows):
+        sizes = [own.size for own in row]
+        axes.plot([min(sizes), max(sizes)], [k, k], color="#9aa4ae", linewidth=2.0)
+    for title, style in PRESETS.items():
+        own = [(row.size, k) for k, every in enumerate(rows) for row in every if preset_title(row.variant) == title]
+        if own:
+            axes.plot(*zip(*own, strict=True), **{**style, "linestyle": "none"}, label=title)
 
 
 LOWEST_DB = 1e-3
 HIGHEST_DB = 10.0
 """Ends of the colours, the same in every report: what no curve shows, and thrice what is wrong."""
 
-UNSTEADY = Style("#d55e00", "x-thin", 3.0)
+UNSTEADY: dict[str, Any] = {
+    "color": "#d55e00",
+    "marker": "x",
+    "markersize": 3.0,
+    "linestyle": "none",
+    "label": "no steady state",
+}
 
-COLUMNS = 3
-"""Most maps side by side."""
-
-INCHES_A_ROW, PIXELS_A_ROW = 0.13, 17
-"""Height of a case in a map, in print and on the page."""
-
+ROW = 0.13
+"""Height of a case in a map [inch]."""
 
 MOST_ROWS = 24
 """Cases beyond which their rows are too thin to be told apart."""
@@ -131,56 +124,52 @@ def unsteady(points: pd.DataFrame) -> pd.DataFrame:
     return points[points["error_db"].isna() & (points["truth_db"] > FLOOR_DB)]
 
 
-def error_map_figure(maps: Mapping[Variant, pd.DataFrame], lost: pd.DataFrame, rows: str) -> Figure:
+@mpl.rc_context(PRINT_STYLE)
+def error_map_figure(maps: Mapping[Variant, pd.DataFrame], lost: pd.DataFrame, rows: str) -> Drawing:
     """Draw the maps of all variants, with the points that are `lost`; `rows` names what their rows are."""
-    columns = min(COLUMNS, len(maps))
-    lines = -(-len(maps) // columns)
     cases = max(map(len, maps.values()))
-    crosses = by_variant(lost, maps)
-    return Figure(
-        "error-map",
-        f"Error of transmittance to the truth over {rows} and frequency: size, in colours that are common to all "
-        "variants",
-        [_panel(variant, own, crosses[variant]) for variant, own in maps.items()],
-        height=0.6 + lines * (0.65 + INCHES_A_ROW * cases),
-        pixels=40 + lines * (95 + PIXELS_A_ROW * cases),
-        columns=columns,
-        legend_columns=int(any(len(own) for own in crosses.values())),
-        x_label="frequency ratio η_r [-]",
-        y_label=rows,
-        wide=True,
-        dense=True,
+    canvas, panels = small_multiples(
+        [variant.title for variant in maps], ROW * cases, x_label="frequency ratio η_r [-]", y_labels=[rows]
     )
+    crosses = by_variant(lost, maps)
+    for (axes,), (variant, errors) in zip(panels, maps.items(), strict=True):
+        mesh = _draw_map(axes, errors, crosses[variant])
+    _draw_scale(canvas, mesh)
+    legend(canvas, loc="upper left")
+    caption = (
+        f"Error of transmittance to the truth over {rows} and frequency: size, in colours that are common to all "
+        "variants"
+    )
+    return Drawing("error-map", caption, canvas)
 
 
-def _panel(variant: Variant, errors: pd.DataFrame, lost: pd.DataFrame) -> Panel:
+def _draw_scale(canvas: Figure, mesh: QuadMesh) -> None:
+    """Draw the scale of colours above the panels, at the right."""
+    place = place_of((4.6, canvas.get_figheight() - 0.14, 2.4, 0.08), canvas)
+    scale = canvas.colorbar(mesh, cax=canvas.add_axes(place), orientation="horizontal", extend="both")
+    decades = [float(f"1e{power}") for power in range(-3, 2)]
+    scale.set_ticks(decades, labels=list(map(ratio, decades)))
+    scale.ax.tick_params(labelsize=6.0, length=2.0, pad=1.0)
+    label: dict[str, Any] = {"ha": "right", "va": "center", "transform": scale.ax.transAxes, "fontsize": 7.0}
+    scale.ax.text(-0.08, 0.5, "error to truth [dB]", **label)
+
+
+def _draw_map(axes: Axes, errors: pd.DataFrame, lost: pd.DataFrame) -> QuadMesh:
     etas, places = errors.columns.to_numpy(), {case: float(row) for row, case in enumerate(errors.index)}
-    notes = [
-        [f"{case.numbers}: {signed(error)} dB" for error in row]
-        for case, row in zip(places, errors.to_numpy(), strict=True)
-    ]
-    size = np.maximum(errors.abs().to_numpy(), LOWEST_DB)
-    marks: list[Mark] = [
-        HeatMap(
-            etas, np.array(list(places.values())), size, LOWEST_DB, HIGHEST_DB, "error to truth [dB]",
-            "η_r %{x}\n%{text}", "log", notes,
-        )
-    ]  # fmt: skip
+    mesh = axes.pcolormesh(
+        etas, np.array(list(places.values())), np.maximum(errors.abs().to_numpy(), LOWEST_DB), cmap=MAP,
+        norm=LogNorm(LOWEST_DB, HIGHEST_DB), shading="nearest", rasterized=True,
+    )  # fmt: skip
+    hatched(axes)
     if len(lost):
-        rows = [places[case] for case in lost["case"]]
-        what = "no steady state"
-        marks.append(Series(lost["frequency_ratio"], rows, UNSTEADY, what, "markers", f"{what} at η_r %{{x}}"))
-    ticks = {row: case.numbers for case, row in places.items()}
-    return Panel(Axis(range=(etas[0], etas[-1]), grid=False), Axis(ticks=ticks, grid=False), marks, variant.title)
+        axes.plot(lost["frequency_ratio"], [places[case] for case in lost["case"]], **UNSTEADY)
+    axes.set(xlim=(etas[0], etas[-1]), ylim=(-0.5, len(places) - 0.5))
+    set_ticks(axes, "y", {row: case.numbers for case, row in places.items()})
+    return mesh
 
 
 SMALLEST_DB = 1e-5
 """Errors below are drawn here: less than the steady states of engines repeat to."""
-
-MOST_VECTOR_POINTS = 40
-"""Points beyond which the page has a still picture of pixels, a quarter of the drawing's size."""
-
-BALANCE = Style("#666666", dash=DOTTED)
 
 ERROR_LABEL = "largest error at six points [dB]"
 
@@ -199,175 +188,74 @@ def curves(points: Iterable[StepPoint]) -> Curves:
     return complete
 
 
-def work_precision_figure(sweep: Sweep, drawn: Curves) -> Figure:
-    """Draw the error over the time of a simulated second and over the time to the steady state."""
-    steps = _steps(drawn)
-    whole = _series(sweep, drawn, lambda point: point.seconds)
-    return Figure(
-        "work-precision",
-        "Work and precision: error over the time of a simulated second, and over that to a certified steady state; "
-        f"points of one variant from {steps[0]} to {steps[-1]} steps a period are joined",
-        [
-            _speed_panel(sweep, drawn),
-            Panel(Axis("time to the steady state [s]", scale="log"), Axis(scale="log"), whole),
-        ],
-        height=2.9 + 0.13 * (len(drawn) // 4),
-        pixels=430,
-        columns=2,
-        legend_columns=4,
-        wide=True,
-        dense=_is_dense(drawn),
-    )
-
-
-def speed_figure(sweep: Sweep, drawn: Curves, balance_db: float) -> Figure:
-    """Draw the error over the time of a simulated second alone, and that of harmonic balance, which has no steps."""
-    panel, steps = _speed_panel(sweep, drawn), _steps(drawn)
-    times = [1e3 * point.simulated_second for own in drawn.values() for point in own]
-    balance = Series([min(times), max(times)], [balance_db] * 2, BALANCE, "harmonic balance, no time step")
-    return Figure(
-        "work-precision",
-        "Work and precision: error over the time of a simulated second",
-        [replace(panel, marks=[*([] if math.isnan(balance_db) else [balance]), *panel.marks])],
-        height=2.9 + 0.13 * len(drawn),
-        pixels=430,
-        legend_columns=1 if len(drawn) < MOST_ROWS else 2,
-        legend_title=f"error to the proven truth, with {steps[0]} to {steps[-1]} steps a period",
-    )
-
-
-def _speed_panel(sweep: Sweep, drawn: Curves) -> Panel:
-    series = _series(sweep, drawn, lambda point: 1e3 * point.simulated_second)
-    label = "time of a simulated second, seven cells [ms]"
-    return Panel(Axis(label, scale="log"), Axis(ERROR_LABEL, scale="log"), series)
-
-
-def convergence_figure(sweep: Sweep, drawn: Curves) -> Figure:
-    """Draw the error over the number of steps a period, with the slope of a first-order scheme."""
-    ticks = {float(step): str(step) for step in _steps(drawn)}
-    lines = [*_series(sweep, drawn, lambda point: point.steps_per_period), *_first_order(drawn)]
-    return Figure(
-        "convergence",
-        "Convergence in the time step",
-        [Panel(Axis("steps a period [-]", scale="log", ticks=ticks), Axis(ERROR_LABEL, scale="log"), lines)],
-        height=2.9 + 0.13 * (len(drawn) // 2),
-        pixels=430,
-        dense=_is_dense(drawn),
-    )
-
-
-def _steps(drawn: Curves) -> list[int]:
-    return sorted({point.steps_per_period for own in drawn.values() for point in own})
-
-
-def _is_dense(drawn: Curves) -> bool:
-    return sum(map(len, drawn.values())) > MOST_VECTOR_POINTS
-
-
-def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Mark]:
+def work_precision_figures(drawn: Curves) -> list[Drawing]:
+    """Draw the error over the time of a simulated second, over that to the steady state, and over the steps."""
+    joined = "; points of one variant from {} to {} steps a period are joined".format(*_ends(drawn))
     return [
-        Series(
-            [cost(point) for point in own], _shown(own), style_of(sweep, variant), variant.title, "lines+markers",
-            "%{text} at %{x}",
-            [f"{point.steps_per_period} steps a period\nerror {point.error_db:.4g} dB" for point in own],
-        )
-        for variant, own in drawn.items()
+        speed_figure(drawn, joined),
+        _cost_figure(
+            "steady-state-time", f"Work and precision: error over the time to a certified steady state{joined}", drawn,
+            lambda point: point.seconds, "time to the steady state [s]",
+        ),
+        _cost_figure(
+            "convergence", "Convergence in the time step; dotted: first order", drawn,
+            lambda point: point.steps_per_period, "steps a period [-]", _first_order(drawn),
+        ),
     ]  # fmt: skip
+
+
+def speed_figure(drawn: Curves, said: str = "") -> Drawing:
+    """Draw the error over the time of a simulated second."""
+    return _cost_figure(
+        "work-precision", f"Work and precision: error over the time of a simulated second{said}", drawn,
+        lambda point: 1e3 * point.simulated_second, "time of a simulated second, seven cells [ms]",
+    )  # fmt: skip
+
+
+@mpl.rc_context(PRINT_STYLE)
+def _cost_figure(
+    name: str, caption: str, drawn: Curves, cost: Callable[[StepPoint], float], label: str,
+    line: tuple[list[float], list[float]] | None = None,
+) -> Drawing:  # fmt: skip
+    """Draw errors over what they cost: a panel an engine and formulation, the reference in grey in each."""
+    groups = by_panel(variant for variant in drawn if variant.engine != REFERENCE.engine) or {REFERENCE.title: []}
+    costs = [cost(point) for own in drawn.values() for point in own]
+    known = [value for value in costs if math.isfinite(value)] or [1.0]
+    errors = [error for own in drawn.values() for error in _shown(own)]
+    canvas, panels = small_multiples(list(groups), 1.2, x_label=label, y_labels=[ERROR_LABEL])
+    for (axes,), variants in zip(panels, groups.values(), strict=True):
+        if line is not None:
+            axes.plot(*line, **RULE, linestyle=":", label="first order")
+        for variant in (own for own in drawn if own.engine == REFERENCE.engine):
+            other = {} if variant == REFERENCE else {"label": variant.title, "linestyle": "--"}
+            _draw_costs(axes, drawn[variant], cost, {**GREY, **other})
+        for variant in variants:
+            _draw_costs(axes, drawn[variant], cost, preset_style(variant))
+        axes.set(xscale="log", yscale="log", ylim=(0.5 * min(errors), 2 * max(errors)))
+        axes.set_xlim(0.7 * min(known), 1.4 * max(known))
+    legend(canvas)
+    return Drawing(name, caption, canvas)
+
+
+def _draw_costs(axes: Axes, points: Sequence[StepPoint], cost: Callable[[StepPoint], float], style: Any) -> None:
+    axes.plot([cost(point) for point in points], _shown(points), **style)
+
+
+def _ends(drawn: Curves) -> tuple[int, int]:
+    steps = [point.steps_per_period for own in drawn.values() for point in own]
+    return min(steps), max(steps)
 
 
 def _shown(points: Iterable[StepPoint]) -> list[float]:
     return [max(point.error_db, SMALLEST_DB) for point in points]
 
 
-def _first_order(drawn: Curves) -> list[Series]:
+def _first_order(drawn: Curves) -> tuple[list[float], list[float]] | None:
     """Give a line of slope −1 through the middle of all errors at the fewest steps."""
     ends = [own[0] for own in drawn.values() if len(own) > 1]
     if not ends:
-        return []
+        return None
     first = min(point.steps_per_period for point in ends)
     last = max(own[-1].steps_per_period for own in drawn.values())
     start = float(np.median(_shown(point for point in ends if point.steps_per_period == first)))
-    line = Style("#888888", dash=DOTTED, width=0.7)
-    return [Series([first, last], [start, start * first / last], line, "first order")]
-
-
-def scale_figure(points: Sequence[ScalePoint]) -> Figure:
-    """Draw a panel an engine and formulation: the error of its presets over the frequency of the drive."""
-    panels: dict[str, dict[str, list[ScalePoint]]] = {}
-    for point in points:
-        preset = NAMED.get(point.variant.preset_name, "other presets")
-        panels.setdefault(point.variant.tuned.title, {}).setdefault(preset, []).append(point)
-    known = [point.error_db for point in points if not math.isnan(point.error_db)]
-    size = Axis(range=(0.5 * max(min(known), SMALLEST_DB), 2 * max(known)), scale="log")
-    hertz = Axis(scale="log", ticks={point.hertz: f"{point.hertz:.2g}" for point in points})
-    return Figure(
-        "scale",
-        "Error of transmittance to the exact motion over the frequency of the drive, of one chain with softer and "
-        "stiffer springs: all ratios are the same",
-        [
-            # the smaller marks above the larger ones
-            Panel(hertz, size, [_scaled(title, own[title]) for title in sorted(own, reverse=True)], name)
-            for name, own in panels.items()
-        ],
-        height=2.9,
-        pixels=380,
-        columns=len(panels),
-        legend_columns=3,
-        x_label="frequency of the drive [Hz]",
-        y_label="error to the exact motion [dB]",
-        wide=True,
-    )
-
-
-def _scaled(title: str, points: Sequence[ScalePoint]) -> Series:
-    hertz, sizes = [point.hertz for point in points], [point.error_db for point in points]
-    return Series(hertz, sizes, PRESETS[title], title, "lines+markers", "%{y:.3g} dB at %{x:.3g} Hz")
-
-
-LARGEST = Style("#D55E00", "circle", 5.0)
-MEDIAN = Style("#0072B2", "square", 4.2, dash=DASHED)
-CREEP = Style("#009E73", "diamond", 3.6, dash=DOTTED)
-
-SMALLEST_CREEP = 1e-10
-"""Likewise of creep: round-off over a period."""
-
-
-def option_figure(number: int, curve: pd.DataFrame) -> Figure:
-    """Draw a curve, the `number`-th of the report: errors, and beside them the creep if anything sticks."""
-    title, option = curve["curve"][0], curve["option"][0]
-    values, notes, axis = list(curve["value"]), list(curve["variant"]), _option_axis(option, list(curve["value"]))
-
-    def series(column: str, smallest: float, style: Style, unit: str) -> Series:
-        name, hover = column.replace("_error_db", " error").replace("_", " "), f"%{{text}}\n%{{y:.3g}} {unit}"
-        return Series(values, curve[column].clip(lower=smallest), style, name, "lines+markers", hover, notes)
-
-    errors: list[Mark] = [
-        Rule("y", WRONG_DB, LIMIT),
-        series("largest_error_db", SMALLEST_DB, LARGEST, "dB"),
-        series("median_error_db", SMALLEST_DB, MEDIAN, "dB"),
-    ]
-    panels = [Panel(axis, Axis("error to truth [dB]", scale="log"), errors)]
-    if (curve["largest_creep"] > SMALLEST_CREEP).any():
-        creep = series("largest_creep", SMALLEST_CREEP, CREEP, "ω U0")
-        panels.append(Panel(axis, Axis("creep within sticks / (ω U0) [-]", scale="log"), [creep]))
-    return Figure(
-        f"option-{number}-{option}",
-        f"{title}: error to the truth over {option}, all else equal; dashed: {ratio(WRONG_DB)} dB, from "
-        "which on a variant is wrong",
-        panels,
-        height=2.2 * len(panels) + 0.5,
-        pixels=250 * len(panels) + 60,
-        legend_columns=3,
-        dense=True,
-    )
-
-
-def _option_axis(option: str, values: Sequence[float]) -> Axis:
-    """Give the axis of an option: by powers where its values span a decade; to scale about zero."""
-    sizes = [abs(value) for value in values if value]
-    ticks = {value: ratio(value) for value in values}
-    if max(sizes) < 10 * min(sizes):
-        return Axis(option, ticks=ticks)
-    if min(values) > 0:
-        return Axis(option, scale="log", ticks=ticks)
-    return Axis(option, scale="asinh", linear=min(sizes), ticks=ticks)
+    return [first, last], [start, start * first / last]

@@ -1,34 +1,35 @@
 """Stick and slip over one period, and hysteresis loops: friction force over relative displacement of every contact."""
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import NamedTuple
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import file_name
+from multibody_xval.reports.data.stick_slip import CasePoint
+from multibody_xval.reports.figures.drawing import Drawing, legend, set_ticks, small_multiples
+from multibody_xval.reports.figures.style import GREY, PRINT_STYLE, by_panel, preset_style
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.validation import FloatArray
-from reports.data.descriptions import file_name
-from reports.data.stick_slip import CasePoint
-from reports.drawing.figure import Axis, Bars, Figure, Panel, Series
-from reports.drawing.style import style_of
-from reports.formatting import ratio
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.steady_case import REFERENCE
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
 """Dark, light and middle: distinguishable in grey and by colour-blind readers."""
 
-MOST_VECTOR_VARIANTS = 16
-"""Variants beyond which the page holds a raster as a picture of pixels."""
+CELL = 0.15
+"""Height of a cell in a raster [inch]."""
 
-NAMED = 8
-"""Variants beyond which the strips of the first cell only are named in print."""
+MOST_WIDE = 12
+"""Panels of a raster beyond which they are narrower."""
 
 
 class Phase(NamedTuple):
@@ -60,43 +61,36 @@ def phases(result: Result) -> list[Phase]:
     return bounded
 
 
-def raster(point: CasePoint, results: dict[Variant, Result]) -> Figure:
-    """Draw one point: cells over time, and within each cell a strip for each variant, the first on top."""
-    count, cells = len(results), max(len(result.stuck_fraction) for result in results.values())
-    named = range(1, cells + 1 if count <= NAMED else 2)
-    height = 0.86 / count  # of a strip, on an axis on which cell k takes 1 and lies about k
-    above = {variant: height * (strip - (count - 1) / 2) for strip, variant in enumerate(results)}
-    every = [(variant, phase) for variant, result in results.items() for phase in phases(result)]
-    bars = [_bars(mode, [own for own in every if own[1].mode is mode], above, 0.92 * height) for mode in MODE_COLOURS]
-    panel = Panel(
-        Axis("time / period [-]", (0.0, 1.0), decimals=5),
-        Axis(range=(cells + 0.5, 0.5), ticks={float(k): f"cell {k}" for k in range(1, cells + 1)}, grid=False),
-        bars,
-        names_at_right={k + above[variant]: variant.title for k in named for variant in results},
-    )
-    return Figure(
-        f"stick-slip-{file_name(point)}",
-        f"Stick and slip at {point[0].title}, η_r = {ratio(point[1])}; in each cell, from top to "
-        f"bottom: {'; '.join(variant.title for variant in results)}",
-        [panel],
-        height=0.9 + cells * max(0.34, 0.085 * count),
-        pixels=100 + round(cells * max(36, 9 * count)),
-        legend_columns=3,
-        wide=True,
-        dense=count > MOST_VECTOR_VARIANTS,
-    )
+@mpl.rc_context(PRINT_STYLE)
+def raster(point: CasePoint, results: Mapping[Variant, Result]) -> Drawing:
+    """Draw one point: a panel a variant with cells over time, in each cell the reference above the variant."""
+    cells = max(len(result.stuck_fraction) for result in results.values())
+    shown = [variant for variant in results if variant != REFERENCE] or [REFERENCE]
+    canvas, panels = small_multiples(
+        [variant.title for variant in shown], CELL * cells, columns=4 if len(shown) <= MOST_WIDE else 6,
+        x_label="time / period [-]", y_labels=["cell"],
+    )  # fmt: skip
+    for (axes,), variant in zip(panels, shown, strict=True):
+        _strips(axes, phases(results[REFERENCE]), -0.2)
+        _strips(axes, phases(results[variant]), 0.2)
+        axes.set(xlim=(0.0, 1.0), ylim=(cells + 0.5, 0.5))
+        axes.grid(visible=False)
+        set_ticks(axes, "x", {0.0: "0", 0.5: "0.5", 1.0: "1"})
+        set_ticks(axes, "y", {float(cell): str(cell) for cell in range(1, cells + 1)})
+    legend(canvas)
+    caption = f"Stick and slip at {point[0].title}, η_r = {ratio(point[1])}; in each cell above: the reference"
+    return Drawing(f"stick-slip-{file_name(point)}", caption, canvas)
 
 
-def _bars(mode: Mode, drawn: list[tuple[Variant, Phase]], above: Mapping[Variant, float], height: float) -> Bars:
-    return Bars(
-        start=[phase.start for _, phase in drawn],
-        length=[phase.length for _, phase in drawn],
-        middle=[phase.cell + above[variant] for variant, phase in drawn],
-        height=height,
-        colour=MODE_COLOURS[mode],
-        name=str(mode),
-        notes=[f"cell {p.cell}, {v.title}\n{p.start:.4f} to {p.start + p.length:.4f}" for v, p in drawn],
-    )
+def _strips(axes: Axes, every: Iterable[Phase], offset: float) -> None:
+    """Draw the phases of every mode as one line with gaps, as thick as a strip."""
+    by_mode: dict[Mode, list[Phase]] = {mode: [] for mode in MODE_COLOURS}
+    for phase in every:
+        by_mode[phase.mode].append(phase)
+    for mode, own in by_mode.items():
+        x = [value for phase in own for value in (phase.start, phase.start + phase.length, math.nan)]
+        y = [phase.cell + offset for phase in own for _ in range(3)]
+        axes.plot(x, y, color=MODE_COLOURS[mode], linewidth=72 * CELL * 0.36, solid_capstyle="butt", label=str(mode))
 
 
 CORNER = 0.003
@@ -105,40 +99,47 @@ CORNER = 0.003
 Over the width and height of the loop: a third of a pixel of a plot of a hundred pixels.
 """
 
-PANELS_A_ROW = 4
+SLOT = 0.8
+"""Largest width of a loop, over the distance of cells."""
 
 
-def hysteresis(sweep: Sweep, point: CasePoint, periods: Mapping[Variant, RecordedPeriod]) -> Figure:
-    """Draw the loops of all contacts at one point."""
+@mpl.rc_context(PRINT_STYLE)
+def hysteresis(point: CasePoint, periods: Mapping[Variant, RecordedPeriod]) -> Drawing:
+    """Draw the loops of all contacts at one point, side by side in a panel an engine and formulation."""
     cells = max(period.outer.shape[1] for period in periods.values())
-    rows = -(-cells // PANELS_A_ROW)
-    return Figure(
-        f"hysteresis-{file_name(point)}",
-        f"Hysteresis loops at {point[0].title}, η_r = {ratio(point[1])}: "
-        "friction over its bound, over relative displacement",
-        [_panel(sweep, periods, cell) for cell in range(cells)],
-        height=0.6 + 1.55 * rows,
-        pixels=60 + 230 * rows,
-        columns=PANELS_A_ROW,
-        legend_columns=4,
-        x_label="relative displacement / U_0 [-]",
-        y_label="friction / bound [-]",
-        wide=True,
+    widths = np.zeros(cells)
+    for period in periods.values():
+        own = np.ptp(period.relative, axis=0)
+        widths[: own.size] = np.maximum(widths[: own.size], own)
+    groups = by_panel(variant for variant in periods if variant != REFERENCE) or {REFERENCE.title: []}
+    canvas, panels = small_multiples(
+        list(groups), 0.75, columns=2, y_labels=["friction / bound [-]"],
+        x_label="cell, and the width of its widest loop: relative displacement / U_0 [-]",
+    )  # fmt: skip
+    for (axes,), variants in zip(panels, groups.values(), strict=True):
+        if REFERENCE in periods:
+            _loops(axes, periods[REFERENCE], widths, {**GREY, "linewidth": 2.2})
+        for variant in variants:
+            _loops(axes, periods[variant], widths, {**preset_style(variant), "marker": "none", "linestyle": "-"})
+        axes.set(xlim=(0.4, cells + 0.6), ylim=(-1.15, 1.15))
+        names = {float(cell): f"{cell}\n{ratio(float(f'{width:.2g}'))}" for cell, width in enumerate(widths, 1)}
+        set_ticks(axes, "x", names)
+    legend(canvas)
+    caption = (
+        f"Hysteresis loops at {point[0].title}, η_r = {ratio(point[1])}: friction over its bound, over relative "
+        "displacement; cells side by side, each at a scale of its own"
     )
+    return Drawing(f"hysteresis-{file_name(point)}", caption, canvas)
 
 
-def _panel(sweep: Sweep, periods: Mapping[Variant, RecordedPeriod], cell: int) -> Panel:
-    hover = f"cell {cell + 1}\n%{{x:.4f}} U_0\n%{{y:.3f}} of the bound"
-    loops = [
-        Series(
-            *_loop(period, cell), replace(style_of(sweep, variant), width=1.6 if variant == REFERENCE else 0.9),
-            variant.title, hover=hover,
-        )
-        for variant, period in periods.items() if cell < period.outer.shape[1]
-    ]  # fmt: skip
-    return Panel(
-        Axis(most_ticks=4, decimals=7), Axis(range=(-1.15, 1.15), most_ticks=5), loops, title=f"cell {cell + 1}"
-    )
+def _loops(axes: Axes, period: RecordedPeriod, widths: FloatArray, style: dict[str, Any]) -> None:
+    """Draw the loops of all cells as one line with gaps."""
+    x, y = [], []
+    for cell in range(period.outer.shape[1]):
+        displacement, friction = _loop(period, cell)
+        x += [*(cell + 1 + SLOT * displacement / (widths[cell] or 1.0)), math.nan]
+        y += [*friction, math.nan]
+    axes.plot(x, y, **style)
 
 
 def _loop(period: RecordedPeriod, cell: int) -> tuple[FloatArray, FloatArray]:

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from importlib.metadata import entry_points
 from typing import Any, ClassVar
 
-from reports.data.report import Report
-from reports.drawing.figure import Figure
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing
 
-SUITE_TEMPLATES = "reports.page"
+SUITE_TEMPLATES = "multibody_xval.reports.page"
 """Package that holds the suite's own templates."""
 
 ENTRY_POINT_GROUP = "multibody_xval.sections"
@@ -40,7 +40,7 @@ class Section(ABC):
         """Whether there is anything to show; a section without is left out."""
         return True
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         """Figures of the section, in the order in which they stand; their names are unique in a report."""
         return []
 

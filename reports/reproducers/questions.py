@@ -8,23 +8,23 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import Throw
+from multibody_xval.scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, Pull, slip_time
+from multibody_xval.scenarios.catalogue.block.static_hold import CREEP, HOLD_TIME
+from multibody_xval.scenarios.catalogue.block.stopping_distance import DISTANCE
+from multibody_xval.scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
+from multibody_xval.scenarios.catalogue.motion import MotionCase, MotionScenario
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.steady.figure3 import Figure3Points
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Metric
+from multibody_xval.scenarios.verdicts.judge import missing
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE, SteadyCase
 from reference_lcp.chain.drives import HarmonicBase
-from scenarios.catalogue.block.base import Throw
-from scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, Pull, slip_time
-from scenarios.catalogue.block.static_hold import CREEP, HOLD_TIME
-from scenarios.catalogue.block.stopping_distance import DISTANCE
-from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
-from scenarios.catalogue.motion import MotionCase, MotionScenario
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.steady.figure3 import Figure3Points
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import TRANSMITTANCE, Metric
-from scenarios.verdicts.judge import missing
-from scenarios.verdicts.steady_case import EXACT, REFERENCE, SteadyCase
 
 PERIODS = 30
 """Of a steady state's script, from rest: by then friction and dashpots have taken most of what the start shook."""

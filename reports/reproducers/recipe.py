@@ -4,14 +4,14 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation, OfStep, Preset
-from engines.interface.registry import engine_names, registered_engine
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation, OfStep, Preset
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.reproducers.script import beside
+from multibody_xval.scenarios.catalogue.scenes.base import COMMON_STEP
+from multibody_xval.scenarios.catalogue.scenes.recipes import NOTHING_TO_RECOMMEND
 from reference_lcp.errors import ParameterError, checked_choice
-from reports.formatting import environment
-from reports.reproducers.script import beside
-from scenarios.catalogue.scenes.base import COMMON_STEP
-from scenarios.catalogue.scenes.recipes import NOTHING_TO_RECOMMEND
 
 TEMPLATE = "recipe.jinja"
 """File beside an adapter. It reads the options that the presets ``recommended`` change, as texts by name, in
@@ -34,9 +34,9 @@ def recipe_text(name: str) -> str:
         If no such engine is registered, or it has no recipe.
     """
     checked_choice("engine", name, engine_names())
-    adapter = registered_engine(name)
+    adapter = engine(name)
     if not has_recipe(adapter):
-        allowed = ", ".join(each for each in engine_names() if has_recipe(registered_engine(each)))
+        allowed = ", ".join(each for each in engine_names() if has_recipe(engine(each)))
         recommends = any(RECOMMENDED in presets for presets in adapter.capabilities.presets.values())
         reason = NOTHING_TO_RECOMMEND if adapter.scene_worlds and not recommends else adapter.no_scenes
         raise ParameterError(f"engine = {name} has no recipe: {reason}; allowed: {allowed}")

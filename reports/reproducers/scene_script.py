@@ -10,21 +10,29 @@ from typing import Any
 
 from jinja2 import DictLoader
 
-from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names, registered_engine
-from engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSetting
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSetting
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.reproducers.questions import QUESTIONS
+from multibody_xval.reports.reproducers.script import (
+    WIDTH,
+    Reproduction,
+    beside,
+    check_not_blocked,
+    checked,
+    docstring,
+    script,
+)
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.base import SceneCase, SceneScenario
+from multibody_xval.scenarios.catalogue.scenes.slide import REST
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.scene import SceneTask, in_world, kept_rows, plane_axes
+from multibody_xval.scenarios.verdicts.finding import Metric
 from reference_lcp.errors import ParameterError, checked_choice
-from reports.formatting import environment
-from reports.reproducers.questions import QUESTIONS
-from reports.reproducers.script import WIDTH, Reproduction, beside, check_not_blocked, checked, docstring, script
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.base import SceneCase, SceneScenario
-from scenarios.catalogue.scenes.slide import REST
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import Result
-from scenarios.runs.scene import SceneTask, in_world, kept_rows, plane_axes
-from scenarios.verdicts.finding import Metric
 
 TEMPLATE = "scene.py.jinja"
 """File beside an adapter: the blocks ``imports`` and ``simulation`` of jinja2. The second gives the functions ``step``
@@ -100,7 +108,7 @@ def reproduction_script(shown: Reproduction | SceneReproduction, evaluator: Eval
 
 def has_scene_script(name: str, scenario: str) -> bool:
     """Whether there is a template for a scenario in an engine."""
-    adapter = registered_engine(name) if name in engine_names() else None
+    adapter = engine(name) if name in engine_names() else None
     if adapter is None or not beside(adapter, TEMPLATE).is_file():
         return False
     return scenario in (SCENES if adapter.scene_models else ON_A_PLANE)
@@ -112,7 +120,7 @@ def scene_script(shown: SceneReproduction, evaluator: Evaluator) -> str:
     check_not_blocked(shown.variant, shown.case.name, result)
     metric, value = shown.number(result)
     templates = environment(markup=False)
-    frame = files("reports.reproducers").joinpath("templates", TEMPLATE).read_text(encoding="utf-8")
+    frame = files("multibody_xval.reports.reproducers").joinpath("templates", TEMPLATE).read_text(encoding="utf-8")
     own = beside(engine(shown.variant.engine), TEMPLATE).read_text(encoding="utf-8")
     templates.loader = DictLoader({"engine": own, "scene": frame})
     suite = f"{value:.6g} {metric.unit}" if math.isfinite(value) else f"no number ({result.reason or result.status})"

@@ -11,23 +11,23 @@ from importlib.resources.abc import Traversable
 
 from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names, registered_engine
-from engines.interface.reproducer import Reproducer
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.reproducers.questions import QUESTIONS, Number, Question
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.verdicts.finding import Metric
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, checked_choice, shortened
 from reference_lcp.terminal import visible
 from reference_lcp.validation import FloatArray
-from reports.formatting import environment
-from reports.reproducers.questions import QUESTIONS, Number, Question
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.verdicts.finding import Metric
 
 MOST_LINES = 60
 """A script stays readable in a tracker."""
@@ -92,14 +92,14 @@ def _template(variant: Variant) -> Reproducer | None:
 
 
 def _adapter(name: str) -> Engine:
-    """Give the adapter of an engine, or of a version of it."""
+    """Give the adapter of an engine; of the model of a law, that of the engine."""
     base = name.partition("@")[0]
-    return registered_engine(base) if base in engine_names() else engine(name)
+    return engine(base) if base in engine_names() else engine(name)
 
 
 def _reproducible() -> Iterable[str]:
     """Name every engine and formulation that has a template."""
-    return [f"{name}:{formulation}" for name in engine_names() for formulation in registered_engine(name).reproducers]
+    return [f"{name}:{formulation}" for name in engine_names() for formulation in engine(name).reproducers]
 
 
 def script(shown: Reproduction, evaluator: Evaluator) -> str:
@@ -137,11 +137,13 @@ def _environment(engine_name: str, template: str) -> Environment:
     Names that are not there are refused.
     """
     own = beside(_adapter(engine_name), template).read_text(encoding="utf-8")
-    shared = PackageLoader("reports.reproducers")
-    frame = files("reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
+    shared = PackageLoader("multibody_xval.reports.reproducers")
+    frame = (
+        files("multibody_xval.reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
+    )
     templates = environment(markup=False)
     templates.loader = ChoiceLoader(
-        [DictLoader({"engine": own, "script": frame}), shared, PackageLoader("engines", "")]
+        [DictLoader({"engine": own, "script": frame}), shared, PackageLoader("multibody_xval.engines", "")]
     )
     templates.filters["listed"] = _list
     return templates

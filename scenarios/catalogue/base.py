@@ -4,12 +4,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
-from engines.interface.variant import EVERY_VARIANT, Variant, variants_named
-from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
+from multibody_xval.engines.interface.variant import EVERY_VARIANT, Variant, variants_named
+from multibody_xval.scenarios.catalogue.descriptions import DESCRIPTIONS
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
 
 
 class Scenario(ABC):

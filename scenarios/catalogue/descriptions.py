@@ -10,9 +10,6 @@ ALL_SCENARIOS = "all"
 REFERENCE_REFINEMENT = 16
 """The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
 
-INCLINED_REFINEMENT = 4
-"""The same for inclined contacts, where a step of the reference is one of Lemke's method."""
-
 TRANSIENT_EXPECTS = (
     f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
     "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees "
@@ -94,17 +91,6 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "the published number, to its printed digits; allowed: the engine's error from three step sizes, or the "
             "reference's from the same ones if that is larger",
         ),
-        "inclined-chain": Description(
-            "How does a chain with inclined contacts move, where normal forces depend on the motion?",
-            f"the reference, equation (7) in full, with {INCLINED_REFINEMENT} times as many steps; allowed: its error "
-            "from three step sizes, and the engine's own from three, or the reference's at the same ones if that is "
-            "larger",
-        ),
-        "inclined-steady-state": Description(
-            "What reaches the end of a chain with inclined contacts once its motion repeats, sliding, stuck, parting?",
-            "the reference, equation (7) in full, with 16 times as many steps and its error bar; the closed form where "
-            "all contacts stick",
-        ),
         "ricker-pulse": Description(
             "How much of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?",
             TRANSIENT_EXPECTS,
@@ -168,10 +154,6 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             f"limits: from that of a uniform pressure to μ m g s/√2, that of the corners; allowed: {EULER}",
         ),
         "arm-hold": Description("Does an arm whose hinges rub stay stretched out under gravity?", NO_MOTION),
-        "repeat": Description(
-            "Is a motion the same when it is run again, in another process, beside others, in another order?",
-            "the first motion, bit for bit",
-        ),
     }
 )
 """Descriptions by the names of the scenarios, in the order in which they are listed and run."""

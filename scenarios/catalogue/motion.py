@@ -6,18 +6,18 @@ from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from engines.interface.registry import law_of
-from engines.interface.tolerances import STEPS
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers, ResultStatus
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number, Steps, judge, missing
+from multibody_xval.scenarios.verdicts.prediction import LawPeriod
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE
 from reference_lcp.steady.error_bar import REFINEMENTS
-from scenarios.catalogue.base import Scenario
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers, ResultStatus
-from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric
-from scenarios.verdicts.judge import Number, Steps, judge, missing
-from scenarios.verdicts.prediction import LawPeriod
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
 
 
 class MotionCase(Protocol):

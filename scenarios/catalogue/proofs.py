@@ -13,27 +13,21 @@ from functools import cache
 from itertools import pairwise
 from statistics import median_high
 
-from reference_lcp.deadline import NotProven
-from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.exact.proof.exact_chain import ExactChain
-from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
-from reference_lcp.one_call import steady_state
-from reference_lcp.validation import checked_count
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.steady.base import SteadyScenario
-from scenarios.catalogue.steady.modulated_normal_force import CASE_STEPS, CASES
-from scenarios.runs.parameters import ChainRatios, OperatingPoint
-from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.accuracy import ACCURACY_POINTS, task_at
-from scenarios.studies.figure3 import (
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.steady.base import SteadyScenario
+from multibody_xval.scenarios.catalogue.steady.modulated_normal_force import CASE_STEPS, CASES
+from multibody_xval.scenarios.runs.parameters import ChainRatios, OperatingPoint
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.accuracy import ACCURACY_POINTS, task_at
+from multibody_xval.scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
     default_frequency_ratios,
     quick_frequency_ratios,
 )
-from scenarios.tables import Column
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.proven import (
+from multibody_xval.scenarios.tables import Column
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.scenarios.verdicts.proven import (
     DIGITS,
     RADIUS,
     ProvenLevel,
@@ -42,7 +36,13 @@ from scenarios.verdicts.proven import (
     proven_levels,
     steady_state_of,
 )
-from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
+from reference_lcp.deadline import NotProven
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.exact.proof.exact_chain import ExactChain
+from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
+from reference_lcp.one_call import steady_state
+from reference_lcp.validation import checked_count
 
 EDGES = (
     (0.0, 0.8526), (0.0, 1.4142), (0.1, 0.7533), (0.3, 0.6373), (0.6, 0.7559), (1.0, 0.9988), (5.0, 1.1725)
@@ -142,7 +142,7 @@ def standard_points() -> list[OperatingPoint]:
 def catalogue_tasks() -> list[SteadyStateTask]:
     """Give the steady states of the catalogue whose normal forces are given, and contacts stay closed."""
     steady = [each for each in CATALOGUE.values() if isinstance(each, SteadyScenario)]
-    tasks = [case.task(EXACT) for scenario in steady for case in scenario.cases if case.inclination == 0]
+    tasks = [case.task(EXACT) for scenario in steady for case in scenario.cases]
     tasks = [task for task in tasks if task.modulation is None]
     return tasks + [case.task(EXACT, CASE_STEPS[0]) for case in CASES if case.modulation <= 1]
 

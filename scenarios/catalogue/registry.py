@@ -3,34 +3,31 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.block.breakaway import Breakaway
-from scenarios.catalogue.block.direction import Direction
-from scenarios.catalogue.block.published import Published
-from scenarios.catalogue.block.static_above_kinetic import StaticAboveKinetic
-from scenarios.catalogue.block.static_hold import Ratchet, StaticHold
-from scenarios.catalogue.block.stopping_distance import StoppingDistance
-from scenarios.catalogue.repeat import Repeat
-from scenarios.catalogue.scenes.hold import Grip, HeavyOnLight, SlopeHold, StackHold
-from scenarios.catalogue.scenes.joints import ArmHold, JointHold
-from scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
-from scenarios.catalogue.scenes.spin import Spin
-from scenarios.catalogue.steady.den_hartog import DenHartog
-from scenarios.catalogue.steady.figure3 import Figure3Points
-from scenarios.catalogue.steady.inclined_steady_state import InclinedSteadyState
-from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
-from scenarios.catalogue.steady.long_chain import LongChain
-from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
-from scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChain
-from scenarios.catalogue.steady.unit_cell import UnitCell
-from scenarios.catalogue.steady.wide_range import WideRange
-from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.transient.free_decay import FreeDecay
-from scenarios.catalogue.transient.inclined_chain import InclinedChainScenario
-from scenarios.catalogue.transient.long_run import LongRun
-from scenarios.catalogue.transient.record import Record
-from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
-from scenarios.catalogue.transient.swept_sine import SweptSineScenario
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.catalogue.block.breakaway import Breakaway
+from multibody_xval.scenarios.catalogue.block.direction import Direction
+from multibody_xval.scenarios.catalogue.block.published import Published
+from multibody_xval.scenarios.catalogue.block.static_above_kinetic import StaticAboveKinetic
+from multibody_xval.scenarios.catalogue.block.static_hold import Ratchet, StaticHold
+from multibody_xval.scenarios.catalogue.block.stopping_distance import StoppingDistance
+from multibody_xval.scenarios.catalogue.scenes.hold import Grip, HeavyOnLight, SlopeHold, StackHold
+from multibody_xval.scenarios.catalogue.scenes.joints import ArmHold, JointHold
+from multibody_xval.scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
+from multibody_xval.scenarios.catalogue.scenes.spin import Spin
+from multibody_xval.scenarios.catalogue.steady.den_hartog import DenHartog
+from multibody_xval.scenarios.catalogue.steady.figure3 import Figure3Points
+from multibody_xval.scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
+from multibody_xval.scenarios.catalogue.steady.long_chain import LongChain
+from multibody_xval.scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
+from multibody_xval.scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChain
+from multibody_xval.scenarios.catalogue.steady.unit_cell import UnitCell
+from multibody_xval.scenarios.catalogue.steady.wide_range import WideRange
+from multibody_xval.scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
+from multibody_xval.scenarios.catalogue.transient.free_decay import FreeDecay
+from multibody_xval.scenarios.catalogue.transient.long_run import LongRun
+from multibody_xval.scenarios.catalogue.transient.record import Record
+from multibody_xval.scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
+from multibody_xval.scenarios.catalogue.transient.swept_sine import SweptSineScenario
 
 SCENARIOS: tuple[Scenario, ...] = (
     UnitCell(),
@@ -46,8 +43,6 @@ SCENARIOS: tuple[Scenario, ...] = (
     StaticAboveKinetic(),
     Direction(),
     Published(),
-    InclinedChainScenario(),
-    InclinedSteadyState(),
     RickerPulseScenario(),
     SweptSineScenario(),
     FilteredNoiseScenario(),
@@ -68,7 +63,6 @@ SCENARIOS: tuple[Scenario, ...] = (
     Spin(),
     JointHold(),
     ArmHold(),
-    Repeat(),
 )
 
 CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})

@@ -1,6 +1,5 @@
 """Verdicts as tables: for the terminal, for documents, for other programs."""
 
-import html
 import math
 import platform
 from collections import Counter
@@ -10,13 +9,21 @@ from functools import partial
 
 import pandas as pd
 
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
-from scenarios.catalogue.base import Scenario
-from scenarios.junit import JUnitCase, junit_text
-from scenarios.runs.task import versions_of
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, markdown_list, records, text_table
-from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.runs.task import versions_of
+from multibody_xval.scenarios.tables import (
+    Column,
+    csv_text,
+    full_table,
+    json_text,
+    markdown_lines,
+    markdown_list,
+    records,
+    text_table,
+)
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unmodelled
 
 Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""
@@ -142,7 +149,7 @@ def _law(finding: Finding, before: str) -> str:
 
 def law_in_words(variant: Variant) -> str:
     """Say how a variant deviates, in words where there are some, else by the formula of its law."""
-    model = variant.inclined_law
+    model = variant.law
     law = None if model is None else law_of(model.preset)
     return variant.preset.known_deviation or ("" if law is None else law.formula)
 
@@ -255,7 +262,7 @@ def finding_table(results: Results) -> pd.DataFrame:
 
 
 class VerdictTable(pd.DataFrame):
-    """Verdicts, a row a number; printed as one line, and shown in a notebook as the counts of each variant.
+    """Verdicts, a row a number; printed as one line.
 
     A part of it, such as ``table[table.verdict == "disagree"]``, is shown row by row. As a figure:
     ``table.counts.plot.barh(stacked=True)``.
@@ -278,9 +285,6 @@ class VerdictTable(pd.DataFrame):
         each = ", ".join(f"{count:,} {verdict}" for verdict, count in counts.sum().items())
         return f"<verdicts on {len(self):,} numbers, {len(counts)} rows of scenario and variant: {each}>"
 
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(repr(self))}</p>{self.counts.to_html()}"
-
 
 def _content(results: Results, command: str) -> dict[str, object]:
     findings = [finding for own in results.values() for finding in own]
@@ -298,29 +302,9 @@ def _content(results: Results, command: str) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _junit(results: Results) -> str:
-    """Give each number as a case; one about which nothing is known is skipped."""
-    cases = []
-    for scenario, own in results.items():
-        fails = {id(finding) for finding in failing(own)}
-        for finding in own:
-            verdict = finding.comparison.verdict
-            reason = f"{verdict}: {finding.comparison.reason}"
-            case = JUnitCase(
-                suite=f"{scenario.name}, {finding.variant}",
-                name=f"{finding.metric.name}, {finding.case}",
-                failure=reason if id(finding) in fails else "",
-                skipped=reason if verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE) else "",
-                output=reason + _law(finding, "\n"),
-            )
-            cases.append(case)
-    return junit_text("multibody-xval run", cases)
-
-
 VERDICT_FORMATS: dict[str, Callable[[Results, str], str]] = {
     ".md": verdict_document,
     ".json": lambda results, command: json_text(_content(results, command), indent=1),
-    ".xml": lambda results, _command: _junit(results),
     ".csv": lambda results, _command: csv_text(finding_table(results), missing=""),
 }
 """What is written of verdicts and the command that made them, by the ending of the file."""

@@ -11,13 +11,13 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from functools import partial
 from typing import Any
 
+from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.scenarios.runs.executor import Batch, Executor, InProcessExecutor, Run, WorkerDied, WorkerExecutor
+from multibody_xval.scenarios.runs.failures import ExecutorError
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor, unavailable_reason
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.worker import identity_of
 from reference_lcp.errors import ParameterError, shown, text_of
-from scenarios.runs import TIME_LIMIT
-from scenarios.runs.executor import Batch, Executor, InProcessExecutor, Run, WorkerDied, WorkerExecutor
-from scenarios.runs.failures import ExecutorError
-from scenarios.runs.local_processes import LocalExecutor, unavailable_reason
-from scenarios.runs.result import Result
-from scenarios.runs.worker import identity_of
 
 _own = threading.local()
 """The processes of each thread of the worker."""

@@ -4,11 +4,11 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 
-from scenarios.runs.executor import Executor, InProcessExecutor, batches_of
-from scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result, ResultStatus
-from scenarios.runs.scratch import Closing
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Task
+from multibody_xval.scenarios.runs.executor import Executor, InProcessExecutor, batches_of
+from multibody_xval.scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result, ResultStatus
+from multibody_xval.scenarios.runs.scratch import Closing
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Task
 
 Ended = Callable[[Task, Result], None]
 """Takes a task and its result."""

@@ -7,16 +7,15 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from itertools import islice
 from typing import Any
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.scene import SceneTask, run_scenes
+from multibody_xval.scenarios.runs.scratch import Closing
+from multibody_xval.scenarios.runs.steady import run_steady_states
+from multibody_xval.scenarios.runs.task import Task
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.runs.transient_task import TransientTask
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
-from scenarios.runs.repeat import RepeatTask, run_repeats
-from scenarios.runs.result import Result
-from scenarios.runs.scene import SceneTask, run_scenes
-from scenarios.runs.scratch import Closing
-from scenarios.runs.steady import run_steady_states
-from scenarios.runs.task import Task
-from scenarios.runs.transient import run_transients
-from scenarios.runs.transient_task import TransientTask
 
 Batch = list[Task]
 """Tasks of one type, for one variant, on chains of one length."""
@@ -32,8 +31,6 @@ def run_batch(batch: Sequence[Task]) -> list[Result]:
         run = run_transients
     elif isinstance(batch[0], SceneTask):
         run = run_scenes
-    elif isinstance(batch[0], RepeatTask):
-        run = run_repeats
     return run(batch)
 
 

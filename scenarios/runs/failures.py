@@ -8,13 +8,13 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.engine import EngineNotInstalled
+from multibody_xval.engines.interface.engine import EngineNotInstalled
+from multibody_xval.scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result
+from multibody_xval.scenarios.runs.task import Task
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError, RunError, text_of
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import NOT_INSTALLED, UNREPRESENTABLE, Result
-from scenarios.runs.task import Task
 
 TIME_MARGIN = 1e-3
 """Part of a step by which the time of a row may differ: a million steps that are added up one by one are off by at

@@ -12,15 +12,15 @@ from concurrent.futures import Future, wait
 from contextlib import contextmanager, suppress
 from threading import Thread, Timer
 
-from engines.interface import registry
-from engines.isolated.process import FATAL, place_of_crash
+from multibody_xval.engines.interface import registry
+from multibody_xval.engines.isolated.process import FATAL, place_of_crash
+from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.scenarios.runs.executor import KILLED, Batch, Run, WorkerDied, WorkerExecutor
+from multibody_xval.scenarios.runs.failures import ExecutorError
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.worker import Begun, identity_of
+from multibody_xval.scenarios.runs.worker_template import BEGIN_SECONDS, END_SECONDS, WorkerTemplate
 from reference_lcp.terminal import say_in_terminal
-from scenarios.runs import TIME_LIMIT
-from scenarios.runs.executor import KILLED, Batch, Run, WorkerDied, WorkerExecutor
-from scenarios.runs.failures import ExecutorError
-from scenarios.runs.result import Result
-from scenarios.runs.worker import Begun, identity_of
-from scenarios.runs.worker_template import BEGIN_SECONDS, END_SECONDS, WorkerTemplate
 
 GRACE_SECONDS = 1.0
 """By how much a process may pass the time limit, in which it writes its crash log."""

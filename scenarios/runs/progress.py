@@ -13,10 +13,10 @@ from rich.progress import Progress as RichProgress
 from rich.progress import Task as RichTask
 from rich.text import Text
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Progress
+from multibody_xval.scenarios.runs.task import Task
 from reference_lcp.terminal import LINE_SECONDS, ProgressLines
-from scenarios.runs.evaluator import Progress
-from scenarios.runs.task import Task
 
 PACE_SECONDS = 3600.0
 """Time over which the pace is averaged: points of slow engines take minutes."""

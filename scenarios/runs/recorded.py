@@ -6,10 +6,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
 from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
 
 _EMPTY = np.empty((0, 0))
 
@@ -43,12 +43,6 @@ class RecordedPeriod:
     def relative(self) -> FloatArray:
         """Displacement of the inner mass relative to the outer one, over U0; shape (steps, n)."""
         return self.inner - self.outer
-
-    @property
-    def phase(self) -> FloatArray:
-        """Time over the period, shape (steps,)."""
-        steps = self.outer.shape[0]
-        return np.arange(1, steps + 1) / steps
 
     @classmethod
     def of(cls, orbit: PeriodicOrbit, stick_margin: float) -> Self:

@@ -9,12 +9,12 @@ from typing import Annotated, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
+from multibody_xval.scenarios.runs.parameters import first_error
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError, shortened
 from reference_lcp.observables.stick_slip import Mode, TimedTransition, TransitionMatch, match_transitions
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE
 from reference_lcp.terminal import visible
-from scenarios.runs.parameters import first_error
 
 LONGEST_REASON = 500
 """Characters of a reason: an engine may put a whole state into the text of an error."""
@@ -69,7 +69,7 @@ class Result:
 
     status: _Status
     reason: str = ""
-    """Why it is blocked or missing, or what is known of a steady state that need not attract; empty otherwise."""
+    """Why it is blocked or missing, or what is known of a steady state without dashpots; empty otherwise."""
     by_engine: bool = False
     """Whether a blocked task is blocked by its engine, which failed at it, and not by its circumstances, such as a
     worker that was killed: what is blocked by its engine is not tried again by itself.

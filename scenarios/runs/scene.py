@@ -8,10 +8,10 @@ from typing import Annotated
 
 import numpy as np
 
-from engines.interface.engine import EngineNotInstalled
-from engines.interface.presets import Formulation
-from engines.interface.registry import engine
-from engines.interface.scene import (
+from multibody_xval.engines.interface.engine import EngineNotInstalled
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.scene import (
     ArmScene,
     ContactScene,
     JointScene,
@@ -21,13 +21,13 @@ from engines.interface.scene import (
     Vector,
     formulation_of,
 )
-from engines.interface.variant import GENERAL
+from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.scenarios.runs.failures import results_together
+from multibody_xval.scenarios.runs.parameters import left_out
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import SOME, Task
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
-from scenarios.runs.failures import results_together
-from scenarios.runs.parameters import left_out
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import SOME, Task
 
 ROWS = 100
 """Rows that are kept of a motion, at most."""

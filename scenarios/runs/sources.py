@@ -8,14 +8,17 @@ from pathlib import Path
 
 import numba
 
-from engines.interface.engine import Engine
-from engines.interface.registry import registered_engine, registered_names
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.registry import engine, registered_names
 from reference_lcp.process import ROOT
 
-RUNS = tuple(ROOT / "scenarios" / "runs" / f"{name}.py" for name in ("steady", "transient", "scene", "failures"))
+RUNS = tuple(
+    ROOT / "multibody_xval" / "scenarios" / "runs" / f"{name}.py"
+    for name in ("steady", "transient", "scene", "failures")
+)
 """What asks an engine, and reads its motion."""
 
-IMPORT = re.compile(rb"^\s*(?:from|import) ((?:engines|reference_lcp)[\w.]*)", re.MULTILINE)
+IMPORT = re.compile(rb"^\s*(?:from|import) ((?:multibody_xval\.engines|reference_lcp)[\w.]*)", re.MULTILINE)
 
 LENGTH = 16
 """Digits of a digest: as many versions as anybody makes differ."""
@@ -27,7 +30,7 @@ def sources_of(adapter: Engine) -> str:
     Kernels that are not compiled round otherwise: their answers are others too.
     """
     base = adapter.name.partition("@")[0]
-    modelled = [registered_engine(base)] if base in registered_names() else []
+    modelled = [engine(base)] if base in registered_names() else []
     digest = _sources(frozenset(type(each).__module__ for each in (adapter, *modelled)))
     return f"{digest}, not compiled" if numba.config.DISABLE_JIT else digest
 
@@ -61,5 +64,7 @@ def _files(module: str) -> frozenset[Path]:
     file = Path(getattr(loaded, "__file__", None) or ROOT.joinpath(*module.split(".")).with_suffix(".py"))
     if file.is_dir() or not file.is_file():
         file = ROOT.joinpath(*module.split("."), "__init__.py")
-    adapter = file.parent.parent == ROOT / "engines" or (file.name == "__init__.py" and ROOT not in file.parents)
+    adapter = file.parent.parent == ROOT / "multibody_xval" / "engines" or (
+        file.name == "__init__.py" and ROOT not in file.parents
+    )
     return frozenset(file.parent.glob("*.py") if adapter else [file]) if file.is_file() else frozenset()

@@ -10,12 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import Engine, SteadyStateSolver
-from engines.interface.law import ROUND_OFF_PERIOD, Law, NotModelled
-from engines.interface.presets import FrictionLaw
-from engines.interface.registry import LAW_SUFFIX, law_of
-from engines.interface.variant import Variant
-from engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
+from multibody_xval.engines.interface.engine import Engine, SteadyStateSolver
+from multibody_xval.engines.interface.law import ROUND_OFF_PERIOD, Law, NotModelled
+from multibody_xval.engines.interface.presets import FrictionLaw
+from multibody_xval.engines.interface.registry import LAW_SUFFIX, law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
+from multibody_xval.scenarios.runs.failures import NOT_FINITE, CheckedSimulation, check_trajectory, results_together
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
+from multibody_xval.scenarios.runs.task import Recorded, Start, SteadyStateTask
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
@@ -25,10 +29,6 @@ from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.neighbours import orbits_from_balance, orbits_from_euler, residual_amplification
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbits, repetitions, search_repetitions
 from reference_lcp.steady.richardson import amplitude_in_db
-from scenarios.runs.failures import NOT_FINITE, CheckedSimulation, check_trajectory, results_together
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
-from scenarios.runs.task import Recorded, Start, SteadyStateTask
 
 LAW_RESIDUAL = 0.1
 """Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""

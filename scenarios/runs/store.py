@@ -1,12 +1,10 @@
 """Results kept in one SQLite file: what has been computed once is never computed again.
 
-Every row has a digest, checked whenever it is read: a damaged number is never believed. While another process has the
-file locked, or the disk is full, the store waits and tries again.
+SQLite notices damage of the file, which is then refused and left as it is. While another process has the file locked,
+or the disk is full, the store waits and tries again.
 """
 
-import hashlib
 import itertools
-import math
 import sqlite3
 import sys
 import time
@@ -17,11 +15,11 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
 
+from multibody_xval.scenarios.runs.recorded import ARRAYS
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
+from multibody_xval.scenarios.runs.scratch import Closing, ScratchFolder
+from multibody_xval.scenarios.runs.task import SOME, Recorded, SteadyStateTask, Task, key_of, unsourced_key
 from reference_lcp.errors import ParameterError, RunError, checked_path
-from scenarios.runs.recorded import ARRAYS
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.scratch import Closing, ScratchFolder
-from scenarios.runs.task import SOME, Recorded, SteadyStateTask, Task, key_of, unsourced_key
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""
@@ -34,9 +32,6 @@ SPECIAL_NAMES = (":", "file:")
 
 ATTEMPT_SECONDS = 0.5
 """How long SQLite waits for a lock; Ctrl-C is heard between such attempts."""
-
-STEPS_A_CALL = 100_000
-"""Steps of SQLite after which it asks whether to go on: a thousandth of a second."""
 
 
 def checked_store(file: Path) -> Path:
@@ -62,9 +57,9 @@ def existing_store(file: Path | None) -> Path:
     return file
 
 
-def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
+def connected(file: Path) -> sqlite3.Connection:
     """Open a store; texts are read as bytes, and what else than tables stands in it is not trusted."""
-    address = f"{checked_store(file).resolve().as_uri()}?mode={'ro' if read_only else 'rwc'}"
+    address = f"{checked_store(file).resolve().as_uri()}?mode=rwc"
     connection = sqlite3.connect(address, timeout=ATTEMPT_SECONDS, uri=True, isolation_level=None)
     connection.text_factory = bytes
     connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_TEXT)
@@ -73,37 +68,27 @@ def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
     return connection
 
 
-def problems_of(connection: sqlite3.Connection, size: int) -> list[str]:
-    """Give what SQLite finds wrong with pages and indices of a file of so many bytes; nothing where it is whole."""
-    calls = itertools.count()  # pages that lead to each other never end; an intact store takes a fiftieth step a byte
-    connection.set_progress_handler(lambda: next(calls) * STEPS_A_CALL > size, STEPS_A_CALL)
-    try:
-        texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
-    except sqlite3.DatabaseError as problem:
-        texts = [str(problem)]
-    connection.set_progress_handler(None, 0)
-    return [" ".join(text.split()) for text in texts if text != "ok"]
-
-
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
 
 LOOKUP = 500
 """Tasks that are looked up at once: workers wait for it, and the rest is not in memory so far."""
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 """Layout of the tables."""
 
+ANEW = "the same command with a new --store computes anew"
+"""What to do about a store that cannot be read."""
+
 TABLES = {
-    "answers": "CREATE TABLE answers "
-    "(key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL, digest BLOB NOT NULL)",
-    "sweeps": "CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT UNIQUE NOT NULL, digest BLOB NOT NULL)",
+    "answers": "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)",
+    "sweeps": "CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT UNIQUE NOT NULL)",
 }
 """Everything that a store consists of; another table, a view or a trigger is not read."""
 
 KEEP = """
-INSERT INTO answers VALUES (?, ?, ?, ?)
-ON CONFLICT (key) DO UPDATE SET content = excluded.content, answer = excluded.answer, digest = excluded.digest
+INSERT INTO answers VALUES (?, ?, ?)
+ON CONFLICT (key) DO UPDATE SET content = excluded.content, answer = excluded.answer
 WHERE json_extract(excluded.answer, '$.status') != 'blocked' OR json_extract(answers.answer, '$.status') = 'blocked'
 """
 """Keeps a result, and a blocked one only where there is no other: two processes may run the same task."""
@@ -122,28 +107,12 @@ _Value = TypeVar("_Value")
 _Row = tuple[Any, ...]
 
 
-def digest_of(*texts: bytes) -> bytes:
-    """Give the SHA-256 of the texts of a row; none of them contains a line feed, being JSON or a key."""
-    return hashlib.sha256(b"\n".join(texts)).digest()
-
-
-def intact(row: _Row) -> bool:
-    """Tell whether the digest at the end of a row is that of the texts before it, UTF-8 as bytes."""
-    *texts, digest = row
-    try:
-        for text in texts:
-            text.decode()
-    except (AttributeError, UnicodeDecodeError):  # a number, or no text
-        return False
-    return digest_of(*texts) == digest
-
-
 class ResultStore(Closing):
     """Results by the hash of their tasks; every result is on disk when `keep` returns.
 
-    A file that is no store of this suite, is damaged or cannot be written is refused, and left as it is; a damaged row
-    is when it is read. Results of other sources of the suite are taken where they are to be (`keep_old`), and counted.
-    One that stays locked, or cannot be read or written any more, is a `RunError`.
+    A file that is no store of this suite, has another layout, is damaged or cannot be written is refused, and left as
+    it is. Results of other sources of the suite are taken where they are to be (`keep_old`), and counted. One that
+    stays locked, or cannot be read or written any more, is a `RunError`.
     """
 
     def __init__(self, file: Path, *, keep_old: bool = False):
@@ -164,11 +133,11 @@ class ResultStore(Closing):
             check_layout(self._connection, self._file)
 
     def check_pages(self) -> None:
-        """Refuse a store whose tables or indices are damaged: what is in it would seem to be missing."""
+        """Refuse a store whose tables are damaged: what is in it would seem to be missing."""
         with errors_of(self._file):
-            problems = problems_of(self._connection, self._file.stat().st_size)
-        if problems:
-            raise damaged(self._file, problems[0])
+            found = self._connection.execute("PRAGMA quick_check(1)").fetchone()[0].decode(errors="replace")
+        if found != "ok":
+            raise damaged(self._file, " ".join(found.split()))
 
     def find(self, task: Task) -> Result | None:
         """Give the result of an equal task, or ``None``."""
@@ -189,8 +158,8 @@ class ResultStore(Closing):
                 yield self._result_of(task, answers[key]) if key in answers else None
 
     def _answers(self, keys: Sequence[str]) -> dict[str, bytes]:
-        query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
-        return {key.decode(): answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
+        query = "SELECT key, answer FROM answers WHERE key IN (" + ",".join("?" * len(keys)) + ")"
+        return {key.decode(): answer for key, answer in self._read(query, keys)}
 
     @cached_property
     def _former(self) -> dict[str, str]:
@@ -199,16 +168,16 @@ class ResultStore(Closing):
 
     def all_results(self) -> Iterator[tuple[str, Result]]:
         """Give every task, as `Task.text` has it, and its result, in the order of writing."""
-        yield from ((content.decode(), self._result(answer)) for _, content, answer in self._rows())
+        yield from ((self._text(content), self._result(answer)) for _, content, answer in self._rows())
 
     def _rows(self) -> Iterator[tuple[bytes, bytes, bytes]]:
         """Give key, content and answer of every row, in the order of writing."""
-        query = "SELECT rowid, key, content, answer, digest FROM answers WHERE rowid > ? ORDER BY rowid LIMIT ?"
-        number, room = -1, self._size()
-        while rows := self._read(query, (number, LOOKUP), room):
-            for number, key, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
-                room -= len(content) + len(answer) + len(digest)
-                yield key, content, answer
+        self.check_pages()  # those that lead to each other would never end
+        query = "SELECT rowid, key, content, answer FROM answers WHERE rowid > ? ORDER BY rowid LIMIT ?"
+        number = -1
+        while rows := self._read(query, (number, LOOKUP)):
+            yield from (row[1:] for row in rows)
+            number = rows[-1][0]
 
     def _result_of(self, task: Task, text: bytes) -> Result:
         result = self._result(text)
@@ -223,42 +192,28 @@ class ResultStore(Closing):
         except ParameterError as problem:
             raise ParameterError(f"store {self._file}: {problem}") from None
 
-    def _read(self, query: str, parameters: Sequence[object] = (), room: float = math.inf) -> list[_Row]:
-        """Give the rows that a query finds, number first, checked; together they have so many bytes at most."""
+    def _text(self, text: bytes) -> str:
+        try:
+            return text.decode()
+        except UnicodeDecodeError:
+            raise damaged(self._file, "a text of it is no UTF-8") from None
 
-        def read() -> list[_Row]:
-            rows, length = [], 0
-            for row in self._connection.execute(query, parameters):
-                number, *columns = row
-                if not intact(tuple(columns)):
-                    raise damaged(self._file, f"the digest of row {number} does not fit")
-                rows.append(row)
-                length += sum(map(len, columns))
-                if length > room:
-                    raise damaged(self._file, "pages stand in it twice")
-            return rows
-
-        return self._use(read)
-
-    def _size(self) -> float:
-        """Give the bytes of the file, which its rows cannot pass unless pages repeat; no limit once it is gone."""
-        return self._file.stat().st_size if self._file.is_file() else math.inf
+    def _read(self, query: str, parameters: Sequence[object] = ()) -> list[_Row]:
+        """Give the rows that a query finds."""
+        return self._use(lambda: self._connection.execute(query, parameters).fetchall())
 
     def keep(self, results: Iterable[tuple[Task, Result]]) -> None:
         """Write results in one transaction; a blocked one does not take the place of another."""
         texts = [(task.text(), result.to_json()) for task, result in results]
-        rows = [(key_of(task), task, result) for task, result in texts]
-        signed = [(*row, digest_of(*(text.encode() for text in row))) for row in rows]
-        self._write(KEEP, signed)
+        self._write(KEEP, [(key_of(task), task, result) for task, result in texts])
 
     def note(self, sweep: str) -> None:
         """Write a sweep, as JSON, as the latest one."""
-        row = sweep, digest_of(sweep.encode())
-        self._write("INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", [row])
+        self._write("INSERT OR REPLACE INTO sweeps (sweep) VALUES (?)", [(sweep,)])
 
     def saved(self) -> list[str]:
         """Give the sweeps that were saved, the latest first."""
-        return [row[1].decode() for row in self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC")]
+        return [self._text(sweep) for (sweep,) in self._read("SELECT sweep FROM sweeps ORDER BY number DESC")]
 
     def _write(self, statement: str, rows: Sequence[_Row]) -> None:
         """Write rows in one transaction; where the file has been taken away, they and all others go into a copy.
@@ -392,8 +347,7 @@ def _code(problem: BaseException) -> int:
 
 def damaged(file: Path, what: str) -> ParameterError:
     """Give the error of a damaged store, with what to do."""
-    advice = f"multibody-xval store check {file} --salvage NEW.sqlite keeps the good rows"
-    return ParameterError(f"store {file} is damaged: {what}; {advice}")
+    return ParameterError(f"store {file} is damaged: {what}; {ANEW}")
 
 
 def check_layout(connection: sqlite3.Connection, file: Path) -> None:
@@ -402,8 +356,8 @@ def check_layout(connection: sqlite3.Connection, file: Path) -> None:
         raise ParameterError(f"store {file} belongs to another program; allowed: a new file or a store")
     version = connection.execute("PRAGMA user_version").fetchone()[0]
     if version != SCHEMA_VERSION:
-        raise ParameterError(f"store {file} has layout {version}; allowed: {SCHEMA_VERSION}")
+        raise ParameterError(f"store {file} has layout {version}; allowed: {SCHEMA_VERSION}; {ANEW}")
     made = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL").fetchall()
     expected = {(b"table", name.encode(), name.encode(), sql.encode()) for name, sql in TABLES.items()}
     if len(made) != len(expected) or set(made) != expected:
-        raise ParameterError(f"store {file} is damaged: its tables are not those of a store; allowed: intact tables")
+        raise damaged(file, "its tables are not those of a store")

@@ -11,17 +11,17 @@ from typing import Annotated, Any, Self
 from pydantic import TypeAdapter
 from pydantic_core import to_json
 
-from engines.interface.presets import Preset
-from engines.interface.registry import LAW_SUFFIX, engine, law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.registry import LAW_SUFFIX, engine, law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio, left_out
+from multibody_xval.scenarios.runs.sources import sources_of
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from reference_lcp.terminal import visible
-from scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio, left_out
-from scenarios.runs.sources import sources_of
 
 RESULT_FORMAT = 4
 """Increased when the meaning of a result changes: results of other formats are not taken from a store."""
@@ -128,7 +128,7 @@ class Recorded(StrEnum):
 
     NOTHING = ""
     PERIOD = "period"
-    """The last period in full, see `scenarios.runs.recorded`."""
+    """The last period in full, see `multibody_xval.scenarios.runs.recorded`."""
     LAW = "law"
     """A period of the engine and of its law from the same state, to which the law leads from rest, and nothing else:
     ``distance``, the largest difference of positions, and ``reference``, that of the engine from the reference, both
@@ -151,8 +151,6 @@ class SteadyStateTask(ChainTask):
     """What drives the chain; a moving base unless something else is given."""
     modulation: Annotated[Modulation | None, left_out(None)] = None
     """How the normal force changes over the period; ``None`` where it is constant."""
-    inclination: Annotated[float, left_out(0.0)] = 0.0
-    """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     start: Annotated[Start, left_out(Start.LAW)] = Start.LAW
     recorded: Annotated[Recorded, left_out(Recorded.NOTHING)] = Recorded.NOTHING
 
@@ -189,7 +187,7 @@ class SteadyStateTask(ChainTask):
         chain, drive = self.setting()
         steps = steps_per_period_for(chain, drive, self.steps_per_period)
         preload = None if self.modulation is None else self.modulation.preload(drive)
-        return Lane.periodic(chain, drive, steps, preload, self.inclination), steps
+        return Lane.periodic(chain, drive, steps, preload), steps
 
     def content(self) -> dict[str, Any]:
         """Everything that the result depends on: the law, too, where one is compared with."""

@@ -5,23 +5,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from multibody_xval.scenarios.runs.failures import CheckedSimulation, results_together
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
+from multibody_xval.scenarios.runs.transient_task import TransientTask
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
-from scenarios.runs.failures import CheckedSimulation, results_together
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.transient_task import TransientTask
 
 AT_REST = 0.01
 """A contact has come to rest when the two masses stay this near to where they end, over F / k_i.
 
 The creep of a stuck contact, and slip too small to matter, are below.
 """
-
-OPEN_GAP = 1e-3
-"""A contact is open from this gap on, over the displacement scale: engines find a contact where masses overlap, and let
-closed ones part by some 1e-5 for a step."""
 
 
 def run_transients(tasks: Sequence[TransientTask]) -> list[Result]:
@@ -59,8 +55,6 @@ class _Record:
         self._rows: list[FloatArray] = []
         self._slip_velocities: list[FloatArray] = []
         self._slid: list[FloatArray] = []
-        self._open_steps, self._highest_gap, self._stuck_steps, self._landings = 0, 0.0, 0, 0
-        self._were_open = np.zeros(lane.chain.cells, dtype=np.bool_)
         self._heat = np.zeros(2)  # what dashpots and contacts have turned into heat so far [J]
         self._initial_energy = float(mechanical_energy(lane.chain, initial.positions, initial.velocities)[0])
         self._least_energy, self._growth = self._initial_energy, 0.0
@@ -74,17 +68,13 @@ class _Record:
         if self._task.recorded == "slip":
             self._slip_velocities.append(run.relative_velocity[every - 1 :: every, 0].copy())
             self._add_sliding_distance(run)
-        if self._task.recorded == "contact modes" and run.normal_gap is not None:
-            self._count_modes(run, run.normal_gap)
         self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
 
     def series(self) -> NamedNumbers:
         """Give what the task names, displacements over the displacement scale and energies over the initial one.
 
         ``response``: the last outer mass at each kept row. ``slip``: v − u of cell 1 there, and
-        ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``contact modes``: the last outer
-        mass, v − u of every cell, row after row, the largest gap, the parts of the time in which a contact is open and
-        in which it sticks, means over all, and the number of landings. ``decay``: see `_decay`.
+        ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``decay``: see `_decay`.
         """
         rows, chain = np.concatenate(self._rows) / self._scale, self._lane.chain
         if self._task.recorded == "decay":
@@ -94,15 +84,6 @@ class _Record:
                 "slip": tuple((rows[:, chain.cells] - rows[:, 0]).tolist()),
                 "slip_velocity": tuple(np.concatenate(self._slip_velocities).tolist()),
                 "slid": tuple(np.concatenate(self._slid).tolist()),
-            }
-        if self._task.recorded == "contact modes":
-            return {
-                "response": tuple(rows[:, chain.cells - 1].tolist()),
-                "slips": tuple((rows[:, chain.cells :] - rows[:, : chain.cells]).ravel().tolist()),
-                "highest": (self._highest_gap / self._scale,),
-                "open": (self._open_steps / (self._task.steps * chain.cells),),
-                "stuck": (self._stuck_steps / (self._task.steps * chain.cells),),
-                "landings": (float(self._landings),),
             }
         return {"response": tuple(rows[:, chain.cells - 1].tolist())}
 
@@ -125,18 +106,6 @@ class _Record:
             "swing": tuple(slip[:, 0].tolist()),
             "energy": tuple(energies.tolist()),
         }
-
-    def _count_modes(self, run: Trajectory, gap: FloatArray) -> None:
-        """Add up the steps in which contacts are open and stuck, and the landings; keep the largest gap."""
-        chain, margin = self._lane.chain, self._task.variant.preset.stick_margin
-        opened = gap > OPEN_GAP * self._scale
-        before = np.vstack([self._were_open, opened[:-1]])
-        holds = np.abs(run.friction) < (1 - margin) * chain.friction_coefficient * run.normal_force
-        self._open_steps += int(np.count_nonzero(opened))
-        self._stuck_steps += int(np.count_nonzero(holds & ~opened))
-        self._landings += int(np.count_nonzero(before & ~opened))
-        self._were_open = opened[-1]
-        self._highest_gap = max(self._highest_gap, float(np.max(gap)))
 
     def _add_sliding_distance(self, run: Trajectory) -> None:
         """Add up the way that cell 1 slides, by the trapezoidal rule over all steps, also those that are not kept."""

@@ -9,18 +9,18 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator
 
-from engines.interface.presets import Formulation, NormalForce
-from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, MovingBase, StillBase
+from multibody_xval.engines.interface.presets import Formulation, NormalForce
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Ratio, left_out
+from multibody_xval.scenarios.runs.task import ChainTask
+from reference_lcp.chain.drives import HarmonicForce, MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.preload import CONSTANT, Preload
+from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.chain.transient import RecordedBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT, LARGEST_PHASE_STEP
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
-from scenarios.runs.parameters import ChainRatios, Modulation, Ratio, left_out
-from scenarios.runs.task import ChainTask
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
 """Where a motion may start, always from rest.
@@ -33,9 +33,8 @@ SERIES = {
     "response": ("response",),
     "decay": ("rest", "offsets", "swing", "energy"),
     "slip": ("slip", "slip_velocity", "slid"),
-    "contact modes": ("response", "slips", "highest", "open", "stuck", "landings"),
 }
-"""Names of the series by what is recorded of a motion: see `scenarios.runs.transient`."""
+"""Names of the series by what is recorded of a motion: see `multibody_xval.scenarios.runs.transient`."""
 
 RECORDED = tuple(SERIES)
 
@@ -71,9 +70,8 @@ class TransientTask(ChainTask):
     def series(self) -> Mapping[str, int]:
         """Name and length of what is kept of the motion."""
         rows, cells = self.steps // self.every, self.cells
-        lengths = {"rest": 1, "offsets": cells, "energy": 4, "slips": rows * cells}
-        single = dict.fromkeys(("highest", "open", "stuck", "landings"), 1)
-        return {name: (lengths | single).get(name, rows) for name in SERIES[self.recorded]}
+        lengths = {"rest": 1, "offsets": cells, "energy": 4}
+        return {name: lengths.get(name, rows) for name in SERIES[self.recorded]}
 
     def __post_init__(self) -> None:
         checked_choice("shape", self.shape, SHAPES)
@@ -121,29 +119,6 @@ def initial_positions(chain: Chain, shape: str, length: float) -> FloatArray:
     outer = row if checked_choice("shape", shape, SHAPES) == "stretched" else np.zeros(cells)
     inner = {"undeformed": np.zeros(cells), "stretched": row, "inner masses displaced": np.ones(cells)}[shape]
     return length * np.concatenate([outer, inner])
-
-
-@dataclass(frozen=True, kw_only=True)
-class InclinedTask(TransientTask):
-    """The motion of a chain, from rest, whose normal forces depend on it."""
-
-    base: HarmonicBase
-    """A harmonic one, whose frequency the modulation refers to."""
-    inclination: float
-    """α of the contact faces to the row [rad]."""
-    modulation: Modulation
-    """How the force that presses along the normals changes."""
-    recorded: str = "contact modes"
-
-    def lane(self) -> Lane:
-        """Build the chain under its drive and its preload."""
-        preload: Preload = self.modulation.preload(self.base)
-        return Lane(self.chain, self.base, self.time_step, preload, inclination=self.inclination)
-
-    @property
-    def preloaded(self) -> bool:
-        """Whether its normal forces change."""
-        return True
 
 
 CARRIER_MASSES = 20.0

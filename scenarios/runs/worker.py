@@ -10,15 +10,15 @@ from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
 from typing import IO, Any, NamedTuple
 
-from engines.interface.engine import Engine, sample_lane
-from engines.interface.registry import engine, law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.engine import Engine, sample_lane
+from multibody_xval.engines.interface.registry import engine, law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.failures import WORKER_MARK, reason_of
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.sources import sources_of
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, text_of
-from scenarios.runs.executor import run_batch
-from scenarios.runs.failures import WORKER_MARK, reason_of
-from scenarios.runs.result import Result
-from scenarios.runs.sources import sources_of
 
 
 def identity_of(variant: Variant) -> str:

@@ -14,33 +14,29 @@ import tempfile
 from contextlib import ExitStack, suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import IO
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.failures import ExecutorError
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.scratch import Closing, ScratchFolder
+from multibody_xval.scenarios.runs.supervisor import PR_SET_PDEATHSIG, forget_ended, prctl, supervise
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.runs.worker import serve
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.one_call import SteadyState
-from reference_lcp.process import ONE_THREAD
+from reference_lcp.process import ONE_THREAD, ROOT
 from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.steady.orbits import periodic_orbits
-from scenarios.runs.executor import run_batch
-from scenarios.runs.failures import ExecutorError
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.scratch import Closing, ScratchFolder
-from scenarios.runs.supervisor import PR_SET_PDEATHSIG, forget_ended, prctl, supervise
-from scenarios.runs.task import SteadyStateTask
-from scenarios.runs.worker import serve
 
 START_SECONDS = 180.0
 """What a process has to start, to import the suite and to compile it where that has not been kept, on a busy machine:
 15 s on one that is not."""
-
-SUITE = Path(__file__).resolve().parents[2]
-"""Where the packages of the suite lie: looked for there first, whatever has their names in the working folder."""
 
 BEGIN_SECONDS = 10.0
 """What a process that has started has to take a message; one that takes longer, as it has been stopped, is replaced.
@@ -60,7 +56,7 @@ WARM_UP = SteadyStateTask(
 
 _START = (
     "import sys; sys.path[:] = {path!r}; "
-    "from scenarios.runs.worker_template import fork_workers; fork_workers({descriptor})"
+    "from multibody_xval.scenarios.runs.worker_template import fork_workers; fork_workers({descriptor})"
 )
 
 
@@ -113,7 +109,7 @@ class WorkerTemplate(Closing):
         self._requests.settimeout(START_SECONDS)
         with far:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", _START.format(path=[str(SUITE), *sys.path], descriptor=far.fileno())],
+                [sys.executable, "-c", _START.format(path=[str(ROOT), *sys.path], descriptor=far.fileno())],
                 stdin=subprocess.DEVNULL,
                 stdout=2,
                 env={**os.environ, **ONE_THREAD, "TMPDIR": str(self.folder.path)},

@@ -7,19 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.interface.variant import Variant
-from engines.shared.step_cost import StepCost
-from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import Excitation, OperatingPoint
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
-from scenarios.tables import Column, markdown_lines, markdown_list, text_table
-from scenarios.verdicts.finding import TRANSMITTANCE
-from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.proven import with_proven_level
-from scenarios.verdicts.steady_case import EXACT
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import Excitation, OperatingPoint
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
+from multibody_xval.scenarios.tables import Column, markdown_lines, markdown_list, text_table
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE
+from multibody_xval.scenarios.verdicts.judge import metric_difference
+from multibody_xval.scenarios.verdicts.proven import with_proven_level
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD, STICK_SLIP_POINTS
 
 ACCURACY_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
 ACCURACY_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
@@ -182,39 +180,29 @@ def _largest(values: Iterable[float]) -> float:
     return max(values, default=math.nan)
 
 
-# A variant's accuracy, and what its step costs if that was measured.
-AccuracyRow = tuple[Accuracy, StepCost | None]
+def _points(steps: int) -> Callable[[Accuracy], float]:
+    return lambda row: row.points_db[steps]
 
 
-def _points(steps: int) -> Callable[[AccuracyRow], float]:
-    return lambda row: row[0].points_db[steps]
-
-
-def _cost(name: str, scale: float) -> Callable[[AccuracyRow], float]:
-    return lambda row: math.nan if row[1] is None else scale * getattr(row[1], name)
-
-
-ACCURACY_COLUMNS: tuple[Column[AccuracyRow], ...] = (
-    Column("engine", lambda row: row[0].variant.engine),
-    Column("formulation", lambda row: row[0].variant.formulation),
-    Column("preset", lambda row: row[0].variant.preset_name),
+ACCURACY_COLUMNS: tuple[Column[Accuracy], ...] = (
+    Column("engine", lambda row: row.variant.engine),
+    Column("formulation", lambda row: row.variant.formulation),
+    Column("preset", lambda row: row.variant.preset_name),
     *(Column(f"points_{n}_db", _points(n), f"six points, {n} [dB]", "{:.3f}") for n in ORDER_STEPS[:2]),
-    Column("map_db", lambda row: row[0].map_db, f"map, {ACCURACY_MAP_STEPS} [dB]", "{:.3f}"),
-    Column("stuck_fraction_error", lambda row: row[0].stuck_fraction, "stuck fraction", "{:.3f}"),
-    Column("median_transition_percent", lambda row: 100 * row[0].median_transition, "median [% T]", "{:.3f}"),
-    Column("largest_transition_percent", lambda row: 100 * row[0].largest_transition, "max [% T]", "{:.2f}"),
-    Column("missed", lambda row: row[0].missed),
-    Column("spurious", lambda row: row[0].spurious),
-    Column("transitions", lambda row: row[0].transitions, "of"),
-    Column("creep", lambda row: row[0].creep, "creep [ω U0]", "{:.1e}"),
-    Column("order", lambda row: row[0].order, pattern="{:.2f}"),
-    Column("certified", lambda row: f"{row[0].certified}/{row[0].points}"),
-    Column("advance_us", _cost("advance", 1e6), "µs a step", "{:.2f}"),
-    Column("times_bare", _cost("ratio", 1), "× bare", "{:.2f}"),
+    Column("map_db", lambda row: row.map_db, f"map, {ACCURACY_MAP_STEPS} [dB]", "{:.3f}"),
+    Column("stuck_fraction_error", lambda row: row.stuck_fraction, "stuck fraction", "{:.3f}"),
+    Column("median_transition_percent", lambda row: 100 * row.median_transition, "median [% T]", "{:.3f}"),
+    Column("largest_transition_percent", lambda row: 100 * row.largest_transition, "max [% T]", "{:.2f}"),
+    Column("missed", lambda row: row.missed),
+    Column("spurious", lambda row: row.spurious),
+    Column("transitions", lambda row: row.transitions, "of"),
+    Column("creep", lambda row: row.creep, "creep [ω U0]", "{:.1e}"),
+    Column("order", lambda row: row.order, pattern="{:.2f}"),
+    Column("certified", lambda row: f"{row.certified}/{row.points}"),
 )
 
-PRINTED_COLUMNS: tuple[Column[AccuracyRow], ...] = (
-    Column("variant", lambda row: str(row[0].variant), "engine:formulation:preset"),
+PRINTED_COLUMNS: tuple[Column[Accuracy], ...] = (
+    Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
     *ACCURACY_COLUMNS[3:],
 )
 """On a terminal a variant has one column."""
@@ -230,21 +218,19 @@ exact, event-driven motion, over the points with a certified steady state. The c
 - *missed*, *spurious*, *of*: transitions that the engine lacks, that only the engine has, and all of the exact motion;
 - *creep*: largest velocity within a stick, over ω U0;
 - *order*: order of the error in the time step, from {", ".join(map(str, ORDER_STEPS))} steps;
-- *certified*: points whose steady state repeats to the engine's residual;
-- *µs a step*: time of a step of seven cells on one core, without a record, in the suite's batch;
-- *× bare*: that time over the time of the engine's own loop in the same run.
+- *certified*: points whose steady state repeats to the engine's residual.
 """
 
 
-def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
+def accuracy_document(rows: Sequence[Accuracy], command: str) -> str:
     """Give the table as a document, with how it was made."""
     lines = ["# Accuracy of the engines", "", ACCURACY_LEGEND, f"Made by `{command}`.", ""]
     lines += markdown_lines(text_table(ACCURACY_COLUMNS, rows))
     lines += ["", "Where the largest error on the map is, and what has no certified steady state:", ""]
-    lines += markdown_list(text for row in rows if (text := remark(row[0])))
+    lines += markdown_list(text for row in rows if (text := remark(row)))
     lines += [
         "",
-        f"Versions: {versions_of(row[0].variant.engine for row in rows)}; Python {platform.python_version()}.",
+        f"Versions: {versions_of(row.variant.engine for row in rows)}; Python {platform.python_version()}.",
         "",
     ]
     return "\n".join(lines)

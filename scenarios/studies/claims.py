@@ -12,18 +12,18 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from statistics import mean
 
-from engines.interface.presets import FrictionLaw
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, BandDefinition, Crossing, Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import refined_edges
-from scenarios.sweeps.point import GivesResults
-from scenarios.sweeps.refinement import Results, decided_db, for_the_band, refined
-from scenarios.sweeps.sweep import Case, GridPoint, Sweep
-from scenarios.tables import Column
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.presets import FrictionLaw
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios
+from multibody_xval.scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, BandDefinition, Crossing, Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.edges import refined_edges
+from multibody_xval.scenarios.sweeps.point import GivesResults
+from multibody_xval.scenarios.sweeps.refinement import Results, decided_db, for_the_band, refined
+from multibody_xval.scenarios.sweeps.sweep import Case, GridPoint, Sweep
+from multibody_xval.scenarios.tables import Column
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 UP_TO = (0.1, 0.3, 0.6)
 """Friction ratios at which the paper's band is wider than without friction."""

@@ -1,21 +1,21 @@
 """Figure 3 of the paper: transmittance of the 7-cell chain for several friction ratios, by every engine.
 
 It is the sweep over friction and frequency ratio in which every variant is compared with the reference; see
-`scenarios.sweeps.compared`. Here are its grids.
+`multibody_xval.scenarios.sweeps.compared`. Here are its grids.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation
+from multibody_xval.scenarios.sweeps.refinement import free_resonances, resonances
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_array
-from scenarios.runs.parameters import ChainRatios, Excitation
-from scenarios.sweeps.refinement import free_resonances, resonances
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.steady_case import REFERENCE
 
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)

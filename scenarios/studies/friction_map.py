@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.edges import refined_edges
+from multibody_xval.scenarios.sweeps.point import GivesResults
+from multibody_xval.scenarios.sweeps.refinement import for_the_band, refined
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.validation import FloatArray
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.edges import refined_edges
-from scenarios.sweeps.point import GivesResults
-from scenarios.sweeps.refinement import for_the_band, refined
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.steady_case import REFERENCE
 
 MAP_FRICTION_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0, 1.501, 0.05), 2))
 MAP_FREQUENCY_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0.3, 1.801, 0.02), 2))

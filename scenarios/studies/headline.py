@@ -1,22 +1,22 @@
 """The one number by which engines are compared: the largest error of transmittance at five points.
 
-README, page, cards and documentation quote it. The five points are those of `accuracy.ACCURACY_MAP` at which one preset
+README, page and documentation quote it. The five points are those of `accuracy.ACCURACY_MAP` at which one preset
 of an engine or another is farthest from the truth, so that the largest error there is that of the whole map.
 """
 
 from collections.abc import Sequence
 
-from engines.interface.variant import Variant
-from scenarios.runs.parameters import Excitation, OperatingPoint
-from scenarios.runs.result import ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
-from scenarios.studies.accuracy import ACCURACY_MAP_STEPS
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.point import GivesResults, Point
-from scenarios.sweeps.sweep import Case, GridPoint, Sweep
-from scenarios.sweeps.truths import with_truths
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import Excitation, OperatingPoint
+from multibody_xval.scenarios.runs.result import ResultStatus
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
+from multibody_xval.scenarios.studies.accuracy import ACCURACY_MAP_STEPS
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.point import GivesResults, Point
+from multibody_xval.scenarios.sweeps.sweep import Case, GridPoint, Sweep
+from multibody_xval.scenarios.sweeps.truths import with_truths
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 HEADLINE_POINTS = (
     *(OperatingPoint(0.1, eta) for eta in (1.4, 1.5, 1.6)),

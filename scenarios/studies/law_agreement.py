@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import NotModelled
-from engines.interface.variant import Variant
-from engines.shared.law_distance import FREQUENCY_RATIOS, FRICTION_RATIOS, allowed_distance, stepped_by
+from multibody_xval.engines.interface.law import NotModelled
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import FREQUENCY_RATIOS, FRICTION_RATIOS, allowed_distance, stepped_by
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask, versions_of
+from multibody_xval.scenarios.tables import Column, markdown_lines, text_table
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.validation import FloatArray
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import Recorded, SteadyStateTask, versions_of
-from scenarios.tables import Column, markdown_lines, text_table
-from scenarios.verdicts.steady_case import REFERENCE
 
 POINTS = tuple((friction, frequency) for friction in FRICTION_RATIOS for frequency in FREQUENCY_RATIOS)
 """Friction and frequency ratio of each point."""

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS, figure3
+from multibody_xval.scenarios.sweeps.point import GivesResults
+from multibody_xval.scenarios.sweeps.refinement import decided_db, resonances
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.validation import FloatArray
-from scenarios.runs.parameters import ChainRatios, Excitation
-from scenarios.runs.task import DEFAULT_EXCITATION
-from scenarios.studies.figure3 import FRICTION_RATIOS, figure3
-from scenarios.sweeps.point import GivesResults
-from scenarios.sweeps.refinement import decided_db, resonances
-from scenarios.verdicts.steady_case import REFERENCE
 
 ONE_CELL = ChainRatios(cells=1)
 

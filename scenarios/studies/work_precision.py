@@ -3,22 +3,19 @@
 import math
 import platform
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from statistics import median
-from typing import Any
 
-from engines.interface.variant import Variant
-from engines.shared.step_cost import step_cost
-from reference_lcp.studies.bench import HARMONIC_BALANCE
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import Excitation, OperatingPoint
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
-from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
-from scenarios.tables import Column, markdown_lines, markdown_list, text_table
-from scenarios.verdicts.proven import with_proven_level
-from scenarios.verdicts.steady_case import EXACT
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import Excitation, OperatingPoint
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
+from multibody_xval.scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, error_db, point_of, task_at
+from multibody_xval.scenarios.tables import Column, markdown_lines, markdown_list, text_table
+from multibody_xval.scenarios.verdicts.proven import with_proven_level
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 
 FINEST_STEPS = (3200, 6400)
 """Steps a period that are worth their time only where the error still falls with the step."""
@@ -30,7 +27,7 @@ USUAL_STEPS = (50, 100, 200, 400, 800)
 """Steps a period that take an engine seconds to a minute."""
 
 TIMED_POINT = OperatingPoint(0.3, 0.9)
-"""One of the six, at which `step_cost` times a step; its frequency is the median of theirs."""
+"""One of the six; its frequency is the median of theirs."""
 
 STILL_FALLS = 0.9
 """Error after twice the steps over the error before: 1/2 for a first-order scheme, 1 where the law itself is off."""
@@ -125,17 +122,6 @@ def thrifty_step_study(
     return sorted(known, key=lambda point: (variants.index(point.variant), point.steps_per_period))
 
 
-def timed_now(points: Sequence[StepPoint]) -> list[StepPoint]:
-    """Take the time of a step of one chain alone, measured here and now, for that of a search.
-
-    A search may have been on another machine, imports its engine, and begins near its steady state: the fewer its
-    steps, the larger the part of its time that is none of theirs.
-    """
-    certified = dict.fromkeys(point.variant for point in points if point.certified)
-    times = {variant: step_cost(variant, lanes=1).advance for variant in certified}
-    return [replace(point, step_seconds=times.get(point.variant, math.nan), seconds=math.nan) for point in points]
-
-
 def coarse_steps(steps: Iterable[int]) -> list[int]:
     """Give the numbers of steps at which every variant is simulated."""
     return [number for number in steps if number not in FINEST_STEPS]
@@ -189,17 +175,6 @@ def remarks(points: Iterable[StepPoint]) -> list[str]:
     return texts
 
 
-def balance_error(methods: Iterable[Mapping[str, Any]]) -> float:
-    """Give the largest error of harmonic balance [dB]; NaN where it finds less than all points."""
-    own = next(method for method in methods if method["method"] == HARMONIC_BALANCE)
-    return math.nan if own["failed"] else float(own["largest_error_db"])
-
-
-def _method_rate(method: Mapping[str, Any]) -> float:
-    """Give the states a second, if none has failed."""
-    return math.nan if method["failed"] else 1 / method["seconds_per_point"]
-
-
 STEP_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("engine", lambda point: point.variant.engine),
     Column("formulation", lambda point: point.variant.formulation),
@@ -215,10 +190,9 @@ STEP_COLUMNS: tuple[Column[StepPoint], ...] = (
 """For programs, in full; times are those of the search."""
 
 WORK_COLUMNS: tuple[Column[StepPoint], ...] = (
-    *(column for column in STEP_COLUMNS if column.key != "steady_state_s"),
+    *STEP_COLUMNS,
     Column("simulated_second_s", lambda point: point.simulated_second),
 )
-"""Likewise, of points that are `timed_now`."""
 
 PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("variant", lambda point: str(point.variant), "engine:formulation:preset"),
@@ -228,40 +202,22 @@ PRINTED_COLUMNS: tuple[Column[StepPoint], ...] = (
     Column("", lambda point: f"{point.certified}/{len(SIX_POINTS)}", "certified"),
 )
 
-METHOD_COLUMNS: tuple[Column[Mapping[str, Any]], ...] = (
-    Column("method", lambda method: method["method"], "method of the reference"),
-    Column("", lambda method: 1e3 * method["seconds_per_point"], "CPU ms a point", "{:.3g}"),
-    Column("", _method_rate, "states a second", "{:.3g}"),
-    Column("", lambda method: method["largest_error_db"], "error [dB]", "{:.3g}"),
-    Column("", lambda method: f"{len(SIX_POINTS) - method['failed']}/{len(SIX_POINTS)}", "found"),
-)
-"""Of the rows of `reference_lcp.studies.bench.bench_points` at the six points."""
-
 LEGEND = """\
 What does accuracy cost? Every variant is simulated at six stick–slip points, with several numbers of steps a period:
 
 - *error*: the largest of the transmittance, to the proven truth;
 - *ms a second*: wall-clock time of a simulated second of the chain of seven cells (friction ratio 0.3, frequency ratio
-  0.9), alone on one core: that of a step, the fastest of seven periods of 400 without a record, over its length;
+  0.9): the search for a steady state with all its work, over the steps that it simulated; the median of the points.
+  Other workers of the same run, and the machine, change it;
 - *error × time*: of a scheme of first order nearly the same at every step; the less, the better;
 - *certified*: points whose steady state repeats to the engine's residual.
-
-Batches of many worlds: `multibody-xval run cost --lanes`; steady states of engines: `multibody-xval run cost`.
-"""
-
-METHOD_LEGEND = """\
-The reference beside the harmonic balance that is written for it, at the same six points, by processor time. Harmonic
-balance smooths Coulomb's law, takes eight odd harmonics and has no time step; the exact solver has none either.
-*Error*: the largest, to the exact solver. *Found*: points whose steady state is certified; of harmonic balance, which
-certifies nothing, points whose equations are solved.
 """
 
 
-def document(points: Sequence[StepPoint], methods: Sequence[Mapping[str, Any]], command: str) -> str:
-    """Give both tables as a document, with how they were made."""
+def document(points: Sequence[StepPoint], command: str) -> str:
+    """Give the table as a document, with how it was made."""
     lines = ["# Work and precision", "", LEGEND, f"Made by `{command}`.", ""]
     lines += [*markdown_lines(text_table(PRINTED_COLUMNS, points)), "", *markdown_list(remarks(points))]
-    lines += ["", "## Steady states a second", "", METHOD_LEGEND, *markdown_lines(text_table(METHOD_COLUMNS, methods))]
     versions = versions_of(point.variant.engine for point in points)
     return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
 

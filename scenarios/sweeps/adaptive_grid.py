@@ -16,10 +16,10 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
+from multibody_xval.scenarios.runs.parameters import Decibel, Positive
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, checked_count, checked_scalar
-from scenarios.runs.parameters import Decibel, Positive
-from scenarios.verdicts.finding import FLOOR_DB
 
 START_POINTS = 17
 """Even points with which a curve begins."""

@@ -1,15 +1,16 @@
 """Samples of a sweep's points that are computed the long way too, so that no shortcut goes unnoticed that misses.
 
 *Starts.* The search for an engine's steady state begins at that of its law, or beside the reference's, see
-`scenarios.runs.steady`. Friction under a given normal force has one steady state; an engine whose
+`multibody_xval.scenarios.runs.steady`. Friction under a given normal force has one steady state; an engine whose
 step is not monotone may have several, and the search would find the one that the model predicts. A sample of every
 variant is therefore searched from harmonic balance as well. Where one point of it ends in a steady state that has
 another verdict, or is farther away than its tolerance, all points of the variant that have a steady state are searched
 both ways, and those that differ so are inconclusive.
 
 *Models.* With other numbers of steps, the model of a variant stands in for its engine where both have just been shown
-equal, see `scenarios.sweeps.point.stands_in`. A sample of these points is run by the engine with other numbers of steps
-as well. Where one of them differs, or none can be compared, the engine gives all points of the variant.
+equal, see `multibody_xval.scenarios.sweeps.point.stands_in`. A sample of these points is run by the engine with other
+numbers of steps as well. Where one of them differs, or none can be compared, the engine gives all points of the
+variant.
 """
 
 import cmath
@@ -17,13 +18,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.steady import is_warm_started
-from scenarios.runs.task import Start, unsourced_key
-from scenarios.sweeps.point import GivesResults, Point, evaluated, other_tasks, verdict_of
-from scenarios.sweeps.sweep import GridPoint, Sweep
-from scenarios.verdicts.finding import Comparison, Verdict
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.steady import is_warm_started
+from multibody_xval.scenarios.runs.task import Start, unsourced_key
+from multibody_xval.scenarios.sweeps.point import GivesResults, Point, evaluated, other_tasks, verdict_of
+from multibody_xval.scenarios.sweeps.sweep import GridPoint, Sweep
+from multibody_xval.scenarios.verdicts.finding import Comparison, Verdict
 
 SHARE = 0.05
 """Part of a variant's points that are computed both ways."""

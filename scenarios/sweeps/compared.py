@@ -7,18 +7,24 @@ from functools import cached_property
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.checks import LEAST_POINTS, Check, check_models, passed
+from multibody_xval.scenarios.sweeps.edges import BandEdge, band_edges
+from multibody_xval.scenarios.sweeps.point import GivesResults, Point, Truth, evaluated, judged
+from multibody_xval.scenarios.sweeps.predictions import predicted, predicted_edges
+from multibody_xval.scenarios.sweeps.refinement import (
+    chosen_frequencies,
+    decided_db,
+    for_the_band,
+    frequencies_of,
+    refined,
+)
+from multibody_xval.scenarios.sweeps.sweep import Case, GridPoint, Sweep
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric, Prediction
+from multibody_xval.scenarios.verdicts.prediction import needs_prediction
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from reference_lcp.validation import FloatArray
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.checks import LEAST_POINTS, Check, check_models, passed
-from scenarios.sweeps.edges import BandEdge, band_edges
-from scenarios.sweeps.point import GivesResults, Point, Truth, evaluated, judged
-from scenarios.sweeps.predictions import predicted, predicted_edges
-from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_band, frequencies_of, refined
-from scenarios.sweeps.sweep import Case, GridPoint, Sweep
-from scenarios.verdicts.finding import Finding, Metric, Prediction
-from scenarios.verdicts.prediction import needs_prediction
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 DENSE_FREQUENCY_RATIOS = tuple(float(eta) for eta in np.round(np.arange(0.1, 3.005, 0.01), 2))
 """Where the reference's curves are drawn as lines."""

@@ -13,18 +13,18 @@ import numpy as np
 import xarray as xr
 from pydantic import ConfigDict, Field, TypeAdapter
 
-from engines.interface.presets import OfStep
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.presets import OfStep
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.sweeps.point import Point, own_error_db
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.tables import csv_text
+from multibody_xval.scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Metric, Prediction, Verdict
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.sweeps.point import Point, own_error_db
-from scenarios.sweeps.sweep import Sweep
-from scenarios.tables import csv_text
-from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Metric, Prediction, Verdict
 
 DISTRIBUTION = "multibody-xval"
 

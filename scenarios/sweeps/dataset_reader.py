@@ -12,15 +12,15 @@ import numpy as np
 import xarray as xr
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import first_error
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.dataset import PREDICTED, STORED_POINT, SWEEP, StoredPoint
+from multibody_xval.scenarios.sweeps.point import other_tasks
+from multibody_xval.scenarios.sweeps.sweep import GridPoint, Sweep
+from multibody_xval.scenarios.verdicts.finding import Metric, Prediction
 from reference_lcp.errors import ParameterError, checked_path
-from scenarios.runs.parameters import first_error
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.dataset import PREDICTED, STORED_POINT, SWEEP, StoredPoint
-from scenarios.sweeps.point import other_tasks
-from scenarios.sweeps.sweep import GridPoint, Sweep
-from scenarios.verdicts.finding import Metric, Prediction
 
 LARGEST_DATASET = 2**30
 """Bytes of all arrays of a dataset in memory; 20,000 points take a fiftieth of it. A compressed file may claim more."""
@@ -76,7 +76,7 @@ class _Option(BaseModel):
 
 
 class _Description(BaseModel):
-    """What `scenarios.sweeps.dataset.description_of` gives."""
+    """What `multibody_xval.scenarios.sweeps.dataset.description_of` gives."""
 
     model_config = ConfigDict(extra="forbid")
     package: str
@@ -114,7 +114,7 @@ def sweep_of(data: Any) -> Sweep:
     for name in ("variant", *whole.axes):
         if name not in data.coords or data[name].ndim > 1:
             raise ParameterError(f"the dataset has no coordinate {name!r}; allowed: all those of its sweep")
-    variants = tuple(Variant.recorded(str(name)) for name in np.atleast_1d(data["variant"].values).tolist())
+    variants = tuple(Variant.parse(str(name)) for name in np.atleast_1d(data["variant"].values).tolist())
     axes = {name: tuple(np.atleast_1d(data[name].values).tolist()) for name in whole.axes}
     return dataclasses.replace(whole, variants=variants, axes=axes)
 
@@ -128,7 +128,7 @@ class DatasetResults:
         self.predictions: dict[GridPoint, dict[Metric, Prediction]] = {}
         self.points: list[GridPoint] = []
         self.modelled: set[Variant] = set()
-        """Variants whose model stands in for them, see `scenarios.sweeps.point.evaluated`."""
+        """Variants whose model stands in for them, see `multibody_xval.scenarios.sweeps.point.evaluated`."""
         for point, text in zip(self.sweep.grid_points(), _texts(data, self.sweep), strict=True):
             if text:
                 self._add(point, _read(text))

@@ -1,7 +1,7 @@
 """Both edges of the attenuation band of every curve: the one definition of an edge, and the one comparison of edges.
 
 An edge is where a curve crosses the threshold, found by simulations of the variant itself, see `refined_crossings`;
-pages, maps, scenarios and cards quote what `refined_edges` gives.
+pages, maps and scenarios quote what `refined_edges` gives.
 
 Edges are compared with those of a baseline. A change δ of the transmittance [dB] moves an edge by δ / slope. What is
 allowed at the edge itself and at the two points of the grid around it, over the slope of the baseline's curve there, is
@@ -18,17 +18,25 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.sweeps.attenuation_band import Crossing, Edge, edge_brackets, refined_crossings
+from multibody_xval.scenarios.sweeps.point import GivesResults, Point, evaluated, tolerance, unless_own_error_is_unknown
+from multibody_xval.scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, Results, curves_of, decided_db
+from multibody_xval.scenarios.sweeps.sweep import Case, GridPoint, Sweep, baseline, refinements
+from multibody_xval.scenarios.verdicts.finding import (
+    TRANSMITTANCE,
+    Comparison,
+    Finding,
+    Metric,
+    Prediction,
+    Tolerance,
+    Verdict,
+)
+from multibody_xval.scenarios.verdicts.judge import decide
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification
 from reference_lcp.steady.richardson import amplitude_in_db
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.sweeps.attenuation_band import Crossing, Edge, edge_brackets, refined_crossings
-from scenarios.sweeps.point import GivesResults, Point, evaluated, tolerance, unless_own_error_is_unknown
-from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, Results, curves_of, decided_db
-from scenarios.sweeps.sweep import Case, GridPoint, Sweep, baseline, refinements
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Metric, Prediction, Tolerance, Verdict
-from scenarios.verdicts.judge import decide
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification
 
 BAND_EDGE = Metric("band edge", "in η_r", "where the transmittance crosses the threshold of the attenuation band")
 

@@ -15,13 +15,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Protocol
 
-from engines.interface.variant import Variant
-from engines.reference import CONVERGED_SUBSTEPS
-from engines.shared.law_distance import stepped_by, unclaimed_reason
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.sweep import Case, GivenTolerance, GridPoint, Sweep, baseline, refinements
-from scenarios.verdicts.finding import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.reference import CONVERGED_SUBSTEPS
+from multibody_xval.engines.shared.law_distance import stepped_by, unclaimed_reason
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.sweep import Case, GivenTolerance, GridPoint, Sweep, baseline, refinements
+from multibody_xval.scenarios.verdicts.finding import (
     FLOOR_DB,
     PHASE,
     TRANSMITTANCE,
@@ -32,7 +32,7 @@ from scenarios.verdicts.finding import (
     Tolerance,
     Verdict,
 )
-from scenarios.verdicts.judge import (
+from multibody_xval.scenarios.verdicts.judge import (
     FrictionEffect,
     Number,
     Read,
@@ -45,7 +45,7 @@ from scenarios.verdicts.judge import (
     of_response,
     response_readers,
 )
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification, is_resolved, resolution
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification, is_resolved, resolution
 
 UNBOUNDED: FrictionEffect = {TRANSMITTANCE: math.inf, PHASE: math.inf}
 """No step is too coarse for it."""
@@ -71,7 +71,7 @@ class Truth:
     exact: bool = False
     """Whether it is that of the exact motion, and not that of the converged reference."""
     proven: bool = False
-    """Whether it is proven, see `scenarios.verdicts.proven`."""
+    """Whether it is proven, see `multibody_xval.scenarios.verdicts.proven`."""
 
     @property
     def above_floor(self) -> bool:

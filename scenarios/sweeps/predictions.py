@@ -1,23 +1,23 @@
 """What the laws of variants say of the points and edges at which these disagree: deviation, prediction, what is left.
 
-The rule is that of `scenarios.verdicts.prediction`: at a point that disagrees, the law's own steady state and a period
-of engine and law from the same state; of an edge that disagrees, the edge of the law's own curve.
+The rule is that of `multibody_xval.scenarios.verdicts.prediction`: at a point that disagrees, the law's own steady
+state and a period of engine and law from the same state; of an edge that disagrees, the edge of the law's own curve.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import Recorded
-from scenarios.sweeps.edges import BandEdge, RefinedEdges, refined_edges
-from scenarios.sweeps.point import GivesResults, Point, point_findings, point_resolution
-from scenarios.sweeps.refinement import Results
-from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.finding import Comparison, Finding, Verdict
-from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import Recorded
+from multibody_xval.scenarios.sweeps.edges import BandEdge, RefinedEdges, refined_edges
+from multibody_xval.scenarios.sweeps.point import GivesResults, Point, point_findings, point_resolution
+from multibody_xval.scenarios.sweeps.refinement import Results
+from multibody_xval.scenarios.sweeps.sweep import Sweep
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Verdict
+from multibody_xval.scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 
 def predicted(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> list[Point]:

@@ -7,16 +7,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 import scipy.linalg
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.adaptive_grid import AdaptiveCurve
+from multibody_xval.scenarios.sweeps.attenuation_band import unresolved
+from multibody_xval.scenarios.sweeps.point import GivesResults
+from multibody_xval.scenarios.sweeps.sweep import Case, GridPoint, Sweep
 from reference_lcp.chain.linear_response import stuck_basis
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.sweeps.adaptive_grid import AdaptiveCurve
-from scenarios.sweeps.attenuation_band import unresolved
-from scenarios.sweeps.point import GivesResults
-from scenarios.sweeps.sweep import Case, GridPoint, Sweep
 
 
 def resonances(ratios: ChainRatios) -> FloatArray:

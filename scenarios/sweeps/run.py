@@ -9,22 +9,22 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import Executor
+from multibody_xval.scenarios.runs.parameters import first_error
+from multibody_xval.scenarios.runs.progress import ProgressBars
+from multibody_xval.scenarios.runs.result import Result, ResultStatus, repetition
+from multibody_xval.scenarios.runs.store import ResultStore, existing_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.checks import check_models
+from multibody_xval.scenarios.sweeps.dataset import SWEEP
+from multibody_xval.scenarios.sweeps.point import Point, judged, tasks_of
+from multibody_xval.scenarios.sweeps.predictions import predicted
+from multibody_xval.scenarios.sweeps.refinement import ForTheAccuracy, refined
+from multibody_xval.scenarios.sweeps.sweep import GridPoint, Sweep, baseline_of
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED
 from reference_lcp.errors import ParameterError
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import Executor
-from scenarios.runs.parameters import first_error
-from scenarios.runs.progress import ProgressBars
-from scenarios.runs.result import Result, ResultStatus, repetition
-from scenarios.runs.store import ResultStore, existing_store
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.checks import check_models
-from scenarios.sweeps.dataset import SWEEP
-from scenarios.sweeps.point import Point, judged, tasks_of
-from scenarios.sweeps.predictions import predicted
-from scenarios.sweeps.refinement import ForTheAccuracy, refined
-from scenarios.sweeps.sweep import GridPoint, Sweep, baseline_of
-from scenarios.verdicts.steady_case import CONVERGED
 
 
 @dataclass

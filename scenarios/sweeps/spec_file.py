@@ -9,13 +9,20 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
-from engines.interface.variant import Variant, variants_named
+from multibody_xval.engines.interface.variant import Variant, variants_named
+from multibody_xval.scenarios.runs.parameters import (
+    DEFAULT_AMPLITUDE,
+    ChainRatios,
+    Decibel,
+    Excitation,
+    Positive,
+    first_error,
+)
+from multibody_xval.scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
+from multibody_xval.scenarios.sweeps.sweep import GivenTolerance, Sweep, baseline_of
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS
-from scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Decibel, Excitation, Positive, first_error
-from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
-from scenarios.sweeps.sweep import GivenTolerance, Sweep, baseline_of
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.

@@ -6,17 +6,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps import UNCONFIRMED_POINTS
+from multibody_xval.scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
+from multibody_xval.scenarios.sweeps.attenuation_band import BandDefinition
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, choices, shown
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_CELLS, MOST_STEPS, checked_array, checked_count
-from scenarios.runs.parameters import ChainRatios, Excitation
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps import UNCONFIRMED_POINTS
-from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
-from scenarios.sweeps.attenuation_band import BandDefinition
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")

@@ -14,17 +14,17 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.point import GivesResults, Point, Truth, point_resolution, scheme_by_steps
+from multibody_xval.scenarios.sweeps.sweep import Case, Sweep
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
+from multibody_xval.scenarios.verdicts.judge import Steps, metric_difference
+from multibody_xval.scenarios.verdicts.proven import ROUNDED_DB, ProvenLevel, newly_proven, proven_level
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, amplification
 from reference_lcp.errors import ParameterError
 from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.point import GivesResults, Point, Truth, point_resolution, scheme_by_steps
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
-from scenarios.verdicts.judge import Steps, metric_difference
-from scenarios.verdicts.proven import ROUNDED_DB, ProvenLevel, newly_proven, proven_level
-from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, amplification
 
 WRONG_DB = 3.0
 """Error from which on a variant is wrong [dB]: the amplitude is off by the root of two, the power by two. That is the

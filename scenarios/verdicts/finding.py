@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
 from reference_lcp.errors import shortened
-from scenarios.runs.result import Result
 
 BY_FAR = 2.0
 """A difference of more than so many times what is allowed is not mended by a better estimate of what is allowed."""

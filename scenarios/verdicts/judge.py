@@ -12,14 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference_lcp.chain.drives import PeriodicDrive
-from reference_lcp.chain.linear_response import frictionless_response, stuck_response
-from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.observables.transmittance import decibel
-from reference_lcp.steady.richardson import SAFETY, amplitude_in_db, richardson, richardson_error
-from reference_lcp.validation import FloatArray
-from scenarios.runs.result import Result, ResultStatus, repetition
-from scenarios.verdicts.finding import (
+from multibody_xval.scenarios.runs.result import Result, ResultStatus, repetition
+from multibody_xval.scenarios.verdicts.finding import (
     PHASE,
     TRANSMITTANCE,
     Comparison,
@@ -29,6 +23,12 @@ from scenarios.verdicts.finding import (
     amplitude_in_degrees,
     phase_reader,
 )
+from reference_lcp.chain.drives import PeriodicDrive
+from reference_lcp.chain.linear_response import frictionless_response, stuck_response
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.observables.transmittance import decibel
+from reference_lcp.steady.richardson import SAFETY, amplitude_in_db, richardson, richardson_error
+from reference_lcp.validation import FloatArray
 
 FrictionEffect = Mapping[Metric, float]
 """How far transmittance [dB] and phase [°] of a steady state may be from the farther one of the two linear limits: how
@@ -39,12 +39,10 @@ engine whose own step leaves open a large part of that has not been tested by a 
 """
 
 
-def friction_effect(
-    chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float, inclination: float = 0.0
-) -> FrictionEffect:
+def friction_effect(chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float) -> FrictionEffect:
     """Give how far a transmittance [dB] and its phase [rad] are from the linear limit that is farther from each."""
     scale = drive.displacement_scale(chain)
-    responses = frictionless_response(chain, drive, inclination), stuck_response(chain, drive)
+    responses = frictionless_response(chain, drive), stuck_response(chain, drive)
     limits = [complex(response[chain.cells - 1]) / scale for response in responses]
     level = TRANSMITTANCE.scaled(transmittance_db)
     return {

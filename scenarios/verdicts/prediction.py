@@ -12,14 +12,14 @@ from typing import Self
 
 import numpy as np
 
-from engines.interface.law import ROUND_OFF_PERIOD
-from engines.interface.registry import law_of
-from engines.shared.law_limit import law_fault
+from multibody_xval.engines.interface.law import ROUND_OFF_PERIOD
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.shared.law_limit import law_fault
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.judge import metric_difference
 from reference_lcp.steady.richardson import amplitude_in_db
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.finding import Finding, Prediction, Verdict
-from scenarios.verdicts.judge import metric_difference
 
 PERIODS_OF_ERROR = 400.0
 """Periods whose differences between engine and law add up at most, where that is not measured: motions never drift

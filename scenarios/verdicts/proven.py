@@ -1,6 +1,7 @@
 """Proven levels of steady states, as data that comes with the suite: the one truth of every task that asks for one.
 
-`scenarios.catalogue.proofs` makes the table, and proves it again. Ratios are the decimals that they are printed as.
+`multibody_xval.scenarios.catalogue.proofs` makes the table, and proves it again. Ratios are the decimals that they are
+printed as.
 """
 
 import csv
@@ -15,13 +16,13 @@ from typing import Any, NamedTuple, Self
 
 from pydantic import TypeAdapter
 
+from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.prove import ProvenSteadyState, prove
-from scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.steady_case import EXACT
 
 TABLE = "proven.csv"
 
@@ -67,7 +68,6 @@ def steady_state_of(task: SteadyStateTask) -> SteadyStateTask:
         ratios=replace(task.ratios, friction_coefficient=ChainRatios().friction_coefficient),
         excitation=Excitation(kind=task.excitation.kind, amplitude=DEFAULT_AMPLITUDE[task.excitation.kind]),
         modulation=task.modulation,
-        inclination=task.inclination,
     )
 
 
@@ -115,10 +115,7 @@ def with_proven_level(task: SteadyStateTask, result: Result) -> Result:
 
 
 def exact_chain(task: SteadyStateTask) -> ExactChain:
-    """Give the chain of a task in exact numbers: its ratios as decimals; under a force, the doubles of its units.
-
-    Contacts that are inclined have no such chain: their normal force depends on the motion.
-    """
+    """Give the chain of a task in exact numbers: its ratios as decimals; under a force, the doubles of its units."""
     if task.excitation.kind == "force":
         lane, _ = task.lane()
         return ExactChain.of(*task.setting(), lane.preload)

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, phase_reader
+from multibody_xval.scenarios.verdicts.judge import metric_difference
+from multibody_xval.scenarios.verdicts.stored import Compute, StoredResult, StoredTruth, read_all, truths_of
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.verdicts.finding import TRANSMITTANCE, phase_reader
-from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.stored import Compute, StoredResult, StoredTruth, read_all, truths_of
-from scenarios.verdicts.thresholds import Thresholds
 
 NUMBERS = (
     "transmittance_db", "phase", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap",
@@ -25,7 +25,7 @@ NUMBERS = (
 TRANSITION_TIME = "time of a transition"
 """Beside them; a transition that is gone is one without a partner."""
 
-MOTIONS = ("response", "slip", "slips", "swing", "offsets", "outer", "inner")
+MOTIONS = ("response", "slip", "swing", "offsets", "outer", "inner")
 """Series of displacements over the displacement scale, see `scenarios.runs.transient` and `RecordedPeriod`."""
 
 LENGTHS = ("largest_gap", "highest", "distance", "reference", "travels")
@@ -203,10 +203,8 @@ class Change:
 
     @property
     def variant(self) -> str:
-        """Engine, formulation and preset; without a version in the name of the engine where the versions differ."""
-        if self.first.engine == self.second.engine:
-            return self.first.variant
-        return self.first.variant.replace(self.first.engine, self.first.unversioned_engine, 1)
+        """Engine, formulation and preset."""
+        return self.first.variant
 
     @property
     def beyond(self) -> tuple[str, ...]:
@@ -288,11 +286,9 @@ def compare_stores(
 ) -> StoreComparison:
     """Compare two stores, task by task; `compute` gives exact motions where neither has them.
 
-    A version in the name of an engine, ``NAME@VERSION``, belongs to the result and not to the task, where each store
-    has one version of this engine only. Stores without a common task, or of different formats, are refused.
+    Stores without a common task, or of different formats, are refused.
     """
-    stores = read_all(first), read_all(second)
-    a, b = (_rekeyed(own, other) for own, other in (stores, stores[::-1]))
+    a, b = read_all(first), read_all(second)
     _refuse(first, second, a, b)
     limits = thresholds or Thresholds()
     missing = Result.missing()
@@ -302,13 +298,6 @@ def compare_stores(
         changes=tuple(own.judged(truths.get(own.first.key())) for own in changes),
         only_second=Counter(stored.variant for task, stored in b.items() if task not in a),
     )
-
-
-def _rekeyed(own: Mapping[str, StoredResult], other: Mapping[str, StoredResult]) -> dict[str, StoredResult]:
-    """Leave the version out of the name of engines of which each store has one only."""
-    names = [{stored.engine: stored.unversioned_engine for stored in store.values()} for store in (own, other)]
-    several = {engine for store in names for engine, count in Counter(store.values()).items() if count > 1}
-    return {stored.key(versioned=stored.unversioned_engine in several): stored for stored in own.values()}
 
 
 def _refuse(first: Path, second: Path, a: Mapping[str, StoredResult], b: Mapping[str, StoredResult]) -> None:

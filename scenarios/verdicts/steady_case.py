@@ -5,19 +5,19 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Modulation, Ratio
+from multibody_xval.scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import Comparison, Verdict
+from multibody_xval.scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, friction_effect, missing
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import TimedTransition
 from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
-from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
-from scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.finding import Comparison, Verdict
-from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, friction_effect, missing
 
 REFERENCE = Variant("reference")
 
@@ -61,8 +61,6 @@ class SteadyCase:
     frequency_ratio: float
     """ω / ω_r, with ω_r of the first cell."""
     ratios: ChainRatios = field(default_factory=ChainRatios)
-    inclination: float = 0.0
-    """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     modulation: Modulation | None = None
     """How the normal force changes over the period; ``None`` where it is constant."""
     steps: int = MINIMUM_STEPS_PER_PERIOD
@@ -83,7 +81,6 @@ class SteadyCase:
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
             ratios=self.ratios,
-            inclination=self.inclination,
             modulation=self.modulation,
             steps_per_period=self.steps,
         )
@@ -170,8 +167,7 @@ class Evidence:
     @cached_property
     def effect(self) -> FrictionEffect:
         """How much friction changes the case at all."""
-        expected = self.expected.transmittance_db, self.expected.phase
-        return friction_effect(*self.case.setting(), *expected, self.case.inclination)
+        return friction_effect(*self.case.setting(), self.expected.transmittance_db, self.expected.phase)
 
     def resolution(self, transmittance_db: float) -> float:
         """What the judged result leaves open of an amplitude near this transmittance [dB], over U0."""

@@ -34,11 +34,11 @@ from functools import partial
 
 import numpy as np
 
-from engines.interface.tolerances import CREEP
+from multibody_xval.engines.interface.tolerances import CREEP
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
+from multibody_xval.scenarios.verdicts.judge import Steps, decide, judge
+from multibody_xval.scenarios.verdicts.steady_case import Evidence, Expected
 from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
-from scenarios.verdicts.judge import Steps, decide, judge
-from scenarios.verdicts.steady_case import Evidence, Expected
 
 _STICK = str(Mode.STICK)
 

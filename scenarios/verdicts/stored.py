@@ -8,15 +8,14 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from engines.interface.registry import LAW_SUFFIX
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import first_error
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import ResultStore, existing_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, REFERENCE
 from reference_lcp.errors import ParameterError
-from scenarios.runs.parameters import first_error
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import ResultStore, existing_store
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, REFERENCE
 
 
 @dataclass(frozen=True)
@@ -49,25 +48,17 @@ class StoredResult:
 
     @property
     def engine(self) -> str:
-        """Its engine, with ``@VERSION`` where that is one of several."""
+        """Name of its engine."""
         return str(self.task["variant"]["engine"])
-
-    @property
-    def unversioned_engine(self) -> str:
-        """Its engine without ``@VERSION``; the model of an engine's law is another engine."""
-        return self.engine if self.engine.endswith(LAW_SUFFIX) else self.engine.partition("@")[0]
 
     @property
     def variant(self) -> str:
         """Give its name, as everywhere."""
         return str(Variant(*(self.task["variant"][name] for name in ("engine", "formulation", "preset_name"))))
 
-    def key(self, *, versioned: bool = True) -> str:
-        """Give the task as one text, with or without the version in the name of the engine."""
-        if versioned:
-            return json.dumps(self.task, sort_keys=True)
-        variant = self.task["variant"] | {"engine": self.unversioned_engine}
-        return json.dumps({**self.task, "variant": variant}, sort_keys=True)
+    def key(self) -> str:
+        """Give the task as one text."""
+        return json.dumps(self.task, sort_keys=True)
 
 
 def read_all(file: Path) -> dict[str, StoredResult]:
@@ -77,7 +68,6 @@ def read_all(file: Path) -> dict[str, StoredResult]:
 
 def _rows(file: Path) -> Iterator[StoredResult]:
     with ResultStore(file) as store:
-        store.check_pages()
         for content, result in store.all_results():
             about = _read(file, content)
             yield StoredResult(about.task, about.format, about.version, about.options, result, about.sources)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from engines.interface.tolerances import SCHEME_TOLERANCE_DB
+from multibody_xval.engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.errors import ParameterError
 
 

@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Formulation, Option, Preset
-from engines.interface.tolerances import SINGLE
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Formulation, Option, Preset
+from multibody_xval.engines.interface.tolerances import SINGLE
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation

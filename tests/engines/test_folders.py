@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import registered_engine
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.shared.pip_engine import PipEngine
 
 grimp = pytest.importorskip("grimp")
 
@@ -18,16 +18,16 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 REGISTERED = PROJECT["entry-points"]["multibody_xval.engines"]
 FOLDERS = sorted({value.partition(":")[0] for value in REGISTERED.values()})
 
-SHARED = ("engines.interface", "engines.shared", "engines.isolated")
+SHARED = ("multibody_xval.engines.interface", "multibody_xval.engines.shared", "multibody_xval.engines.isolated")
 """What folders of engines may import of the room, and what imports none of them."""
 
-OF_MUJOCO = ("engines.mujoco_warp", "engines.mjx", "engines.genesis")
+OF_MUJOCO = ("multibody_xval.engines.mujoco_warp", "multibody_xval.engines.genesis")
 """Copies of MuJoCo, and Genesis, whose solver is one: they take models and laws from its folder."""
 
 
 @pytest.fixture(scope="module")
 def graph():
-    return grimp.build_graph("engines", "reference_lcp", "scenarios", "reports", include_external_packages=True)
+    return grimp.build_graph("multibody_xval", "reference_lcp", include_external_packages=True)
 
 
 def imported(graph, package: str) -> set[str]:
@@ -42,8 +42,8 @@ def within(module: str, packages) -> bool:
 
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_folder_of_an_engine_imports_no_other_one(graph, folder: str) -> None:
-    allowed = (*SHARED, *(["engines.mujoco"] if folder in OF_MUJOCO else []))
-    of_engines = {module for module in imported(graph, folder) if module.startswith("engines.")}
+    allowed = (*SHARED, *(["multibody_xval.engines.mujoco"] if folder in OF_MUJOCO else []))
+    of_engines = {module for module in imported(graph, folder) if module.startswith("multibody_xval.engines.")}
     assert not {module for module in of_engines if not within(module, allowed)}
 
 
@@ -57,8 +57,14 @@ def test_package_of_an_engine_is_imported_in_its_own_folder_only(graph) -> None:
     distributions = metadata.packages_distributions()
     base = {name for name, packages in distributions.items() if installed & {each.lower() for each in packages}}
     adapters = {name for folder in FOLDERS for name in imported(graph, folder) if graph.is_module_squashed(name)}
-    declared = {engine.module for name in REGISTERED if isinstance(engine := registered_engine(name), PipEngine)}
-    own = (adapters - base - sys.stdlib_module_names) | declared
-    assert {"mujoco", "pydrake", "warp", "siconos"} <= own
-    for package in ("reference_lcp", "scenarios", "reports", "engines.interface", "engines.reference"):
-        assert not imported(graph, package) & own
+    declared = {own.module for name in REGISTERED if isinstance(own := engine(name), PipEngine)}
+    engines = (adapters - base - sys.stdlib_module_names) | declared
+    assert {"mujoco", "pydrake", "warp", "siconos"} <= engines
+    for package in (
+        "reference_lcp",
+        "multibody_xval.scenarios",
+        "multibody_xval.reports",
+        "multibody_xval.engines.interface",
+        "multibody_xval.engines.reference",
+    ):
+        assert not imported(graph, package) & engines

@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from engines.interface.presets import NormalForce
-from engines.interface.registry import engine, engine_names
-from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.interface.presets import NormalForce
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant, variants_of
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Flight, Preload

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine
-from engines.interface.tolerances import ROUND_OFF
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.tolerances import ROUND_OFF
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import (
     AMPLITUDE,

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import registered_engine
-from engines.shared.pip_engine import PipEngine
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.shared.pip_engine import PipEngine
 from tests.installed import each_engine
 from tests.quiet_python import python_in
 
@@ -14,8 +14,8 @@ STOPS = ("drake", "exudyn-regularised", "exudyn-bristle")
 
 PROGRAM = """
 import sys
-from engines.interface.registry import engine
-from engines.interface.variant import variants_of
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import variants_of
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import lane_of, unstable_lane
 assert {module!r} not in sys.modules
@@ -31,7 +31,7 @@ ANYWHERE = ("newton", "mujoco-warp")
 @pytest.mark.parametrize("name", each_engine(["mujoco", *ON_PLATES, *ANYWHERE, *STOPS]))
 def test_it_is_imported_late_says_and_writes_nothing_and_survives_divergence(name: str, tmp_path: Path) -> None:
     """Standard output and error are read as file descriptors: compiled code does not write to sys.stderr."""
-    adapter = registered_engine(name)
+    adapter = engine(name)
     assert isinstance(adapter, PipEngine)
     unstable = () if name in STOPS else ("joint", "contact") if name in ANYWHERE else ("joint",)
     done = python_in(tmp_path, PROGRAM.format(module=adapter.module, name=name, unstable=unstable))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine
-from engines.interface.tolerances import FRICTION_TOLERANCE, SINGLE
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.tolerances import FRICTION_TOLERANCE, SINGLE
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import STEPS, built_with, lane_of, scheme
 from tests.installed import each_variant

@@ -1,7 +1,7 @@
 """What every preset of every engine makes of the contract's random chains, bit by bit.
 
 ``python -m tests.golden.engines`` prints a digest of every array of `run` and `advance` by variant: run it in two work
-trees on one machine, and compare. Modulated and inclined contacts are among the lanes where a preset takes them, and
+trees on one machine, and compare. Modulated contacts are among the lanes where a preset takes them, and
 models of steps among the variants.
 """
 
@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from engines.contract.lanes import lane_of, modulated_lane, pulse_lane_of, random_lanes, scaled_state
-from engines.interface.variant import Variant, variants_named
+from multibody_xval.engines.contract.lanes import lane_of, modulated_lane, pulse_lane_of, random_lanes, scaled_state
+from multibody_xval.engines.interface.variant import Variant, variants_named
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -34,7 +34,6 @@ def cases() -> dict[str, list[Lane]]:
         "pulse": [pulse_lane_of(0.3)],
         "modulated": [modulated_lane(0.5), modulated_lane(0.9, 2)],
         "lifting": [modulated_lane(1.5)],
-        "inclined": [dataclasses.replace(modulated_lane(0.0), inclination=0.1)],
         "turned": [dataclasses.replace(cell, direction=0.5)],
         "static": [dataclasses.replace(canonical, static_ratio=1.2)],
     }

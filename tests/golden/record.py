@@ -20,23 +20,23 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
+from multibody_xval.scenarios.catalogue.verdict_table import finding_table
+from multibody_xval.scenarios.runs.dask_cluster import executor_for
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Modulation
+from multibody_xval.scenarios.runs.result import UNREPRESENTABLE, Result, ResultStatus
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
+from multibody_xval.scenarios.sweeps.edges import refined_edges
+from multibody_xval.scenarios.sweeps.refinement import for_the_band, refined
+from multibody_xval.scenarios.verdicts.proven import proven_level
 from reference_lcp.one_call import steady_state
 from reference_lcp.steady.richardson import amplitude_in_db
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.base import SceneScenario
-from scenarios.catalogue.verdict_table import finding_table
-from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Modulation
-from scenarios.runs.result import UNREPRESENTABLE, Result, ResultStatus
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.figure3 import QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
-from scenarios.sweeps.edges import refined_edges
-from scenarios.sweeps.refinement import for_the_band, refined
-from scenarios.verdicts.proven import proven_level
 
 FOLDER = Path(__file__).parent
 POINTS = FOLDER / "points.csv"

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import Variant
-from scenarios.runs.executor import run_batch
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
 from tests.golden import compare
 from tests.golden.record import FOLDER, points, steady_numbers, task
 

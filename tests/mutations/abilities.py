@@ -1,4 +1,4 @@
-"""Mutants whose contacts hold more at rest, have a direction, are inclined, or part; and that are wrong only there."""
+"""Mutants whose contacts hold more at rest, have a direction, or part; and that are wrong only there."""
 
 from dataclasses import replace
 from typing import Any
@@ -29,14 +29,6 @@ def _pyramid(lane: Lane, size: float) -> Lane:
     return with_bound(lane, 1 + size * edge) if lane.direction else lane
 
 
-def _inclination(lane: Lane, size: float) -> Lane:
-    return replace(lane, inclination=(1 + size) * lane.inclination)
-
-
-def _inclined_bound(lane: Lane, size: float) -> Lane:
-    return with_bound(lane, 1 + size) if lane.inclination else lane
-
-
 def _gap(run: Trajectory, size: float) -> Trajectory:
     return run if run.normal_gap is None else replace(run, normal_gap=(1 + size) * run.normal_gap)
 
@@ -48,28 +40,16 @@ def _flies(lane: Lane, size: float) -> Lane:
     return replace(lane, chain=replace(lane.chain, normal_force=(1 + size) * lane.chain.normal_force))
 
 
-FEW = (0.1, 1e-2, 1e-3)
-"""Sizes where a step is one of Lemke's method."""
-
-
 def _named(name: str, error: str, build: Built, **given: Any) -> Mutant:
     return Mutant(name=name, error=error, build=build, **given)
 
 
 ABILITIES = (
-    _named("static-ratio", "μ_s / μ_k × (1 + s)", of_lanes(_static_ratio), static_friction=True, sizes=FEW),
+    _named("static-ratio", "μ_s / μ_k × (1 + s)", of_lanes(_static_ratio), static_friction=True, size=0.1),
     _named(
-        "static-kinetic", "μ_k over (1 + s), μ_s as given", of_lanes(_kinetic_bound), static_friction=True, sizes=FEW
+        "static-kinetic", "μ_k over (1 + s), μ_s as given", of_lanes(_kinetic_bound), static_friction=True, size=0.1
     ),
     _named("direction-pyramid", "a friction cone, s of the way to a pyramid", of_lanes(_pyramid), contact=True),
-    _named("inclination", "inclination × (1 + s)", of_lanes(_inclination), inclines=True, sizes=FEW),
-    _named(
-        "inclined-bound",
-        "bound × (1 + s) where contacts are inclined",
-        of_lanes(_inclined_bound),
-        inclines=True,
-        sizes=FEW,
-    ),
     _named("gap", "recorded gap × (1 + s)", of_records(_gap)),
     _named("flight-load", "normal force × (1 + s) where contacts open", of_lanes(_flies)),
 )

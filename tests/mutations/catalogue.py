@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
-from engines.interface.engine import Engine
-from engines.reference import Reference
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.reference import Reference
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import checked_scalar
 from tests.mutations.abilities import ABILITIES

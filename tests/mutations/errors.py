@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import Drive, HarmonicForce, MovingBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -15,12 +15,6 @@ from reference_lcp.defaults import BASE_AMPLITUDE, CHAIN_STIFFNESS, FRICTION_COE
 from reference_lcp.validation import FloatArray
 from tests.mutations.altered import AlteredSimulation, Built, of_chains, of_lanes, of_records
 from tests.mutations.mutant import SCHEME, Mutant, Original
-
-LATE = (7.0, 1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-"""Time steps by which something comes late."""
-
-WHOLE = (1.0,)
-"""The error is there or not."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +92,6 @@ DRIVES = (
         name="force-late",
         error="a force that drives s steps late",
         build=_driven(HarmonicForce, delay=lambda lane, size: size * lane.time_step),
-        sizes=LATE,
     ),
     Mutant(
         name="base-amplitude",
@@ -109,7 +102,6 @@ DRIVES = (
         name="base-late",
         error="a base that moves s steps late",
         build=_driven(MovingBase, delay=lambda lane, size: size * lane.time_step),
-        sizes=LATE,
     ),
     Mutant(
         name="base-dashpot-force",
@@ -125,13 +117,11 @@ DRIVES = (
         name="start-forgotten",
         error="a drive that begins anew with every run",
         build=_restarted,
-        sizes=WHOLE,
     ),
     Mutant(
         name="preload-late",
         error="a normal force that changes s steps late",
         build=_preloaded("phase", lambda phase, size, step: phase - size * step),
-        sizes=LATE,
     ),
     Mutant(
         name="preload-modulation",
@@ -259,13 +249,8 @@ PARAMETERS = (
         build=_grown("friction_coefficient"),
         of=Variant("mujoco", "joint", "default"),
         excuse="bad weather",
-        sizes=(10.0, 1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
     ),
 )
-
-
-SIGN = (2.0, 1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""From the opposite sign."""
 
 
 def _friction(run: Trajectory, size: float) -> Trajectory:
@@ -300,7 +285,7 @@ def _without_internal_state(original: Original, lanes: tuple[Lane, ...], size: f
 
 
 RECORDS = (
-    Mutant(name="recorded-friction", error="recorded friction × (1 − s)", build=of_records(_friction), sizes=SIGN),
+    Mutant(name="recorded-friction", error="recorded friction × (1 − s)", build=of_records(_friction)),
     Mutant(
         name="recorded-friction-late",
         error="recorded friction, s of the way to that of the step before",
@@ -311,20 +296,10 @@ RECORDS = (
            build=of_records(_last_position)),
     Mutant(name="recorded-normal-force", error="recorded normal force × (1 + s)", build=of_records(_normal_force)),
     Mutant(name="gaps-forgotten", error="contacts that are closed at the start of every run",
-           build=_without_internal_state, sizes=WHOLE),
+           build=_without_internal_state),
     Mutant(name="bristles-forgotten", error="bristles that are undeformed at the start of every run",
-           build=_without_internal_state, sizes=WHOLE, of=Variant("exudyn-bristle")),
+           build=_without_internal_state, of=Variant("exudyn-bristle")),
 )  # fmt: skip
-
-
-LARGE = (9.0, 1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
-"""From ten times as much."""
-
-ZONES = LARGE[:3]
-"""Of Exudyn's zone, whose steps take the longest."""
-
-SMALL = (0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""Of a constant that may not be twice as large."""
 
 
 def _with_constant(symbol: str) -> Built:
@@ -340,20 +315,20 @@ def _with_constant(symbol: str) -> Built:
     return build
 
 
-def _off(name: str, what: str, symbol: str, of: Variant, sizes: tuple[float, ...] = LARGE) -> Mutant:
-    return Mutant(name=name, error=f"{what} {symbol} × (1 + s)", build=_with_constant(symbol), of=of, sizes=sizes)
+def _off(name: str, what: str, symbol: str, of: Variant, size: float = 1.0) -> Mutant:
+    return Mutant(name=name, error=f"{what} {symbol} × (1 + s)", build=_with_constant(symbol), of=of, size=size)
 
 
 MUJOCO, BULLET = Variant("mujoco", "joint", "default"), Variant("pybullet", "joint", "default")
 
 CONSTANTS = (
     _off("mujoco-time-constant", "MuJoCo's time constant", "τ", MUJOCO),
-    _off("mujoco-impedance", "MuJoCo's impedance", "d_0", MUJOCO, SMALL),
+    _off("mujoco-impedance", "MuJoCo's impedance", "d_0", MUJOCO, 0.1),
     _off("pybullet-damping", "Bullet's damping", "k", BULLET),
     _off("pybullet-quadratic-damping", "Bullet's quadratic damping", "k_2", BULLET),
-    _off("exudyn-zone", "Exudyn's zone", "z", Variant("exudyn-regularised", "joint", "default"), ZONES),
+    _off("exudyn-zone", "Exudyn's zone", "z", Variant("exudyn-regularised", "joint", "default")),
     _off("drake-gain", "Drake's gain", "d", Variant("drake", "joint", "default")),
     _off("drake-stiction", "Drake's stiction speed", "v_s", Variant("drake", "contact", "default")),
     _off("ode-softness", "ODE's softness", "cfm", Variant("ode", "joint", "stops")),
-    _off("siconos-theta", "Siconos'", "θ", Variant("siconos"), SMALL),
+    _off("siconos-theta", "Siconos'", "θ", Variant("siconos"), 0.1),
 )

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from engines import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
+from multibody_xval.engines import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
 from reference_lcp import HarmonicBase, State, StillBase, Trajectory
 from reference_lcp.chain.preload import normal_motion
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation

@@ -2,8 +2,8 @@
 
 import dataclasses
 
-from engines import Capabilities, Formulation, FrictionLaw, Preset
-from engines.interface.law import Law
+from multibody_xval.engines import Capabilities, Formulation, FrictionLaw, Preset
+from multibody_xval.engines.interface.law import Law
 from reference_lcp.schemes.sequential import SequentialSimulation
 from tests.mutations.faulty import Faulty, Lane
 

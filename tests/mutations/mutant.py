@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from engines.interface.engine import Engine
-from engines.interface.law import Law, NotModelled
-from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
-from engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
+from multibody_xval.engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.schemes.euler import euler_simulation
@@ -40,18 +40,17 @@ class Mutant:
     """What is wrong, in terms of its size s; nothing is where s = 0."""
     build: Callable[[Original, tuple[Lane, ...], float], Simulation]
     """Builds lanes with an error of a size."""
-    sizes: tuple[float, ...] = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-    """Those that are tried, descending."""
+    size: float = 1.0
+    """A size with which it moves or records something else, whatever it is."""
     of: Variant = SCHEME
     """The variant that it is a copy of, and whose law it claims."""
     normal_force: NormalForce = NormalForce.LIFTING
     """How it lets the normal force change, where that is less than the original does."""
     contact: bool = False
     """Whether it says that its friction is that of a contact, whose direction scenarios ask for, and not of a joint."""
-    inclines: bool = False
     static_friction: bool = False
-    """Whether contacts may be inclined, or hold more at rest: only where the error is there, for these steps are slow,
-    by Lemke's method."""
+    """Whether contacts may hold more at rest: only where the error is there, for these steps are slow, by Lemke's
+    method."""
     excuse: str = ""
     """A text that it states instead of a law."""
 
@@ -109,14 +108,14 @@ def claimed_preset(mutant: Mutant) -> Preset:
         return replace(honest_preset(SCHEME), shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
     honest = honest_preset(mutant.of)
     represented = mutant.normal_force if honest.represents(mutant.normal_force) else honest.normal_force
-    abilities = {"inclines": mutant.inclines, "static_friction": mutant.static_friction}
-    return replace(honest, normal_force=represented, **(abilities if mutant.of == SCHEME else {}))
+    abilities = {"static_friction": mutant.static_friction} if mutant.of == SCHEME else {}
+    return replace(honest, normal_force=represented, **abilities)
 
 
 def honest_preset(variant: Variant) -> Preset:
-    """Give the preset of a variant as its law has it; that of the reference, not inclined, where it states none."""
+    """Give the preset of a variant as its law has it; that of the reference where it states none."""
     if law_of(variant.preset) is None:
-        return replace(SCHEME.preset, inclines=False, static_friction=False)
+        return replace(SCHEME.preset, static_friction=False)
     return replace(variant, engine=f"{variant.engine}{LAW_SUFFIX}").preset
 
 

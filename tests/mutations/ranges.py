@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.wide_range import LONG_USE, MANY_RUNS
+from multibody_xval.engines.shared.wide_range import LONG_USE, MANY_RUNS
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 from tests.mutations.altered import Built, of_chains, of_lanes
-from tests.mutations.errors import WHOLE, AlteredDrive, with_bound
+from tests.mutations.errors import AlteredDrive, with_bound
 from tests.mutations.mutant import Mutant, Original
 
 HIGH_COEFFICIENT, LOW_FREQUENCY, HIGH_DAMPING, MANY_STEPS = 0.8, 0.3, 0.1, 900
@@ -146,8 +146,8 @@ RANGES = (
         error=f"bound × (1 + s) with more than {MANY_STEPS} steps a period",
         build=_where(lambda lane, omega: 2 * np.pi / omega > (MANY_STEPS + 0.5) * lane.time_step),
     ),
-    Mutant(name="clock-single", error="a clock in single precision", build=of_lanes(_with_single_clock), sizes=WHOLE),
-    Mutant(name="advance-short", error="`advance` is one step short", build=_used(short=True), sizes=WHOLE),
+    Mutant(name="clock-single", error="a clock in single precision", build=of_lanes(_with_single_clock)),
+    Mutant(name="advance-short", error="`advance` is one step short", build=_used(short=True)),
     Mutant(
         name="start-leaks",
         error=f"after {MANY_RUNS} runs, s of the last end in every start",

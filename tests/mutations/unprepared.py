@@ -5,7 +5,7 @@ import os
 import time
 from pathlib import Path
 
-from engines import Preparation
+from multibody_xval.engines import Preparation
 from tests.mutations.faulty import Faulty
 
 SLOW_SECONDS = 6.0

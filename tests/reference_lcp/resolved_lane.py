@@ -10,12 +10,13 @@ from reference_lcp import FrictionalStep, Lane
 class ResolvedLane:
     """3n freedoms, u_1 … u_n, v_1 … v_n, y_1 … y_n [m], all zero at rest with closed contacts, and n contacts.
 
-    The equations are those of `reference_lcp.schemes.inclined`, for any inclination, with a preload or without.
+    The lane has a preload or none. Faces are inclined to the row by an angle [rad]: where it is not zero, G_NT is not
+    either, and normal forces depend on the motion.
     """
 
-    def __init__(self, lane: Lane):
+    def __init__(self, lane: Lane, inclination: float = 0.0):
         self.lane, n = lane, lane.chain.cells
-        sine, cosine, identity = math.sin(lane.inclination), math.cos(lane.inclination), np.eye(n)
+        sine, cosine, identity = math.sin(inclination), math.cos(inclination), np.eye(n)
         self.freedoms, self.contacts = 3 * n, n
         self.mass_matrix = np.diag(
             np.concatenate([lane.chain.outer_mass, lane.chain.inner_mass, lane.chain.inner_mass])

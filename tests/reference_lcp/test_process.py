@@ -47,12 +47,12 @@ def interrupted(process: subprocess.Popen[str]) -> tuple[int, str]:
     "command",
     [
         ["-m", "reference_lcp"],
-        ["-m", "reports", "engines"],
-        ["-m", "reports", "run"],
-        ["-m", "reports"],
-        ["-c", "from reports.cli.entry_point import main; main()"],
+        ["-m", "multibody_xval", "engines"],
+        ["-m", "multibody_xval", "run"],
+        ["-m", "multibody_xval"],
+        ["-c", "from multibody_xval.reports.cli.entry_point import main; main()"],
     ],
-    ids=["reference_lcp", "engines", "run", "reports", "console script"],
+    ids=["reference_lcp", "engines", "run", "multibody_xval", "console script"],
 )
 def test_command_that_is_importing_ends_without_a_traceback(tmp_path, command) -> None:
     (tmp_path / "typer.py").write_text(STILL_IMPORTING)

@@ -1,41 +1,37 @@
 """A report made by hand: two friction ratios, one engine that runs and one that is not installed."""
 
 import dataclasses
-import json
 import math
 import os
 import pickle
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 import pytest
 from filelock import FileLock
 
-import reports
-from engines.interface.variant import Variant
-from reports import notebook
-from reports.data.report import Report
-from reports.data.variants import Errors
-from reports.export.files import files_of
-from scenarios import functions
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.friction_map import FrictionMap
-from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.attenuation_band import Crossing, Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge, compare_edge
-from scenarios.sweeps.point import Point, judged
-from scenarios.sweeps.sweep import Case, refinements
-from scenarios.sweeps.truths import with_truths
-from scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports import dataset
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.data.variants import Errors
+from multibody_xval.reports.export.files import files_of
+from multibody_xval.scenarios import functions
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.studies.friction_map import FrictionMap
+from multibody_xval.scenarios.studies.work_precision import StepPoint
+from multibody_xval.scenarios.sweeps.attenuation_band import Crossing, Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.edges import BandEdge, compare_edge
+from multibody_xval.scenarios.sweeps.point import Point, judged
+from multibody_xval.scenarios.sweeps.sweep import Case, refinements
+from multibody_xval.scenarios.sweeps.truths import with_truths
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -54,13 +50,6 @@ CONVERGED_ERROR = STEP_ERROR / 32
 """Of the converged reference [dB]: its step is so much finer."""
 OFF = (RUNS, 0.0, 0.9)
 """Where the engine that runs is wrong."""
-
-
-def schema_of(name: str) -> dict[str, Any]:
-    """Give the JSON Schema of an output, which is in the wheel."""
-    file = Path(reports.__file__).parent / "schemas" / f"{name}.schema.json"
-    schema: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    return schema
 
 
 def answer(variant: Variant, friction_ratio: float, frequency_ratio: float, refinement: float = 1.0) -> Result:
@@ -128,7 +117,7 @@ def made_errors(sizes: Mapping[Variant, float], points: int) -> Errors:
 def in_this_process() -> Iterator[None]:
     """Let `sweep` and `band_edges` start no processes, which would take longer than their work."""
     with pytest.MonkeyPatch.context() as patched:
-        for module in (functions, notebook):
+        for module in (functions, dataset):
             patched.setattr(module, "executor_for", lambda *_: InProcessExecutor())
         yield
 
@@ -145,7 +134,9 @@ def result() -> ComparedSweep:
         tuple(edge_of(v, f, edge) for v in asked.variants for f in FRICTION_RATIOS for edge in Edge),
         dict.fromkeys(asked.cases, (eta, curve)),
     )
-    with patch("scenarios.sweeps.truths.proven_level", return_value=None):  # of this chain all numbers are invented
+    with patch(
+        "multibody_xval.scenarios.sweeps.truths.proven_level", return_value=None
+    ):  # of this chain all numbers are invented
         return with_truths(compared, ExactMotion())
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from reports import formatting as numbers
+from multibody_xval.reports import formatting as numbers
 
 
 @pytest.mark.parametrize(

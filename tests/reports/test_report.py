@@ -7,30 +7,30 @@ from typing import Any
 import pytest
 import xarray as xr
 
+from multibody_xval.reports import report, write
+from multibody_xval.reports.data.collect import Scope, collect, collect_dataset
+from multibody_xval.reports.data.points import NAMES, POINT_COLUMNS
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.export.files import files_of, report_dataset
+from multibody_xval.reports.page.render import FIGURES
+from multibody_xval.reports.plan import planned_report
+from multibody_xval.reports.write import check_folder, write_sweep_report
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor, run_batch
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.studies.work_precision import exact_step_tasks, step_tasks
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults
+from multibody_xval.scenarios.sweeps.point import tasks_of
+from multibody_xval.scenarios.sweeps.run import save_sweep, saved_sweeps, stored_points
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.scenarios.sweeps.sweep import Case, Sweep
+from multibody_xval.scenarios.sweeps.truths import with_truths
+from multibody_xval.scenarios.tables import json_text, records
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.errors import ParameterError
-from reports import report, write
-from reports.data.collect import Scope, collect, collect_dataset
-from reports.data.points import NAMES, POINT_COLUMNS
-from reports.data.report import Report
-from reports.export.files import files_of, report_dataset
-from reports.page.render import FIGURES
-from reports.plan import planned_report
-from reports.write import check_folder, write_sweep_report
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor, run_batch
-from scenarios.runs.store import ResultStore
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.work_precision import exact_step_tasks, step_tasks
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep
-from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.dataset_reader import DatasetResults
-from scenarios.sweeps.point import tasks_of
-from scenarios.sweeps.run import save_sweep, saved_sweeps, stored_points
-from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.truths import with_truths
-from scenarios.tables import json_text, records
-from scenarios.verdicts.steady_case import REFERENCE
 
 CONTENT = """\
 engines = ["reference:joint", "reference:joint:converged", "mujoco:joint", "mujoco:joint:default"]

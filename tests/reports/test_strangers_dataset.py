@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from multibody_xval.reports.cli.report import app
+from multibody_xval.reports.data.collect import collect_dataset
+from multibody_xval.reports.data.points import point_table
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.sweeps import dataset_reader
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset, write_dataset
+from multibody_xval.scenarios.sweeps.dataset_reader import read_dataset
+from multibody_xval.scenarios.sweeps.point import tasks_of
+from multibody_xval.scenarios.sweeps.run import stored_points
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.process import run_command
-from reports.cli.report import app
-from reports.data.collect import collect_dataset
-from reports.data.points import point_table
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.sweeps import dataset_reader
-from scenarios.sweeps.dataset import sweep_dataset, write_dataset
-from scenarios.sweeps.dataset_reader import read_dataset
-from scenarios.sweeps.point import tasks_of
-from scenarios.sweeps.run import stored_points
-from scenarios.sweeps.spec_file import read_sweep
 
 SWEEP = """
 engines = ["reference:joint", "reference:joint:converged", "mujoco:joint"]

@@ -5,10 +5,10 @@ import itertools
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.executor import run_batch
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
 
 ANSWERS: dict[SteadyStateTask, Result] = {}
 """What was really asked so far in this process: many tests ask the reference for the same."""

@@ -3,14 +3,13 @@
 import dataclasses
 from collections.abc import Mapping
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario, run_with_predictions
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
 from reference_lcp import Chain, CompiledSimulation
-from reference_lcp.schemes.euler import euler_simulation
-from scenarios.catalogue.base import Scenario, run_with_predictions
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.store import opened_store
-from scenarios.verdicts.finding import Finding, Verdict
 
 
 def evaluator(store) -> Evaluator:
@@ -51,18 +50,6 @@ def press_harder(monkeypatch, spoilt: Variant, factor: float) -> None:
         return build(self, [dataclasses.replace(lane, chain=_scaled(lane.chain, factors)) for lane in lanes])
 
     monkeypatch.setattr(Variant, "build", harder)
-
-
-def incline_otherwise(monkeypatch, factor: float) -> None:
-    """Make the engine ``mujoco`` the reference with another inclination."""
-    build = Variant.build
-
-    def otherwise(self, lanes):
-        if self.engine != "mujoco":
-            return build(self, lanes)
-        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
-
-    monkeypatch.setattr(Variant, "build", otherwise)
 
 
 def deviating(judged: list[Finding]) -> list[Finding]:

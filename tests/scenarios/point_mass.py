@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 
-from engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
-from engines.interface.variant import Variant
-from scenarios.catalogue.scenes.base import SceneScenario
-from scenarios.catalogue.scenes.spin import CORNERS, braking
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.scene import SceneTask, followed
-from scenarios.runs.store import opened_store
-from scenarios.verdicts.finding import Finding
+from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
+from multibody_xval.scenarios.catalogue.scenes.spin import CORNERS, braking
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.scene import SceneTask, followed
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.verdicts.finding import Finding
 
 CONTACT, JOINT = Variant("mujoco", "contact", "default"), Variant("mujoco", "joint", "default")
 """Variants with scenes, under whose names they are judged."""

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from scenarios.tables import (
+from multibody_xval.scenarios.tables import (
     Column,
     csv_cell,
     csv_text,

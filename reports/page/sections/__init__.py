@@ -1,15 +1,15 @@
 """Sections of reports, one class and one template each."""
 
-from reports.page.sections.claims import Claims
-from reports.page.sections.errors import ErrorMaps, OptionCurves, ScaleCurves, WorkPrecision
-from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
-from reports.page.sections.scenes import Scenes
-from reports.page.sections.summary import Provenance, Summary
-from reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts, Versions
+from multibody_xval.reports.page.sections.claims import Claims
+from multibody_xval.reports.page.sections.errors import ErrorMaps, WorkPrecision
+from multibody_xval.reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
+from multibody_xval.reports.page.sections.scenes import Scenes
+from multibody_xval.reports.page.sections.summary import Provenance, Summary
+from multibody_xval.reports.page.sections.verdicts import Catalogue, DeviationsSection, OpenPoints, Verdicts
 
 FIRST_SECTIONS = (
-    Summary, Claims, Transmittance, Scenes, ErrorMaps, FrictionMapSection, BandEdges, StickSlip, Versions, Catalogue,
-    ScaleCurves, WorkPrecision, OptionCurves, Verdicts, DeviationsSection, OpenPoints,
+    Summary, Claims, Transmittance, Scenes, ErrorMaps, FrictionMapSection, BandEdges, StickSlip, Catalogue,
+    WorkPrecision, Verdicts, DeviationsSection, OpenPoints,
 )  # fmt: skip
 LAST_SECTIONS = (Provenance,)
 """Sections of every report, in order; those of other packages stand between."""

@@ -3,9 +3,19 @@
 import math
 from typing import Any
 
-from reports.page.section import Section
-from scenarios.studies.claims import LOCKED, MOVED, RANGE, RESONATOR, STATED, Band, called, edge_text, sentence
-from scenarios.studies.figure3 import FRICTION_RATIOS
+from multibody_xval.reports.page.section import Section
+from multibody_xval.scenarios.studies.claims import (
+    LOCKED,
+    MOVED,
+    RANGE,
+    RESONATOR,
+    STATED,
+    Band,
+    called,
+    edge_text,
+    sentence,
+)
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS
 
 
 class Claims(Section):

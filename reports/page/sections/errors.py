@@ -1,32 +1,27 @@
-"""Where the error is, how it depends on the scale, what accuracy costs, and what single options decide."""
+"""Where the error is, and what accuracy costs."""
 
-import math
 from functools import cached_property
 from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
-from reports.data.descriptions import named_axes
-from reports.drawing.figure import Figure
-from reports.figures.errors import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import named_axes
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.errors import (
     HIGHEST_DB,
     LOWEST_DB,
-    convergence_figure,
     curves,
     error_map_figure,
     error_maps,
-    option_figure,
-    scale_figure,
     unsteady,
-    work_precision_figure,
+    work_precision_figures,
 )
-from reports.page.section import Section
-from scenarios.studies.scale import SCALE_POINT, STEPS, ScalePoint
-from scenarios.studies.work_precision import FINEST_STEPS, StepPoint
-from scenarios.sweeps.truths import WRONG_DB
-from scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.reports.page.section import Section
+from multibody_xval.scenarios.studies.work_precision import FINEST_STEPS, StepPoint
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from reference_lcp.defaults import STICK_SLIP_POINTS
 
 MOST_MAPS = 24
 """Variants whose maps are drawn, those that are farthest from the truth; the files hold the numbers of all."""
@@ -43,7 +38,7 @@ class ErrorMaps(Section):
     def shown(self) -> bool:
         return bool(self._maps)
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         drawn = dict(list(self._maps.items())[-MOST_MAPS:])
         return [error_map_figure(drawn, self._unsteady, named_axes(self.result.sweep, plural=False))]
 
@@ -66,30 +61,8 @@ class ErrorMaps(Section):
         return unsteady(self.report.points)
 
 
-class ScaleCurves(Section):
-    """The error of defaults over the frequency of the drive in Hz."""
-
-    title = "Scale: error over frequency in Hz"
-    template = "scale"
-    numbers = "scale.csv"
-
-    @property
-    def shown(self) -> bool:
-        return not all(math.isnan(point.error_db) for point in self.report.scale)
-
-    def figures(self) -> list[Figure]:
-        return [scale_figure(self.report.scale)]
-
-    def context(self) -> dict[str, Any]:
-        defaults: dict[str, list[ScalePoint]] = {}
-        for point in self.report.scale:
-            if point.variant.preset_name == "default":
-                defaults.setdefault(point.variant.title, []).append(point)
-        return {"defaults": defaults, "point": SCALE_POINT, "steps": STEPS}
-
-
 class WorkPrecision(Section):
-    """Two diagrams and their numbers."""
+    """Three diagrams and their numbers."""
 
     title = "Work and precision"
     template = "work_precision"
@@ -103,9 +76,9 @@ class WorkPrecision(Section):
     def _evaluated(self) -> list[StepPoint]:
         return [point for point in self.report.steps or () if point.evaluated]
 
-    def figures(self) -> list[Figure]:
-        drawn, sweep = curves(self.report.steps or ()), self.result.sweep
-        return [work_precision_figure(sweep, drawn), convergence_figure(sweep, drawn)] if drawn else []
+    def figures(self) -> list[Drawing]:
+        drawn = curves(self.report.steps or ())
+        return work_precision_figures(drawn) if drawn else []
 
     def context(self) -> dict[str, Any]:
         steps = self.report.steps or ()
@@ -124,24 +97,3 @@ class WorkPrecision(Section):
             "finest": FINEST_STEPS[0],
             "absent": absent,
         }
-
-
-class OptionCurves(Section):
-    """Defaults with one option each, and a diagram an option in which variants differ, and in nothing else."""
-
-    title = "One option at a time"
-    template = "option_curves"
-    numbers = "options.csv"
-
-    @property
-    def shown(self) -> bool:
-        return bool(self.report.option_curves or self.report.single_options)
-
-    def figures(self) -> list[Figure]:
-        return [option_figure(number, curve) for number, curve in enumerate(self.report.option_curves, 1)]
-
-    def context(self) -> dict[str, Any]:
-        singles = self.report.single_options
-        defaults = dict.fromkeys(single.default.variant for single in singles)
-        groups = {variant: [own for own in singles if own.default.variant == variant] for variant in defaults}
-        return {"groups": groups, "points": len({point.place[1:] for point in self.report.headline})}

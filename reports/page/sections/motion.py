@@ -3,17 +3,15 @@
 from functools import cached_property
 from typing import Any
 
-from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
-from engines.interface.variant import Variant
-from reference_lcp.observables.stick_slip import MATCHING_WINDOW
-from reports.data.descriptions import axis_name
-from reports.data.points import rows_of
-from reports.data.stick_slip import CasePoint, points_at, stick_slip_places
-from reports.drawing.figure import Figure
-from reports.drawing.style import compared_variants
-from reports.figures.edges import edge_forest
-from reports.figures.stick_slip import hysteresis, raster
-from reports.figures.transmittance import (
+from multibody_xval.engines.interface.tolerances import CONVERGED_TOLERANCE_DB
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import axis_name
+from multibody_xval.reports.data.points import rows_of
+from multibody_xval.reports.data.stick_slip import CasePoint, points_at, stick_slip_places
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.edges import edge_forest
+from multibody_xval.reports.figures.stick_slip import hysteresis, raster
+from multibody_xval.reports.figures.transmittance import (
     FIGURE3,
     LINEAR_DB,
     LOWEST_DB,
@@ -24,12 +22,13 @@ from reports.figures.transmittance import (
     panel,
     responses,
 )
-from reports.formatting import ratio
-from reports.page.section import Section
-from scenarios.runs.result import Result
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.reports.formatting import ratio
+from multibody_xval.reports.page.section import Section
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from reference_lcp.observables.stick_slip import MATCHING_WINDOW
 
 MOST_PANELS = 24
 """Cases that the page shows, so that it stays small enough to be sent; the files hold all of them."""
@@ -42,7 +41,7 @@ class Transmittance(Section):
     template = "transmittance"
     numbers = "transmittance.csv"
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         lines = responses(self.report)
         if REFERENCE in self.result.sweep.variants and not any(own.name == FIGURE3 for own in lines):
             lines = [overview(self.report), *lines]
@@ -52,7 +51,6 @@ class Transmittance(Section):
         return {
             "panels": min(len(self.result.cases), MOST_PANELS),
             "cases": [case.title for case in self.result.cases[:MOST_PANELS]],
-            "engines": list(dict.fromkeys(v.capabilities.title for v in compared_variants(self.result.sweep))),
             "left_out": max(len(self.result.cases) - MOST_PANELS, 0),
             "over": "P0 / k_c" if self.result.sweep.excitation.kind == "force" else "the base's",
             "floor": FLOOR_DB,
@@ -73,7 +71,7 @@ class BandEdges(Section):
     def shown(self) -> bool:
         return bool(self.result.edges) or self.report.of_dataset
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         return [edge_forest(self.report)] if self.result.edges else []
 
     def context(self) -> dict[str, Any]:
@@ -107,7 +105,7 @@ class FrictionMapSection(Section):
     def shown(self) -> bool:
         return self.report.friction_map is not None and self.report.friction_map.known > 0
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         data = self.report.friction_map
         return [] if data is None else [friction_map_figure(data)]
 
@@ -136,7 +134,7 @@ class StickSlip(Section):
     def shown(self) -> bool:
         return bool(self.report.periods) or bool(self.report.stick_slip)
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         rasters = [raster(point, results) for point, results in self._results.items()]
         return [*rasters, *self._loops()]
 
@@ -172,9 +170,9 @@ class StickSlip(Section):
                 by_point[place] = {v: results[v] for v in self.result.sweep.variants if v in results}
         return by_point
 
-    def _loops(self) -> list[Figure]:
+    def _loops(self) -> list[Drawing]:
         known = {
             point: {variant: period for variant, period in periods.items() if period.known}
             for point, periods in self.report.periods.items()
         }
-        return [hysteresis(self.result.sweep, point, periods) for point, periods in known.items() if periods]
+        return [hysteresis(point, periods) for point, periods in known.items() if periods]

@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from engines.interface.registry import registered_engine
-from reports.formatting import environment
-from reports.page.section import SUITE_TEMPLATES, Section
-from scenarios.catalogue.scenes.table import printed_number
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.page.section import SUITE_TEMPLATES, Section
+from multibody_xval.scenarios.catalogue.scenes.table import printed_number
 
 DECADES = 6
 """Shades of the heat map: decades of a number over the smallest one that counts as none."""
@@ -39,7 +39,8 @@ def heat_map(rows: pd.DataFrame, pages: Mapping[str, str] | None = None) -> Mark
     Parameters
     ----------
     rows
-        Columns ``engine``, ``number``, ``default``, ``recommended``; see `scenarios.catalogue.scenes.table`.
+        Columns ``engine``, ``number``, ``default``, ``recommended``; see
+        `multibody_xval.scenarios.catalogue.scenes.table`.
     pages
         What is linked, by name of the engine.
     """
@@ -48,7 +49,7 @@ def heat_map(rows: pd.DataFrame, pages: Mapping[str, str] | None = None) -> Mark
     cells = {
         number: [_cell(number, values.get((number, name), [])) for name in engines] for number in rows.number.unique()
     }
-    titles = {name: registered_engine(name).capabilities.title for name in engines}
+    titles = {name: engine(name).capabilities.title for name in engines}
     template = environment(SUITE_TEMPLATES).get_template("scene_map.html")
     return Markup(template.render(titles=titles, cells=cells, pages=pages or {}))
 

@@ -4,19 +4,19 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from engines.interface.registry import engine
-from reports.data.descriptions import axis_name, drive_description
-from reports.data.finding import finding
-from reports.data.options import TITLES, Headline, by_engine
-from reports.drawing.figure import Figure
-from reports.figures.chain_drawing import chain_drawing
-from reports.figures.errors import installed_figure
-from reports.formatting import fixed, ratio
-from reports.page.section import Section
-from reports.reproducers.recipe import code_lines, has_recipe, recipe_text
-from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
-from scenarios.sweeps.truths import WRONG_DB
-from scenarios.verdicts.finding import FLOOR_DB
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.reports.data.descriptions import axis_name, drive_description
+from multibody_xval.reports.data.finding import finding
+from multibody_xval.reports.data.options import TITLES, Headline, by_engine
+from multibody_xval.reports.figures.chain_drawing import chain_drawing
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.figures.errors import installed_figure
+from multibody_xval.reports.formatting import fixed, ratio
+from multibody_xval.reports.page.section import Section
+from multibody_xval.reports.reproducers.recipe import code_lines, has_recipe, recipe_text
+from multibody_xval.scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
 
 LINES_TO_PASTE = 2
 """Lines of a recipe that stand beside its engine; the others are folded."""
@@ -29,7 +29,7 @@ class Summary(Section):
     template = "summary"
     numbers = "errors.csv"
 
-    def figures(self) -> list[Figure]:
+    def figures(self) -> list[Drawing]:
         figure = installed_figure(self.report.errors, self._where)
         return [] if figure is None else [figure]
 
@@ -75,13 +75,12 @@ class Summary(Section):
             "drive": drive_description(sweep),
             "mass": float(chain.outer_mass[0]),
             "stiffness": float(chain.chain_stiffness[0]),
-            "hertz": f"{chain.resonator_frequency / (2 * math.pi):.2g}" if self.report.scale else "",
         }
 
 
 def _pasted(rows: Sequence[Headline]) -> dict[str, Any]:
     """Give what to write in one's own model for an engine: lines of its recipe, and the whole of it."""
-    name = rows[0].variant.engine.partition("@")[0]
+    name = rows[0].variant.engine
     if not has_recipe(engine(name)):
         return {"name": name, "first": [], "whole": ""}
     return {"name": name, "first": code_lines(name)[:LINES_TO_PASTE], "whole": recipe_text(name)}

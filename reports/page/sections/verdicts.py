@@ -1,24 +1,24 @@
-"""What comparisons come to: verdicts, versions, deviations and laws, the catalogue, and points that do not agree."""
+"""What comparisons come to: verdicts, deviations and laws, the catalogue, and points that do not agree."""
 
 import math
 from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
-from reports.data.catalogue import SIGNS, cell_of
-from reports.data.descriptions import axis_name
-from reports.data.points import outcome
-from reports.data.report import counted
-from reports.drawing.style import compared_variants
-from reports.page.section import Section
-from reports.reproducers.script import has_reproducer
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import FLOOR_DB, Comparison, Finding, Metric, Prediction, Verdict
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import SIGNS, cell_of
+from multibody_xval.reports.data.descriptions import axis_name
+from multibody_xval.reports.data.points import outcome
+from multibody_xval.reports.data.report import counted
+from multibody_xval.reports.figures.style import compared_variants
+from multibody_xval.reports.page.section import Section
+from multibody_xval.reports.reproducers.script import has_reproducer
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB, Comparison, Finding, Metric, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 
 class Verdicts(Section):
@@ -54,20 +54,6 @@ class Verdicts(Section):
             "nothing": variant in self.report.blocked or points == missing,
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
         }
-
-
-class Versions(Section):
-    """A row for every two versions of an engine."""
-
-    title = "Versions side by side"
-    template = "versions"
-
-    @property
-    def shown(self) -> bool:
-        return bool(self.report.versions)
-
-    def context(self) -> dict[str, Any]:
-        return {"rows": self.report.versions}
 
 
 POINT = "figure3"

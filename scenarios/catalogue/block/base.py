@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engines.interface.tolerances import SINGLE
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.motion import Case, MotionScenario
+from multibody_xval.scenarios.runs.transient_task import Block, BlockTask
+from multibody_xval.scenarios.verdicts.finding import Comparison, Metric
+from multibody_xval.scenarios.verdicts.judge import Steps, judge
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.steady.error_bar import REFINEMENTS
-from scenarios.catalogue.motion import Case, MotionScenario
-from scenarios.runs.transient_task import Block, BlockTask
-from scenarios.verdicts.finding import Comparison, Metric
-from scenarios.verdicts.judge import Steps, judge
 
 STANDARD_GRAVITY = 9.80665
 """g [m/s²]."""

@@ -6,16 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
+from multibody_xval.scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import BlockTask, TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.chain.drives import GrowingAcceleration
-from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
-from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import BlockTask, TransientTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number
-from scenarios.verdicts.steady_case import REFERENCE
 
 RISE_TIME = 1.0
 """Time in which the load reaches the bound of friction [s]."""

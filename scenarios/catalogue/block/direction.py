@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engines.interface.presets import Formulation
-from engines.interface.variant import Variant
-from scenarios.catalogue.block.base import (
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import (
     ROUND_OFF,
     ROUNDINGS,
     SCALES,
@@ -17,13 +17,13 @@ from scenarios.catalogue.block.base import (
     Throw,
     stated_compliance,
 )
-from scenarios.catalogue.motion import NothingToCompare
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import BlockTask, TransientTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
-from scenarios.verdicts.judge import Number
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from multibody_xval.scenarios.catalogue.motion import NothingToCompare
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import BlockTask, TransientTask
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.judge import Number
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE
 
 ANGLES = (0, 15, 30, 45, 60, 75, 90)
 """By which the row is turned [°]: pyramids of four faces are seen at their edges and at their faces."""

@@ -20,19 +20,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import (
+    ROUND_OFF,
+    ROUNDINGS,
+    BlockScenario,
+    on_free_carrier,
+    round_off,
+)
+from multibody_xval.scenarios.catalogue.motion import refined_counts
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask, TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number, Steps
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 from reference_lcp.chain.drives import ShakingForce, StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS, BlockScenario, on_free_carrier, round_off
-from scenarios.catalogue.motion import refined_counts
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask, TransientTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number, Steps
-from scenarios.verdicts.steady_case import EXACT
 
 NO_SPRING = 1e-9
 """Force of a block's spring where there is none, over the bound of friction, for each metre of slip [1/m]."""

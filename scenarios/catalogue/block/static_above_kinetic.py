@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engines.interface.variant import Variant
-from reference_lcp.chain.drives import ShakingForce
-from scenarios.catalogue.block.base import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import (
     SCALES,
     THREE_STEPS,
     TIME_STEP,
@@ -26,11 +25,12 @@ from scenarios.catalogue.block.base import (
     on_free_carrier,
     round_off,
 )
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import CARRIER_MASSES, BlockTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import CARRIER_MASSES, BlockTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number
+from reference_lcp.chain.drives import ShakingForce
 
 STATIC_RATIOS = (1.2, 1.5)
 """μ_s / μ_k: a little above one, and as for dry steel."""

@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import BlockTask, TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number
 from reference_lcp.chain.drives import StillBase, Vibration
-from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import BlockTask, TransientTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number
 
 HOLD_TIME = 10.0
 """How long the load lasts [s]."""

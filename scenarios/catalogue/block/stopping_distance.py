@@ -4,13 +4,20 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.block.base import SCALES, THREE_STEPS, BlockScenario, Throw, judged_at_one_step, round_off
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import BlockTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block.base import (
+    SCALES,
+    THREE_STEPS,
+    BlockScenario,
+    Throw,
+    judged_at_one_step,
+    round_off,
+)
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import BlockTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number
 
 STOPPING_TIMES = (0.25, 1.0)
 """Which give the velocities [s]."""

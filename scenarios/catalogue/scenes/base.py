@@ -11,18 +11,18 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names
-from engines.interface.scene import Scene, Vector, formulation_of
-from engines.interface.variant import GENERAL, Variant, check_installed, name_parts, variants_named
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.scene import Scene, Vector, formulation_of
+from multibody_xval.engines.interface.variant import GENERAL, Variant, check_installed, name_parts, variants_named
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
+from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
+from multibody_xval.scenarios.verdicts.judge import decide, missing
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.scene import SceneTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
-from scenarios.verdicts.judge import decide, missing
 
 COMMON_STEP = 0.001
 """Time step at which all engines are compared, beside their own [s]."""
@@ -107,7 +107,7 @@ class SceneScenario(Scenario):
         chosen: list[Variant] = []
         for name in names or [each for each in engine_names() if not engine(each).scene_gap(self.formulation)]:
             parts, settings = name_parts(name)
-            if len(parts) == 1 and not settings and name.partition("@")[0] in engine_names():
+            if len(parts) == 1 and not settings and name in engine_names():
                 if names:
                     check_installed(name, engine(name).unavailable_reason())
                 chosen += general_variants(name, self.formulation)

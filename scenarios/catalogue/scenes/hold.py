@@ -5,11 +5,20 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engines.interface.scene import Box, ContactScene
-from scenarios.catalogue.scenes.base import CREEP, HOLDING, SAG, Measured, SceneCase, SceneScenario, creep, sag
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.scene import SceneTask
-from scenarios.verdicts.finding import Metric
+from multibody_xval.engines.interface.scene import Box, ContactScene
+from multibody_xval.scenarios.catalogue.scenes.base import (
+    CREEP,
+    HOLDING,
+    SAG,
+    Measured,
+    SceneCase,
+    SceneScenario,
+    creep,
+    sag,
+)
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.verdicts.finding import Metric
 
 TURN = 0.5
 """Of boxes that do not lie along the slope [rad]."""

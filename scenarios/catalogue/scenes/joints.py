@@ -4,11 +4,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
-from scenarios.catalogue.scenes.base import CREEP, HOLDING, Measured, SceneCase, SceneScenario, creep, sag
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.scene import SceneTask
-from scenarios.verdicts.finding import Metric
+from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
+from multibody_xval.scenarios.catalogue.scenes.base import (
+    CREEP,
+    HOLDING,
+    Measured,
+    SceneCase,
+    SceneScenario,
+    creep,
+    sag,
+)
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.verdicts.finding import Metric
 
 TURNING = Metric("turning", "µrad/s", f"Mean angular velocity over {HOLDING:g} s of a hinge that friction should hold.")
 

@@ -10,22 +10,22 @@ import timeit
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names
-from engines.interface.scene import SceneWorld
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.scene import SceneWorld
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.base import CREEP, SceneScenario, general_variants
+from multibody_xval.scenarios.catalogue.scenes.hold import StackHold
+from multibody_xval.scenarios.catalogue.scenes.joints import TURNING, ArmHold
+from multibody_xval.scenarios.catalogue.scenes.table import worst_numbers
+from multibody_xval.scenarios.catalogue.verdict_table import finding_table
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.scene import built
+from multibody_xval.scenarios.tables import Column
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
 from reference_lcp.errors import ParameterError, checked_choice
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.base import CREEP, SceneScenario, general_variants
-from scenarios.catalogue.scenes.hold import StackHold
-from scenarios.catalogue.scenes.joints import TURNING, ArmHold
-from scenarios.catalogue.scenes.table import worst_numbers
-from scenarios.catalogue.verdict_table import finding_table
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.scene import built
-from scenarios.tables import Column
-from scenarios.verdicts.finding import Finding, Verdict
 
 MOST_SETS = 32
 """Sets of a study: those of five options."""

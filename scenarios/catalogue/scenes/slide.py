@@ -5,13 +5,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engines.interface.scene import GRAVITY, Box, ContactScene, Vector
+from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Vector
+from multibody_xval.scenarios.catalogue.scenes.base import (
+    CREEP_RESOLUTION,
+    Measured,
+    SceneCase,
+    SceneScenario,
+    round_off,
+)
+from multibody_xval.scenarios.catalogue.scenes.hold import on_slope
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.verdicts.finding import Metric
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.scenes.base import CREEP_RESOLUTION, Measured, SceneCase, SceneScenario, round_off
-from scenarios.catalogue.scenes.hold import on_slope
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.scene import SceneTask
-from scenarios.verdicts.finding import Metric
 
 SLIDING = 2.0
 """How long a box slides down [s]."""

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engines.interface.scene import GRAVITY, Box, ContactScene
-from scenarios.catalogue.scenes.base import Measured, SceneCase, SceneScenario
-from scenarios.catalogue.scenes.slide import FRICTION_RESOLUTION, LIFT, LIFT_RESOLUTION, REST, WHOLE
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.scene import SceneTask
-from scenarios.verdicts.finding import Metric
+from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene
+from multibody_xval.scenarios.catalogue.scenes.base import Measured, SceneCase, SceneScenario
+from multibody_xval.scenarios.catalogue.scenes.slide import FRICTION_RESOLUTION, LIFT, LIFT_RESOLUTION, REST, WHOLE
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.verdicts.finding import Metric
 
 CORNERS = math.sqrt(0.5)
 """Lever of friction over the side of the box, if its corners carry it: a torque of μ m g times that."""

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pandas as pd
 
-from engines.interface.variant import GENERAL
-from scenarios.catalogue.scenes.base import OWN_STEP
-from scenarios.verdicts.finding import Verdict
+from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.scenarios.catalogue.scenes.base import OWN_STEP
+from multibody_xval.scenarios.verdicts.finding import Verdict
 
 FAILED, NONE = math.inf, math.nan
 """Numbers of a scene that an engine fails at, and of one that it has none of."""
@@ -19,7 +19,7 @@ def worst_numbers(findings: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     findings
-        Table of findings, as `scenarios.check` gives it or ``run --out`` writes it.
+        Table of findings, as `multibody_xval.check` gives it or ``run --out`` writes it.
 
     Returns
     -------

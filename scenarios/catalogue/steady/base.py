@@ -6,14 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
-from engines.interface.variant import Variant
-from reference_lcp.steady.richardson import amplitude_in_db
-from scenarios.catalogue.base import Scenario
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import ChainRatios, Ratio
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.verdicts.finding import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Ratio
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import (
     FLOOR_DB,
     PHASE,
     TRANSMITTANCE,
@@ -23,9 +22,9 @@ from scenarios.verdicts.finding import (
     Tolerance,
     Verdict,
 )
-from scenarios.verdicts.judge import decide, judge, of_amplitude, of_response, response_readers
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.steady_case import (
+from multibody_xval.scenarios.verdicts.judge import decide, judge, of_amplitude, of_response, response_readers
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.steady_case import (
     EXACT,
     REFERENCE,
     Evidence,
@@ -36,7 +35,8 @@ from scenarios.verdicts.steady_case import (
     exact_expected,
     third_task,
 )
-from scenarios.verdicts.stick_slip_comparison import STICK_SLIP_METRICS, stick_slip_findings
+from multibody_xval.scenarios.verdicts.stick_slip_comparison import STICK_SLIP_METRICS, stick_slip_findings
+from reference_lcp.steady.richardson import amplitude_in_db
 
 SAME_STEP = Metric(
     "same step",

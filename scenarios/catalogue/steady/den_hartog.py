@@ -4,12 +4,12 @@ import cmath
 import math
 from collections.abc import Sequence
 
+from multibody_xval.scenarios.catalogue.steady.base import ClosedForm
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.steady_case import Expected, SteadyCase
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
-from scenarios.catalogue.steady.base import ClosedForm
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 STANDING_RATIO = 1e6
 """Mass ratio of the cell: its inner mass moves by a millionth of what the outer one does."""

@@ -2,15 +2,21 @@
 
 from collections.abc import Sequence
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case, results_of, skip_reason
-from scenarios.runs.evaluator import Evaluator
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.edges import BAND_EDGE, BandEdge, band_edges
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding
-from scenarios.verdicts.steady_case import case_tasks
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.steady.base import (
+    SAME_STEP,
+    SteadyScenario,
+    point_case,
+    results_of,
+    skip_reason,
+)
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.edges import BAND_EDGE, BandEdge, band_edges
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from multibody_xval.scenarios.verdicts.steady_case import case_tasks
 
 HALF_WIDTH = 0.004
 """Distance in η_r from an edge of the two points whose transmittance is compared, on its flanks."""

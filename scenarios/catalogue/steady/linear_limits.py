@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from multibody_xval.scenarios.catalogue.steady.base import ClosedForm, cases_over
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.steady_case import Expected, SteadyCase
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.observables.transmittance import decibel
-from scenarios.catalogue.steady.base import ClosedForm, cases_over
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 THREE_CELLS = ChainRatios(cells=3)
 """Enough cells for pass band and stop band, few enough for engines that are slow."""

@@ -3,13 +3,13 @@
 import math
 from collections.abc import Sequence
 
-from scenarios.catalogue.steady.base import SteadyScenario
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, phase_reader
-from scenarios.verdicts.judge import Steps
-from scenarios.verdicts.steady_case import COARSE, CONVERGED, FINE, FINEST, Expected, SteadyCase
+from multibody_xval.scenarios.catalogue.steady.base import SteadyScenario
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import PHASE, TRANSMITTANCE, phase_reader
+from multibody_xval.scenarios.verdicts.judge import Steps
+from multibody_xval.scenarios.verdicts.steady_case import COARSE, CONVERGED, FINE, FINEST, Expected, SteadyCase
 
 CHAIN_LENGTHS = (7, 15, 30, 50)
 

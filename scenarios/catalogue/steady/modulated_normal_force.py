@@ -13,16 +13,13 @@ from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
-from engines.interface.variant import Variant
-from reference_lcp.chain.preload import Flight
-from reference_lcp.observables.stick_slip import TimedTransition
-from reference_lcp.steady.richardson import amplitude_in_db
-from scenarios.catalogue.base import Scenario
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import Modulation
-from scenarios.runs.result import Result
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.verdicts.finding import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import Modulation
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import (
     PHASE,
     TRANSMITTANCE,
     Comparison,
@@ -31,9 +28,12 @@ from scenarios.verdicts.finding import (
     Tolerance,
     amplitude_in_degrees,
 )
-from scenarios.verdicts.judge import Steps, decide, friction_effect, judge, missing, response_readers
-from scenarios.verdicts.steady_case import REFERENCE, amplification
-from scenarios.verdicts.stick_slip_comparison import QUARTER_PERIOD, WHOLE_PERIOD
+from multibody_xval.scenarios.verdicts.judge import Steps, decide, friction_effect, judge, missing, response_readers
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE, amplification
+from multibody_xval.scenarios.verdicts.stick_slip_comparison import QUARTER_PERIOD, WHOLE_PERIOD
+from reference_lcp.chain.preload import Flight
+from reference_lcp.observables.stick_slip import TimedTransition
+from reference_lcp.steady.richardson import amplitude_in_db
 
 CASE_STEPS = (400, 800, 1600)
 """Steps a period of the three results of every case; those with 800 are compared.

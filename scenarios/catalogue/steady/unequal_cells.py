@@ -5,9 +5,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from scenarios.catalogue.steady.base import SteadyScenario, cases_over
-from scenarios.runs.parameters import ChainRatios, Ratio
-from scenarios.verdicts.steady_case import SteadyCase
+from multibody_xval.scenarios.catalogue.steady.base import SteadyScenario, cases_over
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Ratio
+from multibody_xval.scenarios.verdicts.steady_case import SteadyCase
 
 DISORDER_SEED = 3
 """Of the disordered chain: five of its seven contacts slip at η_r = 0.6, in 22 transitions a period; six at 0.9."""

@@ -1,7 +1,7 @@
 """Stick and slip of a single cell."""
 
-from scenarios.catalogue.steady.base import SteadyScenario, point_case
-from scenarios.studies.response import ONE_CELL
+from multibody_xval.scenarios.catalogue.steady.base import SteadyScenario, point_case
+from multibody_xval.scenarios.studies.response import ONE_CELL
 
 POINTS = ((0.6, 0.9), (0.1, 0.45), (0.6, 1.6), (0.3, 0.9))
 """Friction and frequency ratios."""

@@ -1,9 +1,9 @@
 """Steady states all over the ranges that a user may ask for."""
 
-from engines.shared.wide_range import DESIGN, RangePoint
-from scenarios.catalogue.steady.base import SteadyScenario
-from scenarios.runs.parameters import ChainRatios
-from scenarios.verdicts.steady_case import SteadyCase
+from multibody_xval.engines.shared.wide_range import DESIGN, RangePoint
+from multibody_xval.scenarios.catalogue.steady.base import SteadyScenario
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.verdicts.steady_case import SteadyCase
 
 
 def _case(point: RangePoint) -> SteadyCase:

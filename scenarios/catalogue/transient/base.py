@@ -13,22 +13,28 @@ from typing import ClassVar
 
 import numpy as np
 
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
+from multibody_xval.scenarios.catalogue.motion import (
+    MotionScenario,
+    NothingToCompare,
+    Read,
+    refined_counts,
+    with_refined_steps,
+)
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric, Verdict
+from multibody_xval.scenarios.verdicts.judge import Number, metric_difference
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.chain.drives import HarmonicBase, MovingBase
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.observables.transmittance import Transmissibility, decibel, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
-from scenarios.catalogue.motion import MotionScenario, NothingToCompare, Read, refined_counts, with_refined_steps
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Finding, Metric, Verdict
-from scenarios.verdicts.judge import Number, metric_difference
-from scenarios.verdicts.steady_case import REFERENCE
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""

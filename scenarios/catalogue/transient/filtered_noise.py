@@ -1,10 +1,16 @@
 """Band-limited noise of the base: a stationary motion without a period."""
 
+from multibody_xval.scenarios.catalogue.transient.base import (
+    PERIOD,
+    RESONATOR_FREQUENCY,
+    ROWS_PER_PERIOD,
+    Broadband,
+    TransientCase,
+)
 from reference_lcp.chain.transient import FilteredNoise
 from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.observables.transmittance import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient.base import PERIOD, RESONATOR_FREQUENCY, ROWS_PER_PERIOD, Broadband, TransientCase
 
 PERIODS = 300
 """Length of the noise in periods 2π / ω_r; it does not repeat before."""

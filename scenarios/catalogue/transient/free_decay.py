@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.motion import MotionScenario, Readings, refined_counts
+from multibody_xval.scenarios.catalogue.transient.base import harmonic_period
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric
+from multibody_xval.scenarios.verdicts.judge import Number, Steps
+from multibody_xval.scenarios.verdicts.steady_case import EXACT
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.motion import MotionScenario, Readings, refined_counts
-from scenarios.catalogue.transient.base import harmonic_period
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.task import SteadyStateTask
-from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number, Steps
-from scenarios.verdicts.steady_case import EXACT
 
 DECAY_STEPS = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
@@ -57,7 +57,7 @@ class Decay:
     ratios: ChainRatios
     friction_ratio: float
     shape: str
-    """Where it starts, one of `scenarios.runs.transient_task.SHAPES`."""
+    """Where it starts, one of `multibody_xval.scenarios.runs.transient_task.SHAPES`."""
     periods: int
     """Length of the motion in periods 2π / ω_r."""
 

@@ -6,20 +6,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
-from engines.shared.wide_range import LONG_USE, MANY_RUNS
+from multibody_xval.engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.wide_range import LONG_USE, MANY_RUNS
+from multibody_xval.scenarios.catalogue.motion import MotionScenario, refined_counts
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import NamedNumbers
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Metric, Tolerance
+from multibody_xval.scenarios.verdicts.judge import Number, decide
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.steady.error_bar import REFINEMENTS
-from scenarios.catalogue.motion import MotionScenario, refined_counts
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Finding, Metric, Tolerance
-from scenarios.verdicts.judge import Number, decide
-from scenarios.verdicts.steady_case import REFERENCE
 
 RATIOS = ChainRatios(cells=1)
 

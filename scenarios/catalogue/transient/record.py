@@ -4,9 +4,7 @@ import math
 from functools import cached_property
 from pathlib import Path
 
-from reference_lcp.chain.transient import RecordedBase
-from reference_lcp.defaults import BASE_AMPLITUDE
-from scenarios.catalogue.transient.base import (
+from multibody_xval.scenarios.catalogue.transient.base import (
     BANDS,
     BROADBAND_STEPS,
     PERIOD,
@@ -15,6 +13,8 @@ from scenarios.catalogue.transient.base import (
     Broadband,
     TransientCase,
 )
+from reference_lcp.chain.transient import RecordedBase
+from reference_lcp.defaults import BASE_AMPLITUDE
 
 FILE = Path(__file__).with_name("example_record.csv")
 """Synthetic and earthquake-like, 600 samples in 12 s: noise with the spectrum of Kanai and Tajimi (H. Tajimi, Proc. 2nd

@@ -1,8 +1,8 @@
 """A Ricker pulse of the base: a transient that holds all frequencies around ω_r at once."""
 
+from multibody_xval.scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 from reference_lcp.chain.transient import QUIET, RickerPulse
 from reference_lcp.defaults import BASE_AMPLITUDE
-from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 
 class RickerPulseScenario(Broadband):

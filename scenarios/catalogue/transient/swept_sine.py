@@ -2,9 +2,9 @@
 
 import math
 
+from multibody_xval.scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 from reference_lcp.chain.transient import SweptSine
 from reference_lcp.defaults import BASE_AMPLITUDE
-from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 SWEEP, REST = 250, 100
 """Periods 2π / ω_r of the sweep, and of the rest in which the chain dies out."""

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from engines import Engine, Option, Preset
-from engines.reference import Reference
+from multibody_xval.engines import Engine, Option, Preset
+from multibody_xval.engines.reference import Reference
 
 
 class NoEngine:

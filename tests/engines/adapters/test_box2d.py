@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from engines.box2d import Box2D
-from engines.interface.tolerances import SINGLE
+from multibody_xval.engines.box2d import Box2D
+from multibody_xval.engines.interface.tolerances import SINGLE
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -77,7 +77,7 @@ def test_slow_chains_do_not_fall_asleep() -> None:
 
 def test_warnings_as_errors_do_not_end_the_interpreter() -> None:
     """Box2D's own module warns while it is loaded, and dies if that is raised."""
-    program = "from engines.box2d.joint import import_box2d; print(import_box2d().b2World().bodyCount)"
+    program = "from multibody_xval.engines.box2d.joint import import_box2d; print(import_box2d().b2World().bodyCount)"
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "0", "")
 

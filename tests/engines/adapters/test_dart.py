@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from engines.dart import Dart
-from engines.dart.presets import JOINT_MIXING
+from multibody_xval.engines.dart import Dart
+from multibody_xval.engines.dart.presets import JOINT_MIXING
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -55,7 +55,7 @@ def test_four_points_of_contact_are_four_times_as_hard_as_one() -> None:
 def test_a_box_that_starts_deeper_is_pushed_harder(monkeypatch: pytest.MonkeyPatch) -> None:
     """DART pushes out a hundredth of a depth in every step, which is a force beside the one that is given."""
     lane = lane_of(0.3, 0.6)
-    monkeypatch.setattr("engines.dart.contact.DEPTH", 1e-3)
+    monkeypatch.setattr("multibody_xval.engines.dart.contact.DEPTH", 1e-3)
     motion = Dart().build([lane], "contact").run(State.at_rest(1, 7), 0, 10)[0]
     assert np.max(motion.normal_force / lane.chain.normal_force) > 1.001
 

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.drake import Drake
-from engines.drake.contact import script_numbers
-from engines.drake.joint import actuator_gains
-from engines.drake.step_model import contact_scale
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.drake import Drake
+from multibody_xval.engines.drake.contact import script_numbers
+from multibody_xval.engines.drake.joint import actuator_gains
+from multibody_xval.engines.drake.step_model import contact_scale
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -140,11 +140,9 @@ def test_a_motion_that_diverges_stops_with_drakes_reason_and_leaves_nothing_behi
 
 
 def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.shared.pip_engine.importlib.util.find_spec", lambda _: None)
-    assert (
-        Drake().unavailable_reason() == "the package drake is not installed; multibody-xval engines install drake, "
-        "or pip install '.[engines]' in the suite's folder"
-    )
+    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.importlib.util.find_spec", lambda _: None)
+    said = "the package drake is not installed; pip install '.[engines]' in the suite's folder"
+    assert Drake().unavailable_reason() == said
 
 
 def test_in_the_tuned_contact_nothing_moves_across_the_plane() -> None:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from engines.exudyn import ExudynBristle, ExudynRegularised
-from engines.exudyn.joint import STATIC_DECAY_PER_KICK
-from engines.exudyn.reproducer import bristle_numbers
-from engines.exudyn.step_model import (
+from multibody_xval.engines.exudyn import ExudynBristle, ExudynRegularised
+from multibody_xval.engines.exudyn.joint import STATIC_DECAY_PER_KICK
+from multibody_xval.engines.exudyn.reproducer import bristle_numbers
+from multibody_xval.engines.exudyn.step_model import (
     SPECTRAL_RADIUS,
     ZONE,
     GeneralisedAlphaLane,
@@ -14,9 +14,9 @@ from engines.exudyn.step_model import (
     step_rule,
     zone_widths,
 )
-from engines.interface.engine import Engine
-from engines.interface.law import Law, NotModelled
-from engines.interface.registry import LawEngine, law_of
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.registry import LawEngine, law_of
 from reference_lcp.chain.drives import Drive, HarmonicBase, HarmonicForce
 from reference_lcp.chain.linear_response import frictionless_response
 from reference_lcp.chain.mass_in_mass import Chain

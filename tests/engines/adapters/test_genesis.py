@@ -4,17 +4,18 @@ import dataclasses
 import json
 import math
 import subprocess
+import sys
 from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
-from engines.interface.engine import Engine
-from engines.interface.law import Law
-from engines.interface.registry import engine
-from engines.interface.scene import ArmScene, ContactScene, JointScene, Scene
-from engines.interface.variant import Variant
-from engines.mujoco.step_model import LEAST_COEFFICIENT as MUJOCOS_LEAST
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.scene import ArmScene, ContactScene, JointScene, Scene
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.mujoco.step_model import LEAST_COEFFICIENT as MUJOCOS_LEAST
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
@@ -35,7 +36,7 @@ ENGINE = engine("genesis")
 
 HELD = "default:across=held"
 
-in_its_environment = pytest.mark.needs("genesis")
+where_installed = pytest.mark.needs("genesis")
 every_preset = pytest.mark.parametrize(
     ("formulation", "preset"),
     [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default"), ("contact", HELD)],
@@ -132,7 +133,7 @@ def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
         assert np.array_equal(getattr(first, name), getattr(second, name)), f"{name} differ"
 
 
-@in_its_environment
+@where_installed
 @pytest.mark.parametrize("formulation", ["joint", "contact"])
 @pytest.mark.parametrize("time_step", [1e-3, 8e-3])
 def test_default_leaves_a_stick_what_its_law_leaves(formulation: str, time_step: float) -> None:
@@ -142,7 +143,7 @@ def test_default_leaves_a_stick_what_its_law_leaves(formulation: str, time_step:
     assert slip_left(ENGINE, lane, formulation) == pytest.approx(left, rel=1e-8)
 
 
-@in_its_environment
+@where_installed
 def test_friction_does_not_press_by_signorinis_law_and_does_by_the_pyramid_as_its_law_says() -> None:
     lane, state = lane_of(), random_state()
     own = run(lane, state, "contact").normal_force
@@ -153,7 +154,7 @@ def test_friction_does_not_press_by_signorinis_law_and_does_by_the_pyramid_as_it
     assert pressed == pytest.approx(predicted, rel=1e-3)
 
 
-@in_its_environment
+@where_installed
 @every_preset
 def test_lanes_of_one_scene_or_several_move_as_each_alone(formulation: str, preset: str) -> None:
     """Other time steps, masses, bounds, and cells without friction, in the order in which they were given."""
@@ -168,17 +169,7 @@ def test_lanes_of_one_scene_or_several_move_as_each_alone(formulation: str, pres
         assert np.array_equal(alone.positions[-1], ends.positions[index])
 
 
-@in_its_environment
-@every_preset
-def test_engine_steps_alone_whether_lanes_share_a_scene_or_not(formulation: str, preset: str) -> None:
-    """Which is how its own loop is timed; a run afterwards is what it was."""
-    simulation, state = ENGINE.build([lane_of(), lane_of()], formulation, preset), random_state(2)
-    before = simulation.run(state, 0, 5)[1]
-    simulation.native_steps(3)
-    assert_same_bits(simulation.run(state, 0, 5)[1], before)
-
-
-@in_its_environment
+@where_installed
 @pytest.mark.parametrize("formulation", ["joint", "contact"])
 def test_lane_that_diverges_stops_and_leaves_the_others_alone(formulation: str) -> None:
     """At numbers that are not finite Genesis would end all environments of a scene."""
@@ -193,7 +184,7 @@ def test_lane_that_diverges_stops_and_leaves_the_others_alone(formulation: str) 
     assert np.array_equal(other.friction, alone.friction)
 
 
-@in_its_environment
+@where_installed
 def test_bound_that_changes_in_time_is_that_of_its_lane_and_step() -> None:
     constant, state = uneven_lane(), random_state(2)
     changing = dataclasses.replace(constant, preload=Preload.at_multiple(constant.drive, 0.8, 1))
@@ -205,7 +196,7 @@ def test_bound_that_changes_in_time_is_that_of_its_lane_and_step() -> None:
     assert np.abs(second.friction)[slides] == pytest.approx(bound[slides], rel=1e-9)
 
 
-@in_its_environment
+@where_installed
 def test_coefficient_below_the_one_that_genesis_takes_for_it_is_refused_by_the_default_alone() -> None:
     lane, state = with_coefficients([0.5, 0.3, 0.002, 0.3, 0.3, 0.3, 0.3]), random_state()
     assert np.min(lane.chain.friction_coefficient) > MUJOCOS_LEAST
@@ -240,22 +231,18 @@ print("\\n" + json.dumps({
 """
 
 
-@in_its_environment
+@where_installed
 @pytest.mark.slow
 def test_traps_of_genesis_are_still_there() -> None:
     """What the adapter goes round: once one of these is gone, so can be what goes round it."""
-    from engines.isolated.environment import Environment
-
-    done = subprocess.run(
-        [str(Environment("genesis").interpreter), "-c", TRAPS], capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", TRAPS], capture_output=True, text=True, check=True)
     traps = json.loads(done.stdout.strip().splitlines()[-1])
     assert traps["armature"] == [0.1], "of a joint that has none"
     assert traps["time constant"] == pytest.approx(0.02), "of friction: it is solreflimit's, not solreffriction's"
     assert "elliptic friction cone is not supported with the noslip solver" in traps["refusal"]
 
 
-@in_its_environment
+@where_installed
 @pytest.mark.slow
 def test_free_sphere_moves_by_mujocos_law_to_round_off_where_contacts_open_too() -> None:
     law = Variant.parse("genesis:contact:default").preset.stated_law()
@@ -270,7 +257,7 @@ def test_free_sphere_moves_by_mujocos_law_to_round_off_where_contacts_open_too()
         assert np.max(np.abs(own.normal_gap - predicted.normal_gap)) < 1e-9 * AMPLITUDE
 
 
-@in_its_environment
+@where_installed
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "most"),

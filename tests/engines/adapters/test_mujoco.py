@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.mujoco import MuJoCo
+from multibody_xval.engines.mujoco import MuJoCo
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.mujoco_warp import MuJoCoWarp
+from multibody_xval.engines.mujoco_warp import MuJoCoWarp
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (

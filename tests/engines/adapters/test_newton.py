@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engines.interface.law import Law
-from engines.interface.registry import law_of
-from engines.newton import Newton
-from engines.newton.step_model import ANCHORED_PERIOD
-from engines.newton.worlds import JointWorlds, NewtonWorlds, import_newton
-from engines.shared.warp_worlds import import_warp
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.newton import Newton
+from multibody_xval.engines.newton.step_model import ANCHORED_PERIOD
+from multibody_xval.engines.newton.worlds import JointWorlds, NewtonWorlds, import_newton
+from multibody_xval.engines.shared.warp_worlds import import_warp
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
@@ -95,7 +95,7 @@ class AugmentedWorlds(JointWorlds):
 
 def test_a_drive_that_is_no_row_locks_its_joint_whatever_its_effort_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """SolverSteel's own mode of drives: it bounds the part of the damping that is not in the mass matrix."""
-    monkeypatch.setattr("engines.newton.worlds.JointWorlds", AugmentedWorlds)
+    monkeypatch.setattr("multibody_xval.engines.newton.worlds.JointWorlds", AugmentedWorlds)
     lane, state = lane_of(), State.at_rest(1, 7)
     rows, locked = (run(lane, state, drive_mode=mode) for mode in ("rows", "augmented"))
     assert distance(lane, state, rows) < ROUNDINGS
@@ -139,7 +139,7 @@ class KaminoWorlds(JointWorlds):
 @pytest.mark.slow
 def test_kamino_takes_the_step_of_the_scheme_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its step takes 48 ms on a processor, and so a tenth of a period of one cell is all that is asked here."""
-    monkeypatch.setattr("engines.newton.worlds.JointWorlds", KaminoWorlds)
+    monkeypatch.setattr("multibody_xval.engines.newton.worlds.JointWorlds", KaminoWorlds)
     chain = Chain.from_ratios(cells=1, friction_ratio=0.3, base_amplitude=AMPLITUDE)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), STEPS)
     state = State(AMPLITUDE * np.array([[1.0, -0.5]]), AMPLITUDE * np.array([[20.0, -30.0]]))

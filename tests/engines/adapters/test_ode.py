@@ -5,16 +5,16 @@ import sys
 import numpy as np
 import pytest
 
-from engines.contract.lanes import scaled_state
-from engines.interface.registry import law_of
-from engines.interface.scene import JointScene, SceneSetting
-from engines.interface.variant import Variant
-from engines.isolated.out_of_process import process_of
-from engines.isolated.process import EngineProcessError
-from engines.ode import ODE
-from engines.ode.presets import BOUNCE, JOINT_DEFAULT
-from engines.ode.scene import SERVER, STEP
-from engines.shared.wide_range import DESIGN
+from multibody_xval.engines.contract.lanes import scaled_state
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.scene import JointScene, SceneSetting
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.isolated.out_of_process import process_of
+from multibody_xval.engines.isolated.process import EngineProcessError
+from multibody_xval.engines.ode import ODE
+from multibody_xval.engines.ode.presets import BOUNCE, JOINT_DEFAULT
+from multibody_xval.engines.ode.scene import SERVER, STEP
+from multibody_xval.engines.shared.wide_range import DESIGN
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.pinocchio import Pinocchio
+from multibody_xval.engines.pinocchio import Pinocchio
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from engines.pymunk import Pymunk
+from multibody_xval.engines.pymunk import Pymunk
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state, scheme, uneven_lane

@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine, law_of
-from engines.interface.tolerances import SINGLE
-from engines.rapier import Rapier
-from engines.rapier.contact import RapierContactLane
-from engines.rapier.step_model import SINGLE_PRECISION_PERIOD
+from multibody_xval.engines.interface.registry import engine, law_of
+from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.rapier import Rapier
+from multibody_xval.engines.rapier.contact import RapierContactLane
+from multibody_xval.engines.rapier.step_model import SINGLE_PRECISION_PERIOD
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

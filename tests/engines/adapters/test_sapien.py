@@ -5,13 +5,13 @@ import gc
 import numpy as np
 import pytest
 
-from engines.interface.presets import Option, Preset
-from engines.interface.registry import law_of
-from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF
-from engines.sapien import Sapien
-from engines.sapien.contact import SapienContactLane
-from engines.sapien.step_model import DRAWN_BACK_PERIOD, SINGLE_PRECISION_PERIOD, temporal_gauss_seidel
-from engines.shared.coordinates import CarriedCoordinates
+from multibody_xval.engines.interface.presets import Option, Preset
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF
+from multibody_xval.engines.sapien import Sapien
+from multibody_xval.engines.sapien.contact import SapienContactLane
+from multibody_xval.engines.sapien.step_model import DRAWN_BACK_PERIOD, SINGLE_PRECISION_PERIOD, temporal_gauss_seidel
+from multibody_xval.engines.shared.coordinates import CarriedCoordinates
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -55,7 +55,7 @@ def test_joints_have_a_friction_of_their_own_unless_told_not_to_have_it() -> Non
 
 def test_friction_given_with_the_other_properties_of_a_joint_is_not_the_friction_that_it_has() -> None:
     """Of SAPIEN itself, where it would mislead an adapter without a message."""
-    from engines.sapien.joint import import_sapien
+    from multibody_xval.engines.sapien.joint import import_sapien
 
     sapien = import_sapien()
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])

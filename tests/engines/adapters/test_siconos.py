@@ -6,10 +6,16 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.presets import Formulation
-from engines.interface.variant import Variant
-from engines.isolated.process import EngineProcessError
-from engines.siconos import Siconos
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.isolated.process import EngineProcessError
+from multibody_xval.engines.siconos import Siconos
+from multibody_xval.reports.reproducers.recipe import recipe_text
+from multibody_xval.scenarios.catalogue.scenes.base import COMMON_STEP, SceneScenario
+from multibody_xval.scenarios.catalogue.scenes.hold import Grip
+from multibody_xval.scenarios.catalogue.scenes.recipes import named_recipes
+from multibody_xval.scenarios.catalogue.scenes.slide import SlideToStop, SlopeSlide
+from multibody_xval.scenarios.runs.scene import run_scenes
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -17,12 +23,6 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.orbits import periodic_orbits
-from reports.reproducers.recipe import recipe_text
-from scenarios.catalogue.scenes.base import COMMON_STEP, SceneScenario
-from scenarios.catalogue.scenes.hold import Grip
-from scenarios.catalogue.scenes.recipes import named_recipes
-from scenarios.catalogue.scenes.slide import SlideToStop, SlopeSlide
-from scenarios.runs.scene import run_scenes
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     STEPS,

@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine
-from engines.interface.tolerances import ROUND_OFF, SINGLE
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.tolerances import ROUND_OFF, SINGLE
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload

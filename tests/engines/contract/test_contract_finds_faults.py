@@ -102,7 +102,7 @@ FAULTS = [
 
 
 def node(fault: Fault, name: str) -> str:
-    return f"engines/contract/{fault.file}.py::{fault.clause}[{name}{fault.case}]"
+    return f"multibody_xval/engines/contract/{fault.file}.py::{fault.clause}[{name}{fault.case}]"
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +137,7 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
     clauses = {
         name
         for file in (INTERFACE, MOTION, AGREEMENT, MODULATED, INVARIANT)
-        for name in vars(import_module(f"engines.contract.{file}"))
+        for name in vars(import_module(f"multibody_xval.engines.contract.{file}"))
         if name.startswith("test_")
     }
     assert clauses == {fault.clause for fault in FAULTS}
@@ -145,4 +145,8 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
 def test_a_sound_engine_passes_whatever_its_name(install) -> None:
     command = "-m pytest -q -n 0 -p no:cacheprovider --xval-engine mine+fast"
-    install("mutations").run(*command.split(), f"engines/contract/{INTERFACE}.py", f"engines/contract/{MODULATED}.py")
+    install("mutations").run(
+        *command.split(),
+        f"multibody_xval/engines/contract/{INTERFACE}.py",
+        f"multibody_xval/engines/contract/{MODULATED}.py",
+    )

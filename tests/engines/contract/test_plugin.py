@@ -9,25 +9,27 @@ from types import SimpleNamespace
 import pytest
 from xdist.remote import Producer
 
-from engines.contract import plugin
-from engines.interface.variant import Variant
+from multibody_xval.engines.contract import plugin
+from multibody_xval.engines.interface.variant import Variant
 
 
 def test_installed_engine_is_listed(install) -> None:
-    rows = {row["engine"]: row for row in json.loads(install("plugin").run("-m", "reports", "engines", "--json"))}
+    rows = {
+        row["engine"]: row for row in json.loads(install("plugin").run("-m", "multibody_xval", "engines", "--json"))
+    }
     assert rows["tiny"]["version"] == "1.2.3"
     assert rows["tiny"]["missing"] is None
 
 
 @pytest.mark.slow
 def test_installed_engine_is_held_to_the_contract(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --xval-engine tiny"
+    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs multibody_xval.engines.contract --xval-engine tiny"
     printed = install("plugin").run(*command.split())
     assert int(printed.rsplit(" passed", 1)[0].split()[-1]) >= 20
 
 
 def test_contract_refuses_an_engine_that_is_not_there(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --xval-engine tinny"
+    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs multibody_xval.engines.contract --xval-engine tinny"
     install("plugin").run(*command.split(), code=4)
 
 
@@ -49,9 +51,10 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
     (tmp_path / "test_modules.py").write_text(
         "import sys\n\n\n"
         "def test_it():\n"
-        "    suite = {'engines', 'scenarios', 'reports', 'reference_lcp', 'multibody_xval'}\n"
+        "    suite = {'reference_lcp', 'multibody_xval'}\n"
         "    own = {name for name in sys.modules if name.split('.')[0] in suite}\n"
-        "    assert own == {'engines', 'engines.contract', 'engines.contract.plugin'}\n"
+        "    plugin = 'multibody_xval.engines.contract.plugin'\n"
+        "    assert own == {plugin, *(plugin.rsplit('.', up)[0] for up in (1, 2, 3))}\n"
         "    assert not {'numpy', 'numba', 'rich', 'typer', 'pydantic'} & set(sys.modules)\n"
     )
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
@@ -63,12 +66,12 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
 def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
     script = (
         "from pathlib import Path\n"
-        "from scenarios.runs.evaluator import Evaluator\n"
-        "from scenarios.runs.local_processes import LocalExecutor\n"
-        "from scenarios.studies.figure3 import figure3\n"
-        "from scenarios.sweeps.compared import compare_sweep\n"
-        "from engines.interface.variant import Variant\n"
-        "from scenarios.runs.store import ResultStore\n"
+        "from multibody_xval.scenarios.runs.evaluator import Evaluator\n"
+        "from multibody_xval.scenarios.runs.local_processes import LocalExecutor\n"
+        "from multibody_xval.scenarios.studies.figure3 import figure3\n"
+        "from multibody_xval.scenarios.sweeps.compared import compare_sweep\n"
+        "from multibody_xval.engines.interface.variant import Variant\n"
+        "from multibody_xval.scenarios.runs.store import ResultStore\n"
         "if __name__ == '__main__':\n"
         "    sweep = figure3((Variant('tiny'),), (0.3,), (0.9, 1.3))\n"
         f"    file = Path({str(tmp_path / 'store.sqlite')!r})\n"

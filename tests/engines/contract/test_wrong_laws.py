@@ -2,12 +2,12 @@
 
 import pytest
 
-from engines.contract.test_stated_law import test_stated_law_is_one_of_the_chain as clause
-from engines.interface.registry import engine_names
-from engines.interface.variant import Variant, variants_of
-from engines.shared.law_limit import law_fault
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.verdicts.finding import failures
+from multibody_xval.engines.contract.test_stated_law import test_stated_law_is_one_of_the_chain as clause
+from multibody_xval.engines.interface.registry import engine_names
+from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.shared.law_limit import law_fault
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.verdicts.finding import failures
 from tests.scenarios.in_process import findings
 
 FAULTS = {

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from engines import engine_names
-from engines.interface.registry import default_engine_names
+from multibody_xval.engines import engine_names
+from multibody_xval.engines.interface.registry import default_engine_names
 
 NO_TEXT = "'utf-8' codec can't encode character '\\udc80' in position {}: surrogates not allowed"
 
@@ -17,7 +17,7 @@ REASONS = {
     "broken-import": "ModuleNotFoundError: No module named 'no_such_package'",
     "broken-exit": "SystemExit: 0",
     "broken-attribute": "AttributeError: module 'broken_engines' has no attribute 'NotThere'",
-    "broken-class": "TypeError: it is a NoEngine; allowed: a subclass of engines.Engine",
+    "broken-class": "TypeError: it is a NoEngine; allowed: a subclass of multibody_xval.Engine",
     "broken-function": "OSError: no licence server",
     "broken-abstract": "TypeError: Can't instantiate abstract class Unfinished",
     "broken-capabilities": "TypeError: its capabilities are a NoneType; allowed: Capabilities",
@@ -32,18 +32,20 @@ REASONS = {
 
 
 def test_broken_engines_are_rows_with_the_reason_and_the_others_are_as_before(install) -> None:
-    rows = {row["engine"]: row for row in json.loads(install("broken").run("-m", "reports", "engines", "--json"))}
+    rows = {
+        row["engine"]: row for row in json.loads(install("broken").run("-m", "multibody_xval", "engines", "--json"))
+    }
     assert set(rows) == {*engine_names(), *REASONS}
     for name, reason in REASONS.items():
         assert rows[name]["version"] is None
         assert rows[name]["missing"].startswith(reason)
     assert rows["reference"]["missing"] is None
-    printed = install("broken").run("-m", "reports", "engines")
+    printed = install("broken").run("-m", "multibody_xval", "engines")
     assert "broken-function: OSError: no licence server" in printed
 
 
 def test_broken_engines_take_no_part_where_none_is_named(install) -> None:
-    script = "import json; from engines.interface.registry import default_engine_names, engine_names; "
+    script = "import json; from multibody_xval.engines.interface.registry import default_engine_names, engine_names; "
     printed = install("broken").run("-c", script + "print(json.dumps([engine_names(), default_engine_names()]))")
     given, default = json.loads(printed)
     assert (given, default) == (engine_names(), default_engine_names())
@@ -52,7 +54,7 @@ def test_broken_engines_take_no_part_where_none_is_named(install) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["broken-import", "broken-exit", "broken-class", "broken-version"])
 def test_broken_engine_that_is_named_is_one_line_and_exit_code_2(install, name) -> None:
-    command = [sys.executable, "-m", "reports", "run", "unit-cell", "--engine", name]
+    command = [sys.executable, "-m", "multibody_xval", "run", "unit-cell", "--engine", name]
     done = subprocess.run(command, env=install("broken").environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"error: engine = {name!r} cannot be used: {REASONS[name]}{os.linesep}"
@@ -61,5 +63,7 @@ def test_broken_engine_that_is_named_is_one_line_and_exit_code_2(install, name) 
 @pytest.mark.slow
 def test_run_of_another_engine_goes_on_beside_them(install, tmp_path) -> None:
     out = tmp_path / "out.csv"
-    install("broken").run("-m", "reports", "run", "unit-cell", "--engine", "reference:joint:tuned", "--out", str(out))
+    install("broken").run(
+        "-m", "multibody_xval", "run", "unit-cell", "--engine", "reference:joint:tuned", "--out", str(out)
+    )
     assert "agree" in out.read_text()

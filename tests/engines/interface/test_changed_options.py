@@ -5,20 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.interface.changed_options import _ReadOptions, changed_preset
-from engines.interface.engine import sample_lane
-from engines.interface.law import Law, NotModelled
-from engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.changed_options import _ReadOptions, changed_preset
+from multibody_xval.engines.interface.engine import sample_lane
+from multibody_xval.engines.interface.law import Law, NotModelled
+from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant, variants_named
+from multibody_xval.scenarios.runs.task import SteadyStateTask, options_of
+from multibody_xval.scenarios.sweeps.dataset import description_of
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
-from scenarios.runs.task import SteadyStateTask, options_of
-from scenarios.sweeps.dataset import description_of
-from tests.installed import each_variant, variants_of_all
+from tests.installed import each_variant
 
 
-@pytest.mark.parametrize("variant", each_variant(variants_of_all()))
+@pytest.mark.parametrize("variant", each_variant(variants_named(["all:all:all"])))
 def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None:
     own, options = engine(variant.engine), _ReadOptions(variant.preset.options)
     preset = replace(variant.preset, options=options)
@@ -46,8 +46,8 @@ def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None
     ],
 )
 def test_a_variant_has_one_name_however_it_is_written(written: str, name: str) -> None:
-    assert str(Variant.recorded(written)) == name
-    assert Variant.recorded(name) == Variant.recorded(written)
+    assert str(Variant.parse(written)) == name
+    assert Variant.parse(name) == Variant.parse(written)
 
 
 @pytest.mark.parametrize(
@@ -75,11 +75,11 @@ def test_a_variant_has_one_name_however_it_is_written(written: str, name: str) -
 )
 def test_a_wrong_option_is_refused_in_a_line(written: str, message: str) -> None:
     with pytest.raises(ParameterError, match=message) as refused:
-        Variant.recorded(written)
+        Variant.parse(written)
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("variant", each_variant(variants_of_all()))
+@pytest.mark.parametrize("variant", each_variant(variants_named(["all:all:all"])))
 def test_what_is_the_adapters_is_no_option_of_an_engine(variant: Variant) -> None:
     """Results depend on units, and on what is held, all the same: a task has them beside the options."""
     preset = variant.preset
@@ -93,11 +93,11 @@ def test_what_is_the_adapters_is_no_option_of_an_engine(variant: Variant) -> Non
 def test_the_damping_of_a_held_contact_is_no_option_of_a_free_one(name: str) -> None:
     """A free sphere has that of solref; what nothing reads would be listed, set and compared for nothing."""
     option, default = "normal time constant", f"{name}:contact:default"
-    assert option not in Variant.recorded(default).preset.engine_options
-    assert option in Variant.recorded(f"{default}:across=held").preset.engine_options
-    assert Variant.recorded(f"{default}:across=held:{option}=0.01").preset[option] == 0.01
+    assert option not in Variant.parse(default).preset.engine_options
+    assert option in Variant.parse(f"{default}:across=held").preset.engine_options
+    assert Variant.parse(f"{default}:across=held:{option}=0.01").preset[option] == 0.01
     with pytest.raises(ParameterError, match=f"option '{option}' cannot be set in {default}; allowed: .*across"):
-        Variant.recorded(f"{default}:{option}=0.01")
+        Variant.parse(f"{default}:{option}=0.01")
 
 
 def test_a_changed_option_is_another_task() -> None:
@@ -108,7 +108,7 @@ def test_a_changed_option_is_another_task() -> None:
 
 
 def test_a_law_is_that_of_the_changed_options() -> None:
-    changed = Variant.recorded("mujoco:joint:default:solref_friction=0.01,1")
+    changed = Variant.parse("mujoco:joint:default:solref_friction=0.01,1")
     law = changed.preset.stated_law()
     assert isinstance(law, Law)
     assert law.constants["τ"].value == 0.01
@@ -120,7 +120,7 @@ def test_a_law_is_that_of_the_changed_options() -> None:
 @pytest.mark.parametrize("name", ["mujoco", "mujoco-warp", "genesis"])
 def test_a_contact_that_is_held_has_its_law_too(name: str) -> None:
     """It is another one than that of a free contact, and runs although the preset itself may have none."""
-    free, held = (Variant.recorded(f"{name}:contact:default{own}") for own in ("", ":across=held"))
+    free, held = (Variant.parse(f"{name}:contact:default{own}") for own in ("", ":across=held"))
     stated = held.preset.stated_law()
     assert isinstance(stated, Law)
     assert stated.formula != getattr(free.preset.stated_law(), "formula", "")
@@ -130,7 +130,7 @@ def test_a_contact_that_is_held_has_its_law_too(name: str) -> None:
 
 def test_a_law_of_a_time_constant_is_not_that_of_a_rate() -> None:
     for value in ("-0.95/h,-0.95/h", "-475,-475"):
-        preset = Variant.recorded(f"mujoco:joint:default:solref_friction={value}").preset
+        preset = Variant.parse(f"mujoco:joint:default:solref_friction={value}").preset
         assert isinstance(preset.stated_law(), NotModelled)
 
 
@@ -150,14 +150,14 @@ def test_a_formula_of_the_step_is_the_number_that_the_engine_takes(name: str) ->
 
 
 def test_a_law_that_does_not_know_a_changed_option_is_none() -> None:
-    law = Variant.recorded("mujoco:joint:default:iterations=2").preset.stated_law()
+    law = Variant.parse("mujoco:joint:default:iterations=2").preset.stated_law()
     assert law == NotModelled("its law does not say what iterations changes")
     with pytest.raises(ParameterError, match="mujoco@law:joint:default:iterations=2 has no model of its steps"):
-        Variant.recorded("mujoco@law:joint:default:iterations=2")
+        Variant.parse("mujoco@law:joint:default:iterations=2")
 
 
 def test_a_changed_preset_does_not_claim_to_be_the_scheme() -> None:
-    preset = Variant.recorded("mujoco:noslip_iterations=0").preset
+    preset = Variant.parse("mujoco:noslip_iterations=0").preset
     assert not preset.shares_scheme
     assert preset.stated_law() == NotModelled("no model says what noslip_iterations changes")
 
@@ -172,9 +172,9 @@ def test_a_law_that_cannot_be_computed_from_a_value_refuses_it() -> None:
 
 
 def test_what_is_set_also_holds_where_the_normal_force_changes() -> None:
-    preset = Variant.recorded("ode:contact:surface_layer=0.5").preset
+    preset = Variant.parse("ode:contact:surface_layer=0.5").preset
     assert preset.modulated()["surface_layer"] == 0.5
-    assert preset.modulated()["depth"] == Variant.recorded("ode:contact").preset.modulated()["depth"]
+    assert preset.modulated()["depth"] == Variant.parse("ode:contact").preset.modulated()["depth"]
 
 
 def test_a_slower_regularisation_moves_the_engine() -> None:

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from engines import engine, engine_names
-from engines.interface.registry import default_engine_names, registered_engine
-from engines.interface.variant import Variant
-from engines.isolated import out_of_process
+from multibody_xval.engines import engine, engine_names
+from multibody_xval.engines.interface.registry import default_engine_names
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.isolated import out_of_process
 from reference_lcp import ParameterError
 
 WITHOUT_WHEEL = {"pybullet"} if sys.version_info >= (3, 12) else set()
@@ -22,8 +22,8 @@ def test_every_engine_that_comes_with_the_suite_is_installed() -> None:
 
 
 FURTHER = (
-    "box2d", "dart", "drake", "genesis", "mjx", "mujoco-warp", "newton", "ode", "ovphysx", "pinocchio", "pymunk",
-    "rapier", "sapien", "siconos",
+    "box2d", "dart", "drake", "genesis", "mujoco-warp", "newton", "ode", "pinocchio", "pymunk", "rapier", "sapien",
+    "siconos",
 )  # fmt: skip
 
 
@@ -33,15 +33,12 @@ def test_further_engines_are_those_that_are_not_usual() -> None:
 
 @pytest.mark.parametrize("name", FURTHER)
 def test_further_engine_that_is_missing_says_how_to_install_it(name, monkeypatch) -> None:
-    """Here none may be missing: no package is found, and the system's Python is one that is not there.
-
-    Those that need environments of their own say so of the suite's, whether or not they have them.
-    """
+    """Here none may be missing: no package is found, and the system's Python is one that is not there."""
     monkeypatch.setattr(importlib.util, "find_spec", lambda _package: None)
     monkeypatch.setattr(out_of_process, "system_python", lambda: "/nowhere/python3")
     for variable in ("MULTIBODY_XVAL_SICONOS_PYTHON", "MULTIBODY_XVAL_ODE_PYTHON"):
         monkeypatch.delenv(variable, raising=False)
-    assert re.search(r"\b(pip|apt|conda|engines) install\b", registered_engine(name).unavailable_reason())
+    assert re.search(r"\b(pip|apt) install\b", engine(name).unavailable_reason())
 
 
 def test_unknown_engine_is_refused_with_the_known_ones() -> None:

@@ -2,10 +2,10 @@
 
 import pytest
 
-from engines.interface.engine import Engine
-from engines.interface.registry import engine
-from engines.interface.variant import variants_named
-from engines.mujoco import MuJoCo
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import variants_named
+from multibody_xval.engines.mujoco import MuJoCo
 from reference_lcp.errors import ParameterError
 
 
@@ -19,7 +19,7 @@ from reference_lcp.errors import ParameterError
             "mujoco:all:all",
             ["mujoco", "mujoco:joint:default", "mujoco:contact", "mujoco:contact:newton", "mujoco:contact:default"],
         ),
-        ("mujoco:joint:yield", ["mujoco:joint:yield"]),
+        ("mujoco:joint:recommended", ["mujoco:joint:recommended"]),
         ("mujoco:all:recommended", ["mujoco:joint:recommended", "mujoco:contact:recommended"]),
     ],
 )
@@ -49,7 +49,7 @@ def test_variants_are_named_once() -> None:
     [
         (
             "mujoco:all:best",
-            "preset of mujoco = 'best' is unknown; allowed: tuned, yield, lugre, recommended, default, newton",
+            "preset of mujoco = 'best' is unknown; allowed: tuned, recommended, default, newton",
         ),
         ("mujoco:glue:all", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
         ("all:joint:best", "preset of all = 'best' is unknown"),
@@ -68,7 +68,6 @@ def test_a_named_engine_that_is_missing_is_refused_and_one_of_all_is_not(
 ) -> None:
     assert isinstance(engine("mujoco"), Engine)
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "no wheel; pip install mujoco")
-    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda _: None)
     with pytest.raises(ParameterError, match="engine = mujoco is not installed: no wheel; pip install mujoco"):
         variants_named([name])
     assert any(each.engine == "mujoco" for each in variants_named(["all"]))

@@ -37,9 +37,6 @@ class EngineLane:
             "process": self._made_by,
         }
 
-    def native_steps(self, steps: int) -> None:
-        return
-
     def _none(self) -> None:
         return
 

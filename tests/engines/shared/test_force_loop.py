@@ -1,15 +1,11 @@
 """Coordinates and forces that engines with forces of the adapter's share, and what they cost."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
-from engines.interface.presets import Option, Preset
-from engines.interface.variant import variants_of
-from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
-from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
-from engines.shared.step_cost import native_stepping
+from multibody_xval.engines.interface.presets import Option, Preset
+from multibody_xval.engines.shared.coordinates import CarriedCoordinates, ChainCoordinates, JointCoordinates
+from multibody_xval.engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
@@ -33,9 +29,6 @@ every_coordinate = pytest.mark.parametrize("coordinates", [*ChainCoordinates, Jo
 
 class ByHand(ExplicitForcesLane):
     """The closed solution of a contact in the coordinates of a body each: what an engine is expected to do."""
-
-    def _native_step(self) -> Callable[[], object]:
-        return tuple
 
     def _begin(self, motion: np.ndarray) -> Step:
         chain, dt = self._chain, self._time_step
@@ -110,15 +103,3 @@ def test_a_lane_that_diverges_stops_and_repeats_its_last_row() -> None:
     assert np.all(np.isfinite(run.positions))
     assert np.array_equal(run.positions[-1], run.positions[100])
     assert run.friction.shape == (400, 7)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_every_variant_can_tell_what_the_engine_costs_alone(name: str) -> None:
-    """And no state is touched by it."""
-    for variant in variants_of(name):
-        simulation = variant.build([lane_of()])
-        before = simulation.advance(random_state(), 0, 10)
-        bare = native_stepping(simulation)
-        assert bare is not None
-        bare.native_steps(20)
-        assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)

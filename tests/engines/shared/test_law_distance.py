@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from engines.interface.registry import law_of
-from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
-from engines.shared.law_distance import allowed_distance, figure3_lanes, gain
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
-from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.law_distance import allowed_distance, figure3_lanes, gain
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
+from multibody_xval.scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 
 RAPIER = Variant("rapier", preset_name="default")
 

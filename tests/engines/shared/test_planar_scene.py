@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from engines.shared.planar_scene import row
+from multibody_xval.engines.shared.planar_scene import row
 
 
 @pytest.mark.parametrize("angle", [-0.3, 0.0, 1.2])

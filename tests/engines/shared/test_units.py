@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engines.shared.units import Units
+from multibody_xval.engines.shared.units import Units
 
 
 def test_gaps_and_their_rates_come_back_in_metres_and_metres_per_second() -> None:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from engines.shared.units import Units
-from engines.shared.worlds import CHUNK, Rows, Worlds
-from engines.shared.worlds_simulation import WorldsSimulation
+from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp import Chain, HarmonicBase, Lane, State
 
 CELLS, STEPS = 2, CHUNK + 3
@@ -18,9 +18,6 @@ class Ballistic(Worlds):
 
     def __init__(self):
         self.loads, self.pressing = [], []
-
-    def native_steps(self, steps):
-        raise AssertionError("nobody asks for these")
 
     def _set(self, positions, velocities):
         self._state = positions, velocities

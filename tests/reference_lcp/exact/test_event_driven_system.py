@@ -18,6 +18,7 @@ from reference_lcp import (
     Piecewise,
     Spring,
     State,
+    StillBase,
 )
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
@@ -55,6 +56,11 @@ def test_solvers_with_one_coefficient_refuse_static_friction_of_its_own(simulati
     lane = Lane(chain, HarmonicBase.from_ratio(chain, 0.8), 1e-3, static_ratio=1.5)
     with pytest.raises(ParameterError, match=r"static_ratio = 1\.5: .* one coefficient; allowed: 1"):
         simulation([lane])
+
+
+def test_static_friction_below_kinetic_friction_is_refused() -> None:
+    with pytest.raises(ParameterError, match=r"static_ratio = 0\.9; allowed: >= 1"):
+        Lane(Chain.from_ratios(cells=1, friction_ratio=0.1), StillBase(), 1e-3, static_ratio=0.9)
 
 
 coefficients = st.floats(0.05, 0.5)

@@ -16,7 +16,10 @@ from reference_lcp import (
     periodic_orbits,
     steady_state,
 )
-from reference_lcp.observables.stick_slip import transitions
+from reference_lcp.chain.simulation import PeriodicOrbit, steps_per_period_for
+from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
+from reference_lcp.observables.stick_slip import match_transitions, transitions
+from reference_lcp.observables.transmittance import complex_transmittance, decibel, transmittance
 from reference_lcp.steady.error_bar import (
     REFINEMENTS,
     ErrorBar,
@@ -27,9 +30,11 @@ from reference_lcp.steady.error_bar import (
 )
 from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
 from reference_lcp.steady.richardson import SAFETY
-from reference_lcp.studies.against_exact import convergence
 from reference_lcp.studies.bench import canonical_lane
 from tests.reference_lcp.cases import driven
+
+COVERED = 0.97
+"""Part of the exact values that bars must cover."""
 
 DEEP = {"cells": 10, "mass_ratio": 3.0, "stiffness_ratio": 3.0, "friction_ratio": 0.3}
 """Ratios of a chain whose transmittance is −213 dB at η_r = 2.5."""
@@ -39,11 +44,15 @@ DEEP = {"cells": 10, "mass_ratio": 3.0, "stiffness_ratio": 3.0, "friction_ratio"
     ("friction", "ratio"), [(0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9)]
 )
 def test_scheme_is_of_first_order_in_transmittance_and_in_transition_times(friction, ratio) -> None:
-    chain = Chain.from_ratios(friction_ratio=friction)
-    study = convergence(chain, HarmonicBase.from_ratio(chain, ratio))
-    assert len(study.steps_per_period) == 7
-    assert study.transmittance_order == pytest.approx(1.0, abs=0.15)
-    assert study.transition_order == pytest.approx(1.0, abs=0.15)
+    """Slopes of straight lines through seven steps, both axes logarithmic."""
+    chain, drive = driven(ratio, friction_ratio=friction)
+    exact = exact_orbit(chain, drive)[1]
+    orbits = [euler_orbit(chain, drive, 400 * 2**k) for k in range(7)]
+    levels = [abs(decibel(transmittance(orbit)) - decibel(exact.transmittance)) for orbit in orbits]
+    matches = [match_transitions(transitions(orbit), exact.transitions, drive.period) for orbit in orbits]
+    times = [np.mean(np.abs(match.time_errors)) for match in matches]
+    orders = -np.polyfit(np.arange(7), np.log2([levels, times]).T, 1)[0]
+    assert orders == pytest.approx([1.0, 1.0], abs=0.15)
 
 
 def test_error_bar_halves_with_the_step() -> None:
@@ -180,3 +189,85 @@ def test_finer_steps_without_a_steady_state_leave_every_bar_unknown() -> None:
     assert np.all(np.isnan(bar.stuck_fraction))
     assert np.all(np.isnan(bar.transition_time))
     assert bar.as_dict()["error_bar_stuck_fraction"] == [None] * 7
+
+
+def random_setting(seed: int, number: int) -> tuple[Chain, HarmonicBase]:
+    """Give one random chain and its drive: 1…10 cells, ratios over a decade each, the range of figure 3."""
+    rng = np.random.default_rng([seed, number])
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    chain = Chain.from_ratios(
+        cells=int(rng.integers(1, 11)),
+        mass_ratio=between(0.3, 3),
+        stiffness_ratio=between(0.3, 3),
+        damping_ratio=between(0.003, 0.03),
+        friction_ratio=between(0.01, 5),
+    )
+    return chain, HarmonicBase.from_ratio(chain, float(rng.uniform(0.1, 3)))
+
+
+def bars_beside_the_exact_motion(seed: int, number: int) -> tuple[list[PeriodicOrbit], list[ErrorBar], ExactPeriod]:
+    """Orbits of a random chain with three steps, the bar of each, and the exact motion."""
+    chain, drive = random_setting(seed, number)
+    fewest = steps_per_period_for(chain, drive)
+    orbits = [euler_orbit(chain, drive, fewest * factor) for factor in REFINEMENTS]
+    return orbits, [error_bar(orbits, place) for place in range(len(orbits))], exact_orbit(chain, drive)[1]
+
+
+def covers(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> bool:
+    """Whether a bar covers the exact transmittance, or its floor holds it."""
+    level = decibel(exact.transmittance)
+    if not bar.resolved:
+        return level <= bar.floor_db
+    return abs(decibel(transmittance(orbit)) - level) <= bar.transmittance_db
+
+
+def covers_phase(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> bool:
+    """Whether a bar covers the exact phase."""
+    return abs(float(np.angle(complex_transmittance(orbit) / exact.complex_transmittance))) <= bar.phase
+
+
+@pytest.mark.parametrize(("chains", "of_phases"), [(8, 0.9), pytest.param(100, COVERED, marks=pytest.mark.slow)])
+def test_bars_cover_the_exact_values_of_random_chains(chains: int, of_phases: float) -> None:
+    covered, phases, times = [], [], []
+    for number in range(chains):
+        orbits, bars, exact = bars_beside_the_exact_motion(2, number)
+        for orbit, bar in zip(orbits, bars, strict=True):
+            covered.append(covers(orbit, bar, exact))
+            phases += [covers_phase(orbit, bar, exact)] * bar.resolved
+            match = match_transitions(transitions(orbit), exact.transitions, exact.period)
+            known = dict(zip(transitions(orbit), bar.transition_time, strict=True))
+            off = zip(match.pairs, match.time_errors, strict=True)
+            times += [not abs(error) * exact.period > known[pair[0]] for pair, error in off]
+    assert np.mean(covered) >= COVERED
+    assert np.mean(phases) >= of_phases
+    assert np.mean(times) >= COVERED
+
+
+def flagged(bar: ErrorBar) -> int:
+    """Transitions that the bar calls inconclusive, and those that other steps alone show."""
+    return int(np.sum(np.isnan(bar.transition_time))) + len(bar.missing_transitions)
+
+
+def test_floor_holds_the_exact_transmittance_of_a_deep_chain(monkeypatch) -> None:
+    """A chain of nine cells at −187 dB by the scheme, −192 dB in truth; its three steps differ by 1 dB only."""
+    (orbit, *_), (bar, *_), exact = bars_beside_the_exact_motion(0, 33)
+    assert not bar.resolved
+    assert covers(orbit, bar, exact)
+    monkeypatch.setattr("reference_lcp.steady.error_bar.unresolved_amplitude", lambda *_: 0.0)
+    (orbit, *_), (bar, *_), exact = bars_beside_the_exact_motion(0, 33)
+    assert not covers(orbit, bar, exact)
+
+
+def test_sticks_that_finer_steps_show_only_are_flagged() -> None:
+    """A chain of three cells with two sticks that are shorter than the coarsest step."""
+    assert [flagged(bar) for bar in bars_beside_the_exact_motion(0, 189)[1]] == [4, 4, 4]
+
+
+def test_stick_that_no_step_shows_is_flagged(monkeypatch) -> None:
+    """One cell of nine sticks for 0.0014 periods at a reversal; no step of the three shows it."""
+    assert [flagged(bar) for bar in bars_beside_the_exact_motion(611, 221)[1]] == [4, 4, 4]
+    monkeypatch.setattr("reference_lcp.steady.error_bar.MARGINAL_STEPS", 0)
+    assert flagged(bars_beside_the_exact_motion(611, 221)[1][0]) < 4

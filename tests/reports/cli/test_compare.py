@@ -8,33 +8,30 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
-import jsonschema
 import pytest
 
-from engines.interface import variant
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface import variant
+from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.export.changes import Regression, changes_markdown
+from multibody_xval.scenarios.runs import task
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.steady import run_steady_states
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
+from multibody_xval.scenarios.runs.transient_task import Block, BlockTask
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
+from multibody_xval.scenarios.verdicts.stored import StoredResult
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.errors import ExitCode
 from reference_lcp.one_call import exact_steady_state
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from reports.export.changes import Regression, changes_markdown
-from scenarios.runs import task
-from scenarios.runs.result import Result
-from scenarios.runs.steady import run_steady_states
-from scenarios.runs.store import ResultStore, digest_of
-from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
-from scenarios.runs.transient_task import Block, BlockTask
-from scenarios.verdicts.proven import proven_level
-from scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
-from scenarios.verdicts.steady_case import CONVERGED, EXACT
-from scenarios.verdicts.stored import StoredResult
-from scenarios.verdicts.thresholds import Thresholds
-from tests.junit import checked_junit
-from tests.reports.conftest import schema_of
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 
@@ -85,7 +82,7 @@ def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatc
     return file
 
 
-PROVEN = "scenarios.verdicts.stored.proven_level"
+PROVEN = "multibody_xval.scenarios.verdicts.stored.proven_level"
 
 
 @pytest.fixture(autouse=True)
@@ -168,14 +165,11 @@ def results_of(file: Path) -> dict[str, str]:
 
 
 def write_results(file: Path, results: dict[str, str]) -> Path:
-    """Write contents and answers into a store, signed."""
+    """Write contents and answers into a store."""
     ResultStore(file).close()
     rows = [(key_of(content), content, answer) for content, answer in results.items()]
     with closing(sqlite3.connect(file)) as connection, connection:
-        connection.executemany(
-            "INSERT INTO answers VALUES (?, ?, ?, ?)",
-            [(*row, digest_of(*(text.encode() for text in row))) for row in rows],
-        )
+        connection.executemany("INSERT INTO answers VALUES (?, ?, ?)", rows)
     return file
 
 
@@ -309,39 +303,18 @@ def test_a_motion_is_named_by_its_base_and_its_block(tmp_path: Path, capsys: pyt
     assert "base: still base, m [kg] 1, λ_N [N] 10, slip [m] 0" in " ".join(capsys.readouterr().out.split())
 
 
-def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, capsys) -> None:
-    """A version in the name of an engine is another result of the same task, unless the store has several."""
-    results = results_of(before)
-    renamed = {content.replace('"softening"', '"softening@2.0"'): result for content, result in results.items()}
-    now = write_results(tmp_path / "now.sqlite", renamed)
-    assert compared(before, now) == ExitCode.DONE
-    assert "softening: engine softening → softening@2.0" in capsys.readouterr().out
-    crashes = dict.fromkeys(renamed, Result.blocked("crashed").to_json())
-    assert compared(before, write_results(tmp_path / "both.sqlite", results | crashes)) == ExitCode.DONE
-    assert compared(now, before) == ExitCode.DONE
-    assert compared(now, tmp_path / "both.sqlite") == ExitCode.FAILED
-    laws = {content.replace('"softening"', '"softening@law"'): result for content, result in results.items()}
-    assert compared(before, write_results(tmp_path / "laws.sqlite", laws)) == ExitCode.WRONG_INPUT
-
-
 def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
     now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
     know_truth(now, -5.1)
-    outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "xml", "csv")]
+    outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "csv")]
     assert compared(before, now, *(word for out in outs for word in ("--out", out))) == ExitCode.FAILED
     content = json.loads(outs[1].read_text())
-    jsonschema.validate(content, schema_of("compare"))
-    with pytest.raises(jsonschema.ValidationError, match="'worse' is not one of"):
-        jsonschema.validate(
-            {**content, "changes": [content["changes"][0] | {"direction": "worse"}]}, schema_of("compare")
-        )
     assert (content["passes"], content["failing"], content["regressed"], content["points"]) == (False, 2, 2, 3)
     assert [own["fails"] for own in content["changes"]] == [True, True]
     document = outs[0].read_text()
     assert document.startswith("## Engine regression: fails\n\n3 points: 2 regressed; 2 fail.\n")
     assert "| softening | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, regressed |" in document
     assert "<details>" not in document
-    checked_junit(outs[2], failures=2, tests=3)
 
 
 def test_a_document_of_many_changes_folds_them_and_fits_a_comment() -> None:

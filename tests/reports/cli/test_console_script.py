@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import COMMANDS, app, loaded
 from reference_lcp.process import run_command
-from reports.cli.console_script import COMMANDS, app, loaded
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -20,33 +20,32 @@ def test_every_command_is_the_one_of_its_name(name: str) -> None:
 def test_help_names_every_command_and_imports_none(tmp_path: Path) -> None:
     code = (
         "import sys; sys.argv = ['multibody-xval', '--help']\n"
-        "from reports.cli.console_script import main\n"
+        "from multibody_xval.reports.cli.console_script import main\n"
         "try: main()\n"
-        "finally: print(sorted(name for name in sys.modules if name.startswith('reports.cli.')))"
+        "finally: print(sorted(name for name in sys.modules if name.startswith('multibody_xval.reports.cli.')))"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert found.returncode == 0, found.stderr
     assert all(f" {name} " in found.stdout for name in COMMANDS)
-    assert found.stdout.splitlines()[-1] == "['reports.cli.console_script']"
+    assert found.stdout.splitlines()[-1] == "['multibody_xval.reports.cli.console_script']"
 
 
-@pytest.mark.parametrize("group", ["", "store"])
-def test_a_group_alone_shows_its_help(group: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, group.split()) == 0
+def test_the_program_alone_shows_its_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, []) == 0
     shown = capsys.readouterr()
     assert "Usage: multibody-xval" in shown.out
     assert not shown.err
 
 
 def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) -> None:
-    for name in ("engines", "scenarios", "reports", "reference_lcp"):
+    for name in ("multibody_xval", "reference_lcp"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('the file of the working folder')\n")
     script = Path(sys.executable).with_name("multibody-xval")
     found = subprocess.run([script, "engines"], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert found.returncode == 0, found.stderr
     assert "reference" in found.stdout
     shadowed = subprocess.run(
-        [sys.executable, "-m", "reports", "engines"], capture_output=True, text=True, check=False, cwd=tmp_path
+        [sys.executable, "-m", "multibody_xval", "engines"], capture_output=True, text=True, check=False, cwd=tmp_path
     )
     assert "the file of the working folder" in shadowed.stderr, "without the shadow the test says nothing"
 
@@ -61,8 +60,7 @@ def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) 
             "report --engine mujoco:contact:",
             [f"mujoco:contact:{preset}" for preset in ("tuned", "newton", "recommended", "default")],
         ),
-        ("card pyb", ["pybullet"]),
-        ("animate --engine none:", []),
+        ("recipe pyb", ["pybullet"]),
     ],
 )
 def test_a_shell_completes_commands_scenarios_and_engines(words: str, expected: list[str]) -> None:

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.scene import JointScene, SceneSetting
-from engines.interface.variant import Variant
-from engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
-from engines.mujoco.scene import contact_model, joint_model
+from multibody_xval.engines.interface.scene import JointScene, SceneSetting
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
+from multibody_xval.engines.mujoco.scene import contact_model, joint_model
+from multibody_xval.reports.cli.probe import app
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.hold import on_slope
+from multibody_xval.scenarios.runs.store import opened_store
 from reference_lcp.process import run_command
-from reports.cli.probe import app
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.hold import on_slope
-from scenarios.runs.store import opened_store
 from tests.scenarios.in_process import evaluator
 
 pytestmark = pytest.mark.needs("mujoco")

@@ -2,14 +2,12 @@
 
 import json
 import re
-from functools import partial
 
 import pytest
 
+from multibody_xval.reports.cli.reference import app
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reference_lcp.studies.bench import bench_points
-from reports.cli.reference import app
 from tests.reference_lcp.cases import EXACT_DB
 
 
@@ -116,7 +114,7 @@ def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
         (["--plot", "period.xyz"], ["period.xyz", "png"]),
         (["--frequency"], ["--frequency"]),
         (["benchmark"], ["benchmark"]),
-        (["bench", "--cells", "--points"], ["--cells and --points"]),
+        (["coverage"], ["coverage"]),
     ],
 )
 def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words) -> None:
@@ -136,35 +134,7 @@ def test_bench_prints_its_numbers(capsys) -> None:
     assert numbers["figure3_worst_residual"] <= 1e-8
     assert numbers["cell_steps_per_second"] > 0
     assert numbers["figure3_seconds"] > 0
-    assert numbers["lemke_seconds"] > 0
-    assert numbers["lemke_step_seconds"] > 0
-
-
-@pytest.mark.slow
-def test_long_chains_cost_as_much_a_cell_as_short_ones(capsys) -> None:
-    """Bytes grow with the cells; what they cost is measured, and not tested here."""
-    rows = answered(capsys, "bench", "--cells")
-    assert [row["cells"] for row in rows] == [7, 100, 1_000, 10_000, 100_000]
-    per_cell = [row["bytes"] / row["cells"] for row in rows]
-    assert max(per_cell) <= 1.05 * min(per_cell)
-    assert all(row["seconds_per_cell_step"] > 0 for row in rows)
-
-
-def test_cost_of_long_chains_is_a_table_for_people(capsys, monkeypatch) -> None:
-    monkeypatch.setattr("reference_lcp.studies.bench.CELL_STEPS_OF_A_SAMPLE", 1_000)
-    code, out, _ = run(capsys, "bench", "--cells")
-    assert code == 0
-    assert "100,000" in out
-    assert "ns per" in out
-
-
-def test_cost_of_a_point_is_a_table_of_methods(capsys, monkeypatch) -> None:
-    few = partial(bench_points, [(0.3, 0.9)])
-    monkeypatch.setattr("reference_lcp.studies.bench.bench_points", few)
-    code, out, _ = run(capsys, "bench", "--points")
-    assert code == 0
-    assert "harmonic" in out
-    assert [row["failed"] for row in answered(capsys, "bench", "--points")] == [0, 0, 0, 0]
+    assert numbers["steady_states_per_second"] == pytest.approx(1314 / numbers["figure3_seconds"])
 
 
 def test_error_bar_and_exact_value_are_printed(capsys) -> None:
@@ -187,27 +157,9 @@ def test_what_cannot_be_resolved_is_said_to_be(capsys) -> None:
     assert "±" in text
 
 
-def test_coverage_of_error_bars_is_printed(capsys) -> None:
-    study = answered(capsys, "coverage", "--chains", "2")
-    assert (study["chains"], study["uncertified"]) == (2, 0)
-    assert [row["refinement"] for row in study["rows"] if row["quantity"] == "transmittance"] == [1, 2, 4]
-    code, out, _ = run(capsys, "coverage", "--chains", "2")
-    assert code == 0
-    assert re.search(r"transition\s.* 100\.0 ", out)
-    assert "2 chains, 0 of them" in out
-
-
 @pytest.mark.parametrize("place", EXACT_DB)
 def test_exact_solver_prints_the_same_keys(capsys, place) -> None:
     arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]))
     exact = answered(capsys, *arguments, "--solver", "exact")
     assert exact.keys() == answered(capsys, *arguments).keys()
     assert exact["transmittance_db"] == pytest.approx(EXACT_DB[place], abs=1e-3)
-
-
-def test_convergence_prints_orders_and_draws_them(capsys, tmp_path) -> None:
-    file = tmp_path / "convergence.png"
-    studies = answered(capsys, "convergence", "--plot", str(file))
-    assert len(studies) == 6
-    assert all(abs(study["transmittance_order"] - 1) < 0.15 for study in studies.values())
-    assert file.stat().st_size > 20_000

@@ -5,9 +5,9 @@ from decimal import Decimal
 
 import pytest
 
+from multibody_xval.reports.cli.reference import app
 from reference_lcp.exact.proof import prove
 from reference_lcp.process import run_command
-from reports.cli.reference import app
 
 POINT = ("--cells", "2", "--frequency-ratio", "0.6", "--proof")
 

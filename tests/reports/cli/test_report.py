@@ -12,30 +12,30 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import default_engine_names
-from engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.interface.registry import default_engine_names
+from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.reports import plan
+from multibody_xval.reports.cli.report import app
+from multibody_xval.reports.data import collect
+from multibody_xval.reports.data.collect import Scope, expected_tasks
+from multibody_xval.reports.export.files import FILES, report_dataset
+from multibody_xval.reports.plan import planned_report
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.local_processes import LocalWorker
+from multibody_xval.scenarios.runs.parameters import Excitation
+from multibody_xval.scenarios.runs.store import ResultStore, opened_store
+from multibody_xval.scenarios.studies.accuracy import task_at
+from multibody_xval.scenarios.studies.claims import led_claims_sweep
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS, headline_sweep, headline_tasks
+from multibody_xval.scenarios.sweeps.compared import compare_sweep
+from multibody_xval.scenarios.sweeps.dataset_reader import read_dataset
+from multibody_xval.scenarios.sweeps.run import compared_points, save_sweep, stored_points
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.scenarios.sweeps.sweep import Case, Sweep
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from reports import plan
-from reports.cli.report import app
-from reports.data import collect
-from reports.data.collect import Scope, expected_tasks
-from reports.export.files import FILES, report_dataset
-from reports.plan import planned_report
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.local_processes import LocalWorker
-from scenarios.runs.parameters import Excitation
-from scenarios.runs.store import ResultStore, opened_store
-from scenarios.studies.accuracy import task_at
-from scenarios.studies.claims import led_claims_sweep
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.headline import HEADLINE_POINTS, HEADLINE_STEPS, headline_sweep, headline_tasks
-from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.dataset_reader import read_dataset
-from scenarios.sweeps.run import compared_points, save_sweep, stored_points
-from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Case, Sweep
 from tests.scenarios.in_process import evaluator, rub_harder
 from tests.scenarios.runs.builders import certified
 
@@ -60,9 +60,9 @@ def test_the_default_report_has_every_engine_as_installed_and_tuned_in_every_for
     assert shown >= {"mujoco:contact", "mujoco:contact:default", "exudyn-bristle:joint:default"}
     assert not shown & judged
     every = {str(own) for name in default_engine_names() for own in variants_of(name) if own.engine != "reference"}
-    presets = {name for name in every if not name.endswith((":newton", ":yield"))}
+    presets = {name for name in every if not name.endswith(":newton")}
     assert presets <= shown | judged
-    assert (planned.scope.one_option, planned.scope.scenarios) == ((), ())
+    assert planned.scope.scenarios == ()
 
 
 def test_the_default_report_begins_with_an_exact_motion_that_compiles_its_solver() -> None:
@@ -72,14 +72,12 @@ def test_the_default_report_begins_with_an_exact_motion_that_compiles_its_solver
     assert (str(first.variant), first.friction_ratio > 0) == ("reference:joint:exact", True)
 
 
-def test_the_default_report_shows_what_single_options_decide_and_five_scenarios() -> None:
+def test_the_default_report_shows_five_scenarios() -> None:
     scope = planned_report([], None, quick=False, stored_in=None).scope
-    assert {variant.engine for variant in scope.one_option} == {"mujoco", "pybullet", "exudyn-regularised"}
     assert set(scope.scenarios) < set(CATALOGUE)
     assert len(scope.scenarios) == 5
     named = planned_report(["exudyn-bristle:joint:default"], None, quick=False, stored_in=None).scope
     assert Variant("exudyn-bristle") in named.beside, "beside what is named stand its other presets"
-    assert named.one_option == (), "no law says that it settles: a minute for five points"
 
 
 @pytest.fixture
@@ -87,7 +85,9 @@ def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
     def asked(variants: list[Variant], quick: bool) -> Sweep:
         return figure3(tuple(variants), **SMALL)
 
-    importlib.import_module("reports.write")  # it says of arguments that they are a `Scope`: before that is another one
+    importlib.import_module(
+        "multibody_xval.reports.write"
+    )  # it says of arguments that they are a `Scope`: before that is another one
     monkeypatch.setattr(plan, "_figure3", asked)
     monkeypatch.setattr(collect, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), steps=()))
 

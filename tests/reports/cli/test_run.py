@@ -9,13 +9,12 @@ from types import MappingProxyType
 
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from reports.cli.run import print_claims
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.verdict_table import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.run import print_claims
+from multibody_xval.scenarios.catalogue.base import Scenario
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.verdict_table import (
     FINDING_COLUMNS,
     VERDICT_FORMATS,
     details,
@@ -25,13 +24,11 @@ from scenarios.catalogue.verdict_table import (
     verdict_document,
     verdict_table,
 )
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.studies import cost as cost_study
-from scenarios.studies.claims import Band, Conclusions, answers
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
-from scenarios.verdicts.steady_case import REFERENCE
-from tests.junit import checked_junit
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.studies.claims import Band, Conclusions, answers
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
+from reference_lcp.process import run_command
 
 PITCH = Metric("pitch", "Hz", "how high it is")
 RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset_name="default"), Variant("siconos")
@@ -101,7 +98,7 @@ def run(monkeypatch):
 def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(capsys) -> None:
     assert run_command(app, ["run"]) == 0
     printed = capsys.readouterr().out
-    for name in (*CATALOGUE, "accuracy", "cost", "work-precision"):
+    for name in (*CATALOGUE, "accuracy", "work-precision"):
         assert name in printed
 
 
@@ -130,7 +127,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
     [
         (["run", "unit-sell"], "No such command 'unit-sell'"),
         (["run", "unit-cell", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
-        (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .json or .xml or .csv"),
+        (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .json or .csv"),
         (["run", "unit-cell", "--out", "missing/verdicts.md"], "the folder missing does not exist"),
         (["run", "unit-cell", "--workers", "0"], "workers = 0"),
         (["run", "unit-cell", "--no-run"], "--store is missing; allowed where nothing is run: a store"),
@@ -145,7 +142,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
     ],
 )
 def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, message) -> None:
-    monkeypatch.setattr("scenarios.catalogue.base.run_with_predictions", None)
+    monkeypatch.setattr("multibody_xval.scenarios.catalogue.base.run_with_predictions", None)
     assert run_command(app, arguments) == 2
     assert message in capsys.readouterr().err
 
@@ -203,21 +200,6 @@ def test_document_says_first_whether_the_run_fails_and_folds_the_scenarios() -> 
     assert [f"| {k} | pitch |" in many.partition("<details>")[0] for k in (98, 89, 88)] == [True, True, False]
 
 
-def test_junit_fails_for_what_makes_the_exit_code_one(tmp_path) -> None:
-    file = tmp_path / "verdicts.xml"
-    file.write_text(VERDICT_FORMATS[".xml"](RESULTS, "command"))
-    passes = checked_junit(file, tests=5, failures=0)
-    assert sum(suite.skipped for suite in passes) == 2
-    wrong = ByHand()
-    wrong.wrong = Variant("mujoco")
-    file.write_text(VERDICT_FORMATS[".xml"]({wrong: wrong.run((), None)}, "command"))
-    (suite,) = [suite for suite in checked_junit(file, tests=5, failures=2) if suite.failures]
-    assert suite.name == "by-hand, mujoco"
-    silent = [finding(RIGHT, str(k), Verdict.INCONCLUSIVE).uncertified() for k in range(3)]
-    file.write_text(VERDICT_FORMATS[".xml"]({wrong: silent}, "command"))
-    checked_junit(file, tests=3, failures=3)
-
-
 def test_csv_and_json_hold_every_finding_in_full() -> None:
     rows = list(csv.DictReader(VERDICT_FORMATS[".csv"](RESULTS, "command").splitlines()))
     assert list(rows[0]) == [column.key for column in FINDING_COLUMNS]
@@ -237,9 +219,7 @@ def test_csv_and_json_hold_every_finding_in_full() -> None:
 def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, capsys) -> None:
     out, store = tmp_path / "verdicts.csv", tmp_path / "store.sqlite"
     options = ["--engine", "mujoco:joint", "--workers", "1", "--store", str(store), "--out", str(out)]
-    options += ["--out", str(out.with_suffix(".xml"))]
     assert run_command(app, ["run", "locked-limit", *options]) == 0
-    checked_junit(out.with_suffix(".xml"), tests=6, failures=0)
     rows = list(csv.DictReader(out.read_text().splitlines()))
     assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
     assert [row["metric"] for row in rows] == ["transmittance", "phase", "same step"] * 2
@@ -251,43 +231,11 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not evaluated so far"}
 
 
-def test_cost_of_a_step_is_shared_by_the_lanes_of_a_batch(tmp_path: Path) -> None:
-    out = tmp_path / "batches.csv"
-    lanes = [f"--lanes={count}" for count in (1, 16)]
-    assert run_command(app, ["run", "cost", "--engine", "reference:joint:tuned", *lanes, "--out", str(out)]) == 0
-    with out.open() as file:
-        alone, shared = csv.DictReader(file)
-    assert (alone["lanes"], shared["lanes"]) == ("1", "16")
-    # Without a kernel of its own for many chains, each would cost what one costs: here it is a tenth.
-    assert 0 < float(shared["advance [µs]"]) < float(alone["advance [µs]"])
-
-
-@pytest.mark.slow
-def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(cost_study, "executor_for", lambda _workers: InProcessExecutor())
-    out = tmp_path / "cost.csv"
-    assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
-    row = {
-        name: value for name, value in next(csv.DictReader(out.read_text().splitlines())).items() if name != "variant"
-    }
-    cost = {name: float(value) for name, value in row.items()}
-    assert min(cost.values()) > 0
-    assert cost["advance / bare"] == pytest.approx(cost["advance [µs]"] / cost["bare [µs]"])
-    assert cost["cell-step [ns]"] == pytest.approx(1000 * cost["advance [µs]"] / 7)
-    assert cost["speed-up"] == pytest.approx(cost["point [ms]"] / cost["two workers [ms]"])
-    assert cost["certified"] == cost["points"] >= 4
-    # a point takes its periods' steps, and no engine's step is as cheap as the reference's in SIMD lanes
-    assert cost["point [ms]"] > 0.5e-3 * cost["periods"] * 400 * cost["advance [µs]"]
-    assert cost["step / reference"] > 1
-
-
 @pytest.mark.slow
 def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install, tmp_path: Path) -> None:
     out = tmp_path / "verdicts.json"
     printed = install("mutations").run(
-        "-m", "reports", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
+        "-m", "multibody_xval", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
     )
     assert "unmodelled:" in printed
     found = json.loads(out.read_text())["findings"]
@@ -300,7 +248,7 @@ def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install
 def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None:
     """First order; below 0.01 dB at the six points, an error that the converged preset does not have."""
     out = tmp_path / "accuracy.csv"
-    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out), "--no-cost"]) == 0
+    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out)]) == 0
     tuned, converged = csv.DictReader(out.read_text().splitlines())
     assert float(tuned["points_400_db"]) < 0.01
     assert 0.8 < float(tuned["order"]) < 1.3
@@ -309,8 +257,8 @@ def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, capsys) -> None:
-    """Its error falls with the step, and a simulated second takes twice the time with twice the steps."""
+def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path) -> None:
+    """Its error falls with the step."""
     outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]
     options = [*(f"--out={out}" for out in outs), "--steps=200", "--steps=100", "--workers=1"]
     assert run_command(app, ["run", "work-precision", "--engine", "reference", *options]) == 0
@@ -318,9 +266,8 @@ def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path, 
     assert [row["steps_per_period"] for row in rows] == ["100", "200"]
     errors, seconds = ([float(row[name]) for row in rows] for name in ("largest_error_db", "simulated_second_s"))
     assert 0 < errors[1] < 0.6 * errors[0]
-    assert seconds[1] == pytest.approx(2 * seconds[0]), "one time of a step"
-    assert "| harmonic balance |" in outs[1].read_text()
-    assert "harmonic balance" in capsys.readouterr().out
+    assert min(seconds) > 0
+    assert "| reference | 100 |" in outs[1].read_text()
     assert outs[2].read_bytes().startswith(b"<?xml")
     assert outs[3].read_bytes().startswith(b"\x89PNG")
 
@@ -329,13 +276,13 @@ def test_claims_end_with_what_one_would_conclude_and_say_what_is_missing(capsys)
     edges = {0.0: 0.85, 0.1: 0.75, 0.3: 0.64, 0.6: 0.76, 1.0: 1.0, 5.0: 1.17}
     bands = {friction: Band(edge, math.inf, 3.0, float(friction >= 1)) for friction, edge in edges.items()}
     installed = Variant("mujoco", preset_name="default")
-    print_claims([Conclusions(REFERENCE, bands, answers(bands)), Conclusions(installed, {}, answers({}))], [])
+    print_claims([Conclusions(REFERENCE, bands, answers(bands)), Conclusions(installed, {}, answers({}))])
     printed = capsys.readouterr().out
     assert "c, reference: holds; lower edge 0.8500 at 0" in printed
     missing = "With MuJoCo as installed nothing can be concluded: missing: the band at friction ratio 0, 0.1, 0.3, 0.6."
     assert printed.endswith(f"{missing}\n")
 
 
-def test_without_claims_and_bands_nothing_is_printed(capsys) -> None:
-    print_claims([], [])
+def test_without_claims_nothing_is_printed(capsys) -> None:
+    print_claims([])
     assert capsys.readouterr().out == ""

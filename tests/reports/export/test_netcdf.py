@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reports import report
-from scenarios import sweep
+from multibody_xval.reports import report
+from multibody_xval.scenarios import sweep
 
 STANDARD_ATTRIBUTES = {"Conventions", "title", "source", "comment"}
 """Of the whole file, by the CF conventions."""

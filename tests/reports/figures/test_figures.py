@@ -1,25 +1,25 @@
-"""Figures: what plotly is given is what it knows, colours and shapes are told apart, loops keep their shape."""
+"""Figures: a panel an engine, colours that are told apart, loops that keep their shape."""
 
 import itertools
 import math
+import re
 from collections.abc import Callable
 
 import numpy as np
-import plotly.graph_objects as go
 import pytest
+from matplotlib.figure import Figure
 
-from engines.interface.variant import Variant
-from reports.data.report import Report
-from reports.drawing.figure import Axis, Figure, Panel, Rule, Series, difference_axis
-from reports.drawing.matplotlib_backend import drawn, mathtext
-from reports.drawing.plotly_backend import plot
-from reports.drawing.style import PALETTE, Style, style_of
-from reports.figures.stick_slip import CORNER, MODE_COLOURS, corners, phases
-from reports.page.render import sections
-from reports.page.sections import StickSlip
-from scenarios.runs.result import Result
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.sweep import Sweep
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing, mathtext
+from multibody_xval.reports.figures.stick_slip import CORNER, MODE_COLOURS, corners, phases
+from multibody_xval.reports.figures.style import GREY, PALETTE, by_panel
+from multibody_xval.reports.figures.transmittance import MOST_CURVES, _curves
+from multibody_xval.reports.page.render import sections
+from multibody_xval.reports.page.sections import StickSlip
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 RGB = tuple[float, float, float]
 
@@ -40,94 +40,48 @@ def lightness(colour: np.ndarray) -> float:
     return 116 * luminance ** (1 / 3) - 16 if luminance > 0.008856 else 903.3 * luminance
 
 
-@pytest.fixture
-def many() -> Sweep:
-    class Registered(Sweep):
-        """Forty-eight variants, whether or not anybody has registered them."""
-
-        def __post_init__(self) -> None:
-            return
-
-    return Registered(variants=tuple(Variant(f"engine{k}") for k in range(48)), axes={})
+@pytest.fixture(scope="module")
+def drawings(report: Report) -> dict[str, Drawing]:
+    return {drawing.name: drawing for section in sections(report) for drawing in section.figures()}
 
 
-def test_plotly_knows_everything_that_it_is_given(report: Report) -> None:
-    every = figures_of(report)
-    assert len(every) > 8
-    for figure in every:
-        known = go.Figure(plot(figure))  # raises at the first unknown name or wrong value
-        assert known.data, figure.name
+def test_every_engine_has_a_panel_with_the_reference_in_grey(drawings: dict[str, Drawing]) -> None:
+    upper, lower = drawings["transmittance-0.3"].canvas.axes
+    assert upper.get_title(loc="left") == "MuJoCo"
+    names = {line.get_label(): line for line in upper.get_lines()}
+    assert names[REFERENCE.title].get_color() == GREY["color"]
+    assert np.isfinite(names["tuned"].get_ydata()).sum() == 3, "one of four points has no steady state"
+    assert {line.get_label() for line in lower.get_lines()} >= {"tuned"}
 
 
-def figures_of(report: Report) -> list[Figure]:
-    return [figure for part in sections(report) for figure in part.figures()]
+def test_many_curves_are_drawn_apart() -> None:
+    curves = {str(k): (np.arange(3.0), np.full(3, float(k))) for k in range(MOST_CURVES + 1)}
+    panels = _curves("name", "", curves, "", 0.0, {}).canvas.axes
+    assert [axes.get_title(loc="left") for axes in panels] == list(curves)
+    few = dict(list(curves.items())[:MOST_CURVES])
+    assert len(_curves("name", "", few, "", 0.0, {}).canvas.axes) == 1
 
 
-def test_print_and_page_have_the_same_points_names_and_labels(report: Report) -> None:
-    for figure in figures_of(report):
-        canvas, traces = drawn(figure), plot(figure)["data"]
-        lines = [series.lines[0] for axes in canvas.axes for series in axes.containers]
-        joined = [trace for trace in traces if trace["type"] == "scatter"]
-        assert [len(line.get_xdata()) for line in lines] == [len(trace["x"]) for trace in joined], figure.name
-        if figure.legend_columns:
-            told = {text.get_text() for text in canvas.legends[0].get_texts()}
-            assert told == {trace["name"] for trace in traces if trace["showlegend"]}, figure.name
-        printed = {axes.get_xlabel() for axes in canvas.axes} - {""}
-        assert printed == {mathtext(panel.x.label) for panel in figure.panels} - {""}, figure.name
+def test_presets_without_a_title_have_a_panel_of_their_own() -> None:
+    names = ("mujoco", "mujoco:joint:default", "mujoco:contact:newton", "mujoco:contact", "pybullet")
+    panels = by_panel([Variant.parse(name) for name in names])
+    assert {title: len(own) for title, own in panels.items()} == {
+        "MuJoCo": 2, "MuJoCo, contact, newton": 1, "MuJoCo, contact": 1, "PyBullet": 1,
+    }  # fmt: skip
 
 
-def test_what_panels_share_stands_at_the_first_of_a_row_and_below_the_last_of_a_column() -> None:
-    panels = [Panel(Axis("x"), Axis("y"), [Series([0, 1], [k, k], Style("black"), str(k))]) for k in range(4)]
-    layout = plot(Figure("four", "", panels, 3.0, 300, columns=2, x_label="below", y_label="left"))["layout"]
-    names = ["xaxis", "xaxis2", "xaxis3", "xaxis4"]
-    assert ["below" in layout[name]["title"]["text"] for name in names] == [False, False, True, True]
-    assert ["left" in layout[name.replace("x", "y", 1)]["title"]["text"] for name in names] == [
-        True,
-        False,
-        True,
-        False,
-    ]
-
-
-def test_differences_are_drawn_at_their_logarithm_and_told_as_they_are() -> None:
-    panel = Panel(
-        Axis("place", ticks={0.0: "left", 1.0: "right"}), difference_axis("difference", 0.01, [0.02, 0.5], 1.0),
-        [Series([0.0, 1.0, 2.0], [0.01, -1.0, math.nan], Style("#000000"), "one", hover="%{y:+.3f}"),
-         Rule("y", 0.02, Style("#000000"))],
-    )  # fmt: skip
-    given = plot(Figure("name", "caption", [panel], 2.0, 300))
-    (trace,), layout = given["data"], given["layout"]
-    assert trace["y"] == [pytest.approx(math.asinh(1.0), abs=1e-5), pytest.approx(-math.asinh(100.0), abs=1e-5), None]
-    assert trace["customdata"] == [0.01, -1.0, None]
-    assert trace["hovertemplate"] == "%{customdata:+.3f}"
-    assert layout["shapes"][0]["y0"] == pytest.approx(math.asinh(2.0))
-    assert layout["yaxis"]["ticktext"] == ["−0.5", "−0.02", "0", "0.02", "0.5"]
-    assert layout["yaxis"]["range"] == pytest.approx([-math.asinh(100.0), math.asinh(100.0)])
-    assert layout["xaxis"]["ticktext"] == ["left", "right"]
-
-
-def test_error_bars_end_where_their_values_are_on_a_stretched_axis() -> None:
-    series = Series([0.1], [0.0], Style("#000000"), draw="markers", x_error=[0.05])
-    given = plot(Figure("name", "", [Panel(difference_axis("", 0.01, [], 1.0), Axis(), [series])], 2.0, 300))
-    (trace,) = given["data"]
-    (x,), bars = trace["x"], trace["error_x"]
-    assert x + bars["array"][0] == pytest.approx(math.asinh(15.0), abs=2e-5)
-    assert x - bars["arrayminus"][0] == pytest.approx(math.asinh(5.0), abs=2e-5)
+def test_a_file_is_the_same_whenever_it_is_drawn_and_keeps_small_numbers() -> None:
+    canvas = Figure()
+    canvas.text(0.123456, 0.5, "0.00012345")
+    drawing = Drawing("name", "", canvas)
+    assert all(drawing.file(ending) == drawing.file(ending) for ending in ("svg", "pdf", "png"))
+    assert b">0.00012345<" in drawing.file("svg")
+    assert not re.search(rb'="[^"]*\d\.\d{3}', drawing.file("svg"))
 
 
 def test_symbols_with_an_index_are_set_as_mathematics() -> None:
     assert mathtext("frequency ratio η_r = ω/ω_r [-]") == "frequency ratio $η_r$ = $ω/ω_r$ [-]"
     assert mathtext("friction ratio μλ\u0303_N [-]") == r"friction ratio $μ\tilde{λ}_N$ [-]"
-
-
-def test_every_variant_of_forty_eight_has_a_style_of_its_own(many: Sweep) -> None:
-    styles = [style_of(many, variant) for variant in many.variants]
-    assert len({(style.colour, style.symbol) for style in styles}) == 48
-
-
-def test_neighbours_are_told_apart_without_colour(many: Sweep) -> None:
-    styles = [style_of(many, variant) for variant in many.variants]
-    assert all(a.symbol != b.symbol and a.dash != b.dash for a, b in itertools.pairwise(styles))
 
 
 @pytest.mark.parametrize("deficiency", [PROTANOPIA, DEUTERANOPIA, TRITANOPIA])
@@ -141,13 +95,6 @@ def test_stick_and_slip_are_told_apart_by_colour_blind_readers_and_in_grey(defic
 def test_colours_of_neighbours_differ_for_the_commonest_deficiencies(deficiency: list[list[float]]) -> None:
     seen = [np.array(deficiency) @ linear(colour) for colour in PALETTE]
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.pairwise(seen)) > 0.15
-
-
-def test_series_have_the_same_colour_in_print_and_on_the_screen(many: Sweep) -> None:
-    series = Series([0.0, 1.0], [0.0, 1.0], style_of(many, many.variants[7]), "seven", "lines+markers")
-    figure = Figure("name", "caption", [Panel(Axis(), Axis(), [series])], 2.0, 300)
-    (trace,), (line,) = plot(figure)["data"], drawn(figure).axes[0].lines
-    assert line.get_color() == trace["marker"]["color"] == trace["line"]["color"]
 
 
 def test_phases_of_a_contact_fill_the_period_once() -> None:
@@ -167,8 +114,7 @@ def test_phases_of_a_contact_fill_the_period_once() -> None:
 def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: ComparedSweep) -> None:
     figures = StickSlip(Report(result, "")).figures()
     assert [figure.name for figure in figures] == ["stick-slip-0.3-0.6", "stick-slip-0.3-0.9"]
-    assert "Reference (LCP); MuJoCo" in figures[0].caption
-    assert "PyBullet" not in figures[0].caption
+    assert [axes.get_title(loc="left") for axes in figures[0].canvas.axes] == ["MuJoCo"]
 
 
 @pytest.mark.parametrize("curve", [lambda t: (np.cos(t), np.sin(t)), lambda t: (np.sign(np.cos(t)), np.sin(3 * t))])

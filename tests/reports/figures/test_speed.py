@@ -4,19 +4,15 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
+from matplotlib.lines import Line2D
 
-from engines.interface.variant import Variant
-from reports.drawing.figure import Figure, Series
-from reports.drawing.matplotlib_backend import drawn
-from reports.figures.errors import BALANCE, curves, speed_figure
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.work_precision import PRINTED_COLUMNS, StepPoint
-from scenarios.tables import full_table
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.figures.errors import curves, speed_figure
+from multibody_xval.scenarios.studies.work_precision import PRINTED_COLUMNS, StepPoint
+from multibody_xval.scenarios.tables import full_table
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 OFF = Variant("mujoco", "joint", "default")
-SWEEP = figure3([OFF])
 POINTS = [
     StepPoint(variant, steps, error / steps, cost, math.nan, 6, 6, "")
     for variant, error, cost in ((CONVERGED, 0.08, 1e-6), (REFERENCE, 2.8, 8e-8), (OFF, 400.0, 7e-6))
@@ -24,44 +20,19 @@ POINTS = [
 ]
 
 
-def figure(points: list[StepPoint], balance_db: float = 0.04) -> Figure:
-    return speed_figure(SWEEP, curves(points), balance_db)
-
-
-def series(chart: Figure) -> list[Series]:
-    (panel,) = chart.panels
-    return [mark for mark in panel.marks if isinstance(mark, Series)]
+def lines(points: list[StepPoint]) -> list[Line2D]:
+    (axes,) = speed_figure(curves(points)).canvas.axes
+    return axes.get_lines()
 
 
 def test_points_of_the_chart_are_those_of_the_table() -> None:
     table = full_table(PRINTED_COLUMNS[2:4], POINTS)
-    shown = [own for own in series(figure(POINTS)) if own.style != BALANCE]
-    assert [own.name for own in shown] == [variant.title for variant in (CONVERGED, REFERENCE, OFF)]
-    assert np.concatenate([own.y for own in shown]).tolist() == list(table.iloc[:, 0])
-    assert np.concatenate([own.x for own in shown]).tolist() == list(table.iloc[:, 1])
+    shown = lines(POINTS)
+    assert [own.get_label() for own in shown] == [CONVERGED.title, REFERENCE.title, "as installed"]
+    assert np.concatenate([own.get_ydata() for own in shown]).tolist() == list(table.iloc[:, 0])
+    assert np.concatenate([own.get_xdata() for own in shown]).tolist() == list(table.iloc[:, 1])
 
 
 def test_a_point_without_all_six_steady_states_is_not_drawn() -> None:
     fewer = [replace(own, certified=5) if own.variant == OFF else own for own in POINTS]
-    assert OFF.title not in [own.name for own in series(figure(fewer))]
-
-
-@pytest.mark.parametrize("balance_db", [0.04, math.nan])
-def test_harmonic_balance_has_an_error_and_no_time_of_its_own(balance_db: float) -> None:
-    """Its line runs over all times; there is none where it fails."""
-    chart = figure(POINTS, balance_db)
-    lines = [own for own in series(chart) if own.style == BALANCE]
-    times = [1e3 * own.simulated_second for own in POINTS]
-    assert [own.x for own in lines] == [[min(times), max(times)]] * (not math.isnan(balance_db))
-    assert all(own.y == [balance_db, balance_db] for own in lines)
-    drawn(chart)
-
-
-def test_axes_are_logarithmic_with_units_and_the_truth_is_named() -> None:
-    chart = figure(POINTS)
-    (panel,) = chart.panels
-    assert (panel.x.scale, panel.y.scale) == ("log", "log")
-    assert "[ms]" in panel.x.label
-    assert "[dB]" in panel.y.label
-    assert "proven truth" in chart.legend_title
-    assert "50 to 400 steps" in chart.legend_title
+    assert "as installed" not in [own.get_label() for own in lines(fewer)]

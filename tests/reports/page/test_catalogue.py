@@ -6,20 +6,20 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
-from reports.data.catalogue import Outcome, catalogue_outcomes
-from reports.data.report import Report
-from reports.export.tables import catalogue_table
-from reports.page.render import page, sections
-from reports.page.sections import Catalogue
-from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import Task
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import Outcome, catalogue_outcomes
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.export.tables import catalogue_table
+from multibody_xval.reports.page.render import page, sections
+from multibody_xval.reports.page.sections import Catalogue
+from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import Task
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from tests.reports.conftest import MISSING, RUNS
 
 DEFAULT = Variant("mujoco", "joint", "default")

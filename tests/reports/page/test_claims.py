@@ -3,17 +3,17 @@
 import math
 from dataclasses import replace
 
-from engines.interface.variant import Variant
-from reports.data.collect import Scope, collect
-from reports.data.report import Report
-from reports.page.render import page, sections
-from reports.page.sections.claims import Claims
-from scenarios.runs.evaluator import StoredResults
-from scenarios.runs.parameters import ChainRatios, Excitation
-from scenarios.runs.store import opened_store
-from scenarios.studies.claims import Band, Bands, Conclusions, answers
-from scenarios.studies.figure3 import FRICTION_RATIOS, figure3
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.collect import Scope, collect
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.page.render import page, sections
+from multibody_xval.reports.page.sections.claims import Claims
+from multibody_xval.scenarios.runs.evaluator import StoredResults
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.studies.claims import Band, Bands, Conclusions, answers
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS, figure3
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 LOWER = dict(zip(FRICTION_RATIOS, (0.85, 0.75, 0.64, 0.76, 1.0, 1.17), strict=True))
 BANDS = {f: Band(LOWER[f], math.inf, 3.0, float(f >= 1)) for f in FRICTION_RATIOS}

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.registry import engine, engine_names
-from engines.interface.variant import Variant, variants_of
-from reports.page.render import LARGEST_PAGE
-from reports.plan import sweep_of
-from scenarios.runs.evaluator import StoredResults
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.reports.page.render import LARGEST_PAGE
+from multibody_xval.reports.plan import sweep_of
+from multibody_xval.scenarios.runs.evaluator import StoredResults
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.compared import compare_sweep
+from multibody_xval.scenarios.sweeps.spec_file import read_sweep
 
 POINTS = 20_000
 SECONDS = 120.0
@@ -80,7 +80,11 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     assert len(result.points) >= POINTS
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     files = ["--sweep", str(sweep), "--store", str(store), "--out", str(tmp_path / "out")]
-    subprocess.run([sys.executable, "-m", "reports", "--no-run", *files], check=True, cwd=Path(__file__).parents[3])
+    subprocess.run(
+        [sys.executable, "-m", "multibody_xval", "report", "--no-run", *files],
+        check=True,
+        cwd=Path(__file__).parents[3],
+    )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     size = (tmp_path / "out" / "index.html").stat().st_size

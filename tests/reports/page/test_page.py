@@ -1,7 +1,5 @@
 """The page: complete, self-contained, escaped, honest about what is missing."""
 
-import base64
-import gzip
 import math
 import re
 from dataclasses import replace
@@ -10,29 +8,29 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from reports.data.descriptions import band_definition, compared_with
-from reports.data.finding import finding
-from reports.data.options import error_text, headlines
-from reports.data.points import absent_edge
-from reports.data.report import Report, counted
-from reports.data.stick_slip import stick_slip_rows
-from reports.export.files import FILES, files_of
-from reports.page import render
-from reports.page.render import LARGEST_PAGE, sections
-from reports.page.sections.verdicts import OpenPoints, Verdicts
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.studies.claims import Band, Conclusions, answers
-from scenarios.studies.figure3 import FRICTION_RATIOS, figure3
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge, compare_edge
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
-from scenarios.verdicts.judge import missing
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.descriptions import band_definition, compared_with
+from multibody_xval.reports.data.finding import finding
+from multibody_xval.reports.data.options import error_text, headlines
+from multibody_xval.reports.data.points import absent_edge
+from multibody_xval.reports.data.report import Report, counted
+from multibody_xval.reports.data.stick_slip import stick_slip_rows
+from multibody_xval.reports.export.files import FILES, files_of
+from multibody_xval.reports.figures.style import INK
+from multibody_xval.reports.page.render import LARGEST_PAGE, sections
+from multibody_xval.reports.page.sections.verdicts import OpenPoints, Verdicts
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.studies.claims import Band, Conclusions, answers
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS, figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.scenarios.sweeps.edges import BandEdge, compare_edge
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
+from multibody_xval.scenarios.verdicts.judge import missing
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.reports.conftest import made_errors
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
@@ -42,12 +40,6 @@ LOWER_EDGES = dict(zip(FRICTION_RATIOS, (0.85, 0.75, 0.64, 0.76, 1.0, 1.17), str
 @pytest.fixture(scope="module")
 def page(files: dict[str, bytes]) -> str:
     return files["index.html"].decode()
-
-
-@pytest.fixture(scope="module")
-def markup(page: str) -> str:
-    """The page without what its scripts hold."""
-    return re.sub(r"(<script[^>]*>).*?</script>", r"\1</script>", page, flags=re.DOTALL)
 
 
 class Elements(HTMLParser):
@@ -93,46 +85,33 @@ def test_page_has_every_section_in_order(page: str) -> None:
     ]  # fmt: skip
 
 
-def drawn_names(markup: str) -> list[str]:
-    """Names of the files of all plots of a page."""
-    names = re.findall(r'data-plot="([^"]+)"', markup)
-    return [f"{name}.{ending}" for name in names for ending in ("svg", "pdf")]
+def test_page_needs_nothing_from_elsewhere(page: str, files: dict[str, bytes]) -> None:
+    """No address, no script and no file but those in its folder; maps are pictures in the page itself."""
+    assert not re.search(r"https?:|<link|<script|@import|\bsrc=", page)
+    beside = {*FILES, *files}
+    embedded = "data:image/png;base64,"
+    references = Elements(page).references
+    assert all(reference.startswith(("#", embedded)) or reference in beside for reference in references)
 
 
-def test_page_needs_nothing_from_elsewhere(markup: str) -> None:
-    embedded = r"data:image/(?:png|svg\+xml);base64,"
-    written = re.sub(rf"({embedded})[^\"]*", r"\1", markup)  # what the pictures hold is tested below
-    assert not re.search(rf"https?:|//[a-z]|<link|@import|\bsrc=(?!\"{embedded})", written)
-    beside = {*FILES, *(f"figures/{name}" for name in drawn_names(markup))}
-    references = Elements(markup).references
-    assert all(reference.startswith("#") or reference in beside for reference in references)
-
-
-def test_still_images_are_drawings_that_need_nothing_from_elsewhere(markup: str) -> None:
-    drawings = [base64.b64decode(one).decode() for one in re.findall(r"data:image/svg\+xml;base64,([^\"]*)", markup)]
-    assert len(drawings) > 8
-    for drawing in drawings:
-        elements = Elements(drawing[drawing.index("<svg") :])
-        assert elements.open == []
-        assert all(reference.startswith(("#", "data:image/png;base64,")) for reference in elements.references)
-        targets = [one[1:] for one in elements.references if one[0] == "#"] + re.findall(r"url\(#([^)]+)\)", drawing)
-        assert set(targets) <= set(elements.identifiers)
-
-
-def test_still_images_are_described_by_their_captions(markup: str) -> None:
-    described = re.findall(r'<img class="still" alt="([^"]+)"', markup)
-    assert len(described) == markup.count('<div class="plot"') > 8
+def test_figures_are_named_by_their_captions_and_have_the_colours_of_the_page(page: str) -> None:
+    figures = re.findall(r'<figure class="chart.*?</figure>', page, flags=re.DOTALL)
+    assert len(figures) > 8
+    for figure in figures:
+        assert re.search(r'<svg[^>]* role="img" aria-label="[^"]+"', figure)
+        assert INK not in figure
+        assert "var(--ink)" in figure
 
 
 def test_page_is_small_enough_to_be_sent(page: str) -> None:
     assert len(page.encode()) < LARGEST_PAGE
 
 
-def test_elements_close_and_identifiers_are_unique_and_found(markup: str) -> None:
-    elements = Elements(markup)
+def test_elements_close_and_identifiers_are_unique_and_found(page: str) -> None:
+    elements = Elements(page)
     assert elements.open == []
     assert len(set(elements.identifiers)) == len(elements.identifiers)
-    targets = [one[1:] for one in elements.references if one[0] == "#"] + re.findall(r"url\(#([^)]+)\)", markup)
+    targets = [one[1:] for one in elements.references if one[0] == "#"] + re.findall(r"url\(#([^)]+)\)", page)
     assert set(targets) <= set(elements.identifiers)
 
 
@@ -166,13 +145,13 @@ def test_the_band_is_defined_once(page: str, result: ComparedSweep) -> None:
     assert page.count(definition) == 1
 
 
-def test_the_page_says_how_many_frequencies_there_are_and_does_not_list_them(report: Report, markup: str) -> None:
-    assert "4 frequency ratios from 0.3 to 1.3 in each of 2 cases" in markup
-    assert "0.3, 0.6, 0.9, 1.3" not in markup
+def test_the_page_says_how_many_frequencies_there_are_and_does_not_list_them(report: Report, page: str) -> None:
+    assert "4 frequency ratios from 0.3 to 1.3 in each of 2 cases" in page
+    assert "0.3, 0.6, 0.9, 1.3" not in page
 
 
-def test_every_plot_has_its_files_and_those_with_numbers_their_table(markup: str, files: dict[str, bytes]) -> None:
-    figures = re.findall(r'data-plot="([^"]+)".*?<p class="downloads">(.*?)</p>', markup, flags=re.DOTALL)
+def test_every_plot_has_its_files_and_those_with_numbers_their_table(page: str, files: dict[str, bytes]) -> None:
+    figures = re.findall(r'data-figure="([^"]+)".*?<p class="downloads">(.*?)</p>', page, flags=re.DOTALL)
     assert len(figures) > 8
     for name, links in figures:
         linked = re.findall(r'href="([^"]+)" download', links)
@@ -184,17 +163,17 @@ def test_every_plot_has_its_files_and_those_with_numbers_their_table(markup: str
 
 
 def test_the_first_screen_has_the_finding_what_to_paste_every_engine_on_one_axis_and_the_chain(
-    markup: str, files: dict[str, bytes]
+    page: str, files: dict[str, bytes]
 ) -> None:
-    summary = markup.split('id="summary"')[1].split("</section>", maxsplit=1)[0]
+    summary = page.split('id="summary"')[1].split("</section>", maxsplit=1)[0]
     first = summary.split("<details>\n", maxsplit=1)[0]
-    assert first.index('class="lead"') < first.index('<table class="engines">') < first.index('class="plot"')
+    assert first.index('class="lead"') < first.index('<table class="engines">') < first.index('class="chart')
     assert "multibody-xval recipe mujoco" in first
     assert "impratio=" in first, "what to paste"
     drawing = re.search(r'<svg class="chain".*?</svg>', first, flags=re.DOTALL)
     assert drawing is not None
     assert drawing[0].count('class="outer"') == drawing[0].count('class="inner"') == 7
-    assert 'data-plot="installed"' in first
+    assert 'data-figure="installed"' in first
     assert {"figures/installed.svg", "figures/installed.pdf"} <= set(files)
 
 
@@ -291,29 +270,13 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     assert "outer mass ratio (1, 2)" in page
 
 
-def test_no_address_stands_on_the_page(files: dict[str, bytes]) -> None:
-    """Neither in its text nor in its figures: it is complete, and asks nobody for anything."""
-    html = files["index.html"].decode()
-    packed = re.search(r'id="plots">([^<]*)<', html)
-    assert packed is not None
-    for text in (html, gzip.decompress(base64.b64decode(packed[1])).decode()):
-        assert re.findall(r".{40}https?:.{40}", text) == []
-
-
-def test_page_holds_no_text_of_an_object_of_the_program(markup: str) -> None:
-    assert "joint, tuned" in markup, "variants are named"
-    assert not re.search(r"\b[A-Z]\w+\(\w+=|&lt;[A-Z]\w+\.[A-Z]+|object at 0x", markup)
+def test_page_holds_no_text_of_an_object_of_the_program(page: str) -> None:
+    assert "joint, tuned" in page, "variants are named"
+    assert not re.search(r"\b[A-Z]\w+\(\w+=|&lt;[A-Z]\w+\.[A-Z]+|object at 0x", page)
 
 
 def test_a_disagreement_has_the_command_that_shows_it_without_the_suite(page: str) -> None:
     assert f"<code>multibody-xval reproduce {RUNS} figure3</code>" in page
-
-
-def test_page_links_the_cards_that_lie_beside_it(page: str) -> None:
-    linked = render.page("", [], cards={"mujoco": "card-mujoco.html"}).html
-    assert '<a href="card-mujoco.html">mujoco</a>' in linked
-    assert "card-mujoco.html" not in page
-    assert "multibody-xval card NAME" in page
 
 
 def test_page_and_terminal_count_the_same_numbers_without_the_reference(report: Report, page: str) -> None:
@@ -393,11 +356,11 @@ def test_the_finding_has_what_one_would_conclude_with_the_engine_that_is_farthes
     assert "5: 1.1000 instead of 1.1700" in said
 
 
-def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> None:
-    table = markup.split('id="summary"')[1].split("</table>", maxsplit=2)[1]
+def test_table_and_page_have_the_smallest_error_to_truth_first(page: str) -> None:
+    table = page.split('id="summary"')[1].split("</table>", maxsplit=2)[1]
     assert re.findall(r'<th class="nowrap">([^<]*)<', table) == [
         "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "MuJoCo, default", "PyBullet",
     ]  # fmt: skip
     assert "same equations" in table
-    assert "Compared with the truth at these points alone, without a verdict: MuJoCo, default" in markup
-    assert "worst difference" not in markup
+    assert "Compared with the truth at these points alone, without a verdict: MuJoCo, default" in page
+    assert "worst difference" not in page

@@ -6,15 +6,15 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from engines.interface.variant import Variant
-from reports.data.catalogue import scene_numbers
-from reports.data.report import Report
-from reports.page.render import page, sections
-from reports.page.sections.scenes import Scenes, heat_map
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.store import ResultStore
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.data.catalogue import scene_numbers
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.page.render import page, sections
+from multibody_xval.reports.page.sections.scenes import Scenes, heat_map
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.store import ResultStore
 
 CREEP = "joint-hold, creep [µm/s]"
 

@@ -1,21 +1,18 @@
 """A section of another package stands in the report; one that fails leaves the others standing."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.figure import Figure
 
-from engines.interface.variant import Variant
-from reports.data.report import Report
-from reports.drawing.figure import Axis, Figure, Panel, Series
-from reports.drawing.style import Style
-from reports.page import section as parts
-from reports.page.render import page, sections
-from reports.page.section import ENTRY_POINT_GROUP, Section
-from reports.page.sections import OpenPoints
-from scenarios.studies.scale import ScalePoint
+from multibody_xval.reports.data.report import Report
+from multibody_xval.reports.figures.drawing import Drawing
+from multibody_xval.reports.page import section as parts
+from multibody_xval.reports.page.render import page, sections
+from multibody_xval.reports.page.section import ENTRY_POINT_GROUP, Section
+from multibody_xval.reports.page.sections import OpenPoints
 
 TEMPLATE = "<p>{{ count }} points & {{ name }}</p>{{ figure('residuals') }}"
 
@@ -27,11 +24,10 @@ class Residuals(Section):
     template = "residuals"
     templates = "laboratory"
 
-    def figures(self) -> list[Figure]:
-        values = [point.result.residual for point in self.result.points if point.result.converged]
-        series = Series(range(len(values)), values, Style("#000000"), "residual", hover="%{y:.1e}")
-        panel = Panel(Axis("point"), Axis("residual [-]", scale="log"), [series])
-        return [Figure("residuals", "Residuals", [panel], height=2.0, pixels=300)]
+    def figures(self) -> list[Drawing]:
+        canvas = Figure()
+        canvas.subplots().semilogy([point.result.residual for point in self.result.points if point.result.converged])
+        return [Drawing("residuals", "Residuals", canvas)]
 
     def context(self) -> dict[str, Any]:
         return {"count": len(self.result.points), "name": "<none>"}
@@ -63,8 +59,8 @@ def laboratory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_section_of_another_package_is_rendered_with_its_figure(report: Report) -> None:
     rendered = page("A page", [Residuals(report), OpenPoints(report)])
     assert f"<p>{len(report.result.points)} points & &lt;none&gt;</p>" in rendered.html
-    assert '<div class="plot" data-plot="residuals">' in rendered.html
-    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf", "drawn.json"}
+    assert 'data-figure="residuals"' in rendered.html
+    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf"}
     assert "Points that do not agree" in rendered.html
 
 
@@ -97,20 +93,8 @@ def test_registered_sections_stand_before_how_the_numbers_were_made(
 
 def test_two_figures_of_one_name_are_refused(report: Report) -> None:
     class Twice(OpenPoints):
-        def figures(self) -> list[Figure]:
-            return [Figure("same", "", [Panel(Axis(), Axis(), [])], height=2.0, pixels=300)] * 2
+        def figures(self) -> list[Drawing]:
+            return [Drawing("same", "", Figure())] * 2
 
     with pytest.raises(ValueError, match="two figures are called 'same'"):
         page("A page", [Twice(report)])
-
-
-@pytest.mark.slow
-def test_the_scale_stands_where_it_is_known_and_the_summary_names_it(report: Report) -> None:
-    mujoco = Variant("mujoco", "joint", "default")
-    assert "scale" not in {part.template for part in sections(report)}
-    known = tuple(ScalePoint(mujoco, hertz, error) for hertz, error in ((0.8, 1.1), (80.0, 32.0)))
-    scaled = replace(report, scale=known)
-    html = page("", [part for part in sections(scaled) if part.template in ("summary", "scale")]).html
-    assert "1.1 dB at 0.8 Hz, 32 dB at 80 Hz" in html
-    assert "is 5 Hz" in html
-    assert "is 5 Hz" not in page("", sections(report)).html

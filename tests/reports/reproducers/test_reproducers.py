@@ -10,28 +10,28 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from engines.exudyn import ExudynRegularised
-from engines.exudyn.reproducer import zone_numbers
-from engines.interface.presets import Formulation
-from engines.interface.registry import engine, engine_names
-from engines.interface.reproducer import Reproducer
-from engines.interface.tolerances import SINGLE
-from engines.interface.variant import Variant, variants_of
-from engines.isolated.out_of_process import OutOfProcessEngine
-from engines.mujoco import MuJoCo
-from engines.mujoco.reproducer import joint_numbers
-from engines.ode import ODE
-from engines.sapien import Sapien
-from engines.shared.script_units import script_in_si
+from multibody_xval.engines.exudyn import ExudynRegularised
+from multibody_xval.engines.exudyn.reproducer import zone_numbers
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
+from multibody_xval.engines.mujoco import MuJoCo
+from multibody_xval.engines.mujoco.reproducer import joint_numbers
+from multibody_xval.engines.ode import ODE
+from multibody_xval.engines.sapien import Sapien
+from multibody_xval.engines.shared.script_units import script_in_si
+from multibody_xval.reports.reproducers.questions import QUESTIONS
+from multibody_xval.reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Task
+from multibody_xval.scenarios.runs.transient_task import TransientTask
 from reference_lcp.errors import ParameterError
-from reports.reproducers.questions import QUESTIONS
-from reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Task
-from scenarios.runs.transient_task import TransientTask
 from tests.scenarios.in_process import evaluator
 
 ALONE = """
@@ -44,7 +44,7 @@ for script in sys.argv[1:]:
     sys.stdout.flush()
     if os.fork() == 0:
         runpy.run_path(script, run_name="__main__")
-        suite = {"reference_lcp", "engines", "scenarios", "reports"} & {name.partition(".")[0] for name in sys.modules}
+        suite = {"reference_lcp", "multibody_xval"} & {name.partition(".")[0] for name in sys.modules}
         assert not suite, suite
         break
     assert os.waitstatus_to_exitcode(os.wait()[1]) == 0
@@ -302,7 +302,7 @@ def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> N
         (("mujoco", "unit-cell"), "scenario = 'unit-cell'.*static-hold"),
         (("mujoco", "static-hold", "2 kg"), "case = '2 kg'.*1 kg, load 0.99"),
         (("mujoko", "static-hold"), "mujoko"),
-        (("mujoco:joint:yield", "static-hold"), "mujoco:joint:yield has no reproducer"),
+        (("rapier:joint:native", "static-hold"), "rapier:joint:native has no reproducer"),
         (("mujoco:noslip_iterations=3", "static-hold"), "mujoco:noslip_iterations=3 has no reproducer"),
     ],
 )

@@ -2,16 +2,22 @@
 
 import pytest
 
-from engines.interface.registry import engine_names, registered_engine
-from engines.interface.variant import GENERAL, Variant
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import GENERAL, Variant
+from multibody_xval.reports.cli.reproduce import app
+from multibody_xval.reports.reproducers.scene_script import (
+    ON_A_PLANE,
+    SCENES,
+    checked_scene,
+    has_scene_script,
+    scene_script,
+)
+from multibody_xval.reports.reproducers.script import LONGEST_LINE, MOST_LINES
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.store import opened_store
 from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
-from reports.cli.shown import app
-from reports.reproducers.scene_script import ON_A_PLANE, SCENES, checked_scene, has_scene_script, scene_script
-from reports.reproducers.script import LONGEST_LINE, MOST_LINES
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.store import opened_store
 from tests.reports.reproducers.test_reproducers import (
     DIGITS,
     Hostile,
@@ -36,7 +42,7 @@ WRITTEN = [
 
 def own_number(name: str, scenario: str) -> tuple[str, float]:
     """Give a script, and the suite's number."""
-    reason = registered_engine(name.partition(":")[0]).unavailable_reason()
+    reason = engine(name.partition(":")[0]).unavailable_reason()
     if reason is not None:
         pytest.skip(reason)
     shown = checked_scene(name, scenario)
@@ -112,7 +118,7 @@ def test_engines_with_scripts_of_scenes() -> None:
     ],
 )
 def test_what_cannot_be_shown_is_named_with_what_can(capsys, arguments, message) -> None:
-    assert run_command(app, ["reproduce", *arguments]) == 2
+    assert run_command(app, arguments) == 2
     printed = capsys.readouterr().err
     assert message in printed
     assert printed.count("\n") == 1

@@ -6,19 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block import breakaway, static_hold
+from multibody_xval.scenarios.catalogue.block.base import STANDARD_GRAVITY
+from multibody_xval.scenarios.catalogue.block.breakaway import Breakaway
+from multibody_xval.scenarios.catalogue.block.published import VALUE, Published, targets
+from multibody_xval.scenarios.catalogue.block.static_hold import CREEP, Ratchet, StaticHold
+from multibody_xval.scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.runs.transient_task import Block
+from multibody_xval.scenarios.verdicts.finding import Verdict
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.block import breakaway, static_hold
-from scenarios.catalogue.block.base import STANDARD_GRAVITY
-from scenarios.catalogue.block.breakaway import Breakaway
-from scenarios.catalogue.block.published import VALUE, Published, targets
-from scenarios.catalogue.block.static_hold import CREEP, Ratchet, StaticHold
-from scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
-from scenarios.runs.transient import run_transients
-from scenarios.runs.transient_task import Block
-from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.scenarios.in_process import deviating, findings, misread_the_chain, press_harder, rub_harder
 
 MUJOCO, SOFT = Variant("mujoco"), Variant("mujoco", "joint", "default")
@@ -125,18 +125,6 @@ def test_the_soft_friction_of_mujoco_creeps_as_its_law_predicts_whatever_the_mas
     first = softness / rate * FRICTION_COEFFICIENT * STANDARD_GRAVITY / 2 * (1 + 1 / 20)
     relaxed = np.exp(-first / (0.5 * static_hold.LENGTH) * 0.75 * static_hold.HOLD_TIME)
     assert half.value == pytest.approx(1e6 * first * relaxed, rel=1e-3)
-
-
-@needs_mujoco
-def test_bristles_hold_a_constant_load_and_creep_with_every_swing_of_one(one_scale) -> None:
-    """As their law says: a ratchet."""
-    bristles = Variant("mujoco", "joint", "lugre")
-    constant = [each for each in findings(StaticHold(), bristles) if each.metric is CREEP and "shaken" not in each.case]
-    assert max(each.value for each in constant) < 1e-4
-    (swinging,) = (each for each in findings(Ratchet(), bristles, laws=True) if each.metric is CREEP)
-    assert swinging.value > 10
-    assert swinging.comparison.verdict is Verdict.DISAGREE
-    assert swinging.modelled
 
 
 @needs_mujoco

@@ -1,4 +1,4 @@
-"""Laws of free contacts: whole motions of blocks and inclined chains, engine beside model, from the same state."""
+"""Laws of free contacts: whole motions of blocks, engine beside model, from the same state."""
 
 from dataclasses import replace
 from typing import Any
@@ -6,20 +6,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engines.interface.law import Law
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.contract.lanes import modulated_lane
+from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue import motion
+from multibody_xval.scenarios.catalogue.block.breakaway import Breakaway
+from multibody_xval.scenarios.catalogue.block.direction import Direction
+from multibody_xval.scenarios.catalogue.block.static_hold import StaticHold
+from multibody_xval.scenarios.catalogue.block.stopping_distance import StoppingDistance
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask, law_identity
+from multibody_xval.scenarios.runs.transient_task import BlockTask, TransientTask
+from multibody_xval.scenarios.verdicts.finding import Prediction
 from reference_lcp.chain.trajectory import Trajectory
-from scenarios.catalogue import motion
-from scenarios.catalogue.block.breakaway import Breakaway
-from scenarios.catalogue.block.direction import Direction
-from scenarios.catalogue.block.static_hold import StaticHold
-from scenarios.catalogue.block.stopping_distance import StoppingDistance
-from scenarios.catalogue.transient.inclined_chain import InclinedChainScenario
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Recorded, SteadyStateTask, law_identity
-from scenarios.runs.transient_task import BlockTask, TransientTask
-from scenarios.verdicts.finding import Prediction
 from tests.scenarios.in_process import evaluator
 
 FREE = Variant("mujoco", "contact", "default")
@@ -30,7 +30,6 @@ ROUND_OFF = 1e-12
 STOPPED_SHORT = 1e-6
 """The same where it stops at its tolerance of 1e-8 in some steps: a few of 5e-4 m/s² last 2 ms each."""
 
-CASES = InclinedChainScenario.cases
 BLOCKS = {str(case): case for own in (StaticHold, Breakaway, StoppingDistance, Direction) for case in own.cases}
 HELD = BLOCKS["1 kg, load 0.5"]
 
@@ -71,21 +70,6 @@ def test_free_block_breaks_away_and_stops_as_its_four_edges_say_to_round_off(tas
 def test_free_block_creeps_as_its_four_edges_say(hold) -> None:
     task = hold.task(FREE)
     assert distance(task, task.steps // 5) <= STOPPED_SHORT
-
-
-@needs_mujoco
-@pytest.mark.parametrize("case", CASES, ids=str)
-def test_inclined_chain_slides_lifts_off_and_lands_as_its_edges_say(case) -> None:
-    task = case.task(FREE)
-    assert distance(task, task.steps) <= 2e-6  # of the seven cells, one or the other stops short at times
-
-
-@pytest.mark.needs("ode")
-@pytest.mark.parametrize("case", CASES, ids=str)
-def test_inclined_chain_of_ode_is_bounded_by_normal_forces_without_friction_to_round_off(case) -> None:
-    task, model = case.task(Variant("ode", "contact")), Variant("ode", "contact").inclined_law
-    assert model is not None
-    assert distance(task, task.steps, law_of(model.preset)) <= ROUND_OFF
 
 
 @needs_mujoco
@@ -134,7 +118,7 @@ def test_a_block_at_rest_sinks_to_where_four_edges_carry_a_quarter_of_its_load_e
 @pytest.mark.parametrize("seed", range(20))
 def test_edges_press_or_let_go_whatever_the_load(seed) -> None:
     """0 <= p ⟂ E y + o + R p >= 0 at random loads, masses and coefficients of friction."""
-    from engines.mujoco.step_model import COUPLING, IMPULSE, write_edge_impulses
+    from multibody_xval.engines.mujoco.step_model import COUPLING, IMPULSE, write_edge_impulses
 
     rng = np.random.default_rng(seed)
     slope, softness = rng.uniform(0.05, 2.0), 10 ** rng.uniform(-6, 1)
@@ -208,14 +192,13 @@ def test_a_motion_that_a_law_does_not_claim_is_compared_and_the_distance_decides
 
 
 def test_laws_say_which_normal_forces_they_hold_under() -> None:
-    free, inclined = HELD.task(FREE).lane(), CASES[0].task(FREE).lane()
+    free, opening = HELD.task(FREE).lane(), modulated_lane(1.5)
     law = law_of(FREE.preset)
     assert law is not None
-    assert [law.unclaimed_reason(lane) for lane in (free, inclined)] == [None, None]
-    closed = replace(law, lifting=False, inclines=False)
+    assert [law.unclaimed_reason(lane) for lane in (free, opening)] == [None, None]
+    closed = replace(law, lifting=False)
     assert closed.unclaimed_reason(free) is None
-    assert "inclined" in str(closed.unclaimed_reason(inclined))
-    assert "open" in str(replace(law, lifting=False).unclaimed_reason(inclined))
+    assert "open" in str(closed.unclaimed_reason(opening))
 
 
 def test_results_of_a_law_are_not_taken_for_those_of_another(monkeypatch) -> None:
@@ -230,7 +213,9 @@ def test_results_of_a_law_are_not_taken_for_those_of_another(monkeypatch) -> Non
         return [task.content() for task in (by_law, period, by_engine)]
 
     before = contents()
-    monkeypatch.setattr("scenarios.runs.task.law_of", lambda _: replace(law, formula=law.formula + ", otherwise"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.runs.task.law_of", lambda _: replace(law, formula=law.formula + ", otherwise")
+    )
     after = contents()
     monkeypatch.undo()
     law_identity.cache_clear()

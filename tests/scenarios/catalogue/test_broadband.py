@@ -6,10 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.transient.base import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.transient.base import (
     BAND_METRICS,
     BANDS,
     BROADBAND_STEPS,
@@ -19,17 +18,18 @@ from scenarios.catalogue.transient.base import (
     ROWS_PER_PERIOD,
     linear_limits,
 )
-from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.transient.record import FILE, Record
-from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
-from scenarios.catalogue.transient.swept_sine import SweptSineScenario
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.store import opened_store
-from scenarios.runs.transient import run_transients
-from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
-from scenarios.verdicts.finding import Verdict
+from multibody_xval.scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
+from multibody_xval.scenarios.catalogue.transient.record import FILE, Record
+from multibody_xval.scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
+from multibody_xval.scenarios.catalogue.transient.swept_sine import SweptSineScenario
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
+from multibody_xval.scenarios.verdicts.finding import Verdict
+from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
 from tests.scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
 from tests.scenarios.catalogue.example_record import example_samples, write_example
 from tests.scenarios.in_process import deviating, evaluator, findings, rub_harder

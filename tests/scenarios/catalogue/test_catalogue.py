@@ -6,22 +6,22 @@ import re
 import numpy as np
 import pytest
 
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
+from multibody_xval.scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
+from multibody_xval.scenarios.catalogue.steady.figure3 import LOWER_EDGES
+from multibody_xval.scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
+from multibody_xval.scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
+from multibody_xval.scenarios.catalogue.verdict_table import law_in_words
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.edges import BAND_EDGE
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from multibody_xval.scenarios.verdicts.judge import missing
 from reference_lcp import Chain, HarmonicForce, steady_state
 from reference_lcp.chain.linear_response import stuck_response
 from reference_lcp.defaults import CHAIN_STIFFNESS
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
-from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
-from scenarios.catalogue.steady.figure3 import LOWER_EDGES
-from scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
-from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
-from scenarios.catalogue.verdict_table import law_in_words
-from scenarios.runs.result import Result
-from scenarios.sweeps.edges import BAND_EDGE
-from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
-from scenarios.verdicts.judge import missing
 from tests.reference_lcp.cases import STANDING
 
 REFERENCE, FINISHED = Variant("reference"), Result(status="finished")

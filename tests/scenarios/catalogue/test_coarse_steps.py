@@ -5,22 +5,21 @@ from functools import cache
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.motion import MotionScenario
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.runs.transient import run_transients
-from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Finding, Verdict
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.motion import MotionScenario
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import InProcessExecutor
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.runs.transient_task import TransientTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 USUAL = Variant("exudyn-regularised", "contact")
 
 MOTIONS = dict.fromkeys(("published", "free-decay", "stopping-distance", "direction", "ricker-pulse"), USUAL) | {
-    "inclined-chain": Variant("mujoco", "contact"),
     "static-above-kinetic": Variant("exudyn-regularised"),
 }
 """Scenarios, and a variant that can represent them: the test needs no more of it."""

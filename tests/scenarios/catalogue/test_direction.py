@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from engines.shared.claims import tangents_of_the_world
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.claims import tangents_of_the_world
+from multibody_xval.scenarios.catalogue.block.direction import NO_DIRECTION, PART, Direction
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE
 from reference_lcp import Chain, CompiledSimulation, Lane, StillBase
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.block.direction import NO_DIRECTION, PART, Direction
-from scenarios.runs.transient import run_transients
-from scenarios.verdicts.finding import Finding, Verdict
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.installed import each_engine
 from tests.scenarios.in_process import deviating, findings, press_harder
 

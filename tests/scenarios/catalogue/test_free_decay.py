@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.transient.free_decay import OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
-from scenarios.runs.executor import run_batch
-from scenarios.verdicts.finding import Verdict
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.transient.free_decay import OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.verdicts.finding import Verdict
 from tests.scenarios.in_process import deviating, findings, rub_harder
 
 MUJOCO = Variant("mujoco")
@@ -61,7 +61,7 @@ def test_friction_that_is_too_large_by_a_twentieth_is_found(monkeypatch) -> None
 
 
 def test_variant_that_is_not_installed_is_blocked_in_every_metric(monkeypatch) -> None:
-    from engines.mujoco import MuJoCo
+    from multibody_xval.engines.mujoco import MuJoCo
 
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no wheel")
     judged = findings(FreeDecay(), MUJOCO)

@@ -6,22 +6,22 @@ import math
 import pytest
 from pydantic_core import to_json
 
-from engines.interface.variant import Variant
-from reference_lcp.errors import ParameterError
-from scenarios.catalogue.steady.modulated_normal_force import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.steady.modulated_normal_force import (
     CASES,
     LARGEST_GAP,
     OPEN_FRACTION,
     STUCK,
     ModulatedNormalForce,
 )
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor, run_batch
-from scenarios.runs.parameters import Modulation
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import SOURCES, SteadyStateTask, key_of
-from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor, run_batch
+from multibody_xval.scenarios.runs.parameters import Modulation
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import SOURCES, SteadyStateTask, key_of
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from reference_lcp.errors import ParameterError
 
 REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")
 

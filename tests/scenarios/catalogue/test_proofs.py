@@ -8,23 +8,25 @@ from types import SimpleNamespace
 
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp.deadline import NotProven
-from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.catalogue import proofs
-from scenarios.catalogue.steady.den_hartog import DenHartog
-from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
-from scenarios.runs.parameters import ChainRatios, Excitation, Modulation
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.figure3 import FRICTION_RATIOS, QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
-from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.truths import with_truths
-from scenarios.verdicts.proven import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.catalogue import proofs
+from multibody_xval.scenarios.catalogue.steady.den_hartog import DenHartog
+from multibody_xval.scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation, Modulation
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import (
+    FRICTION_RATIOS,
+    QUICK_FRICTION_RATIOS,
+    figure3,
+    quick_frequency_ratios,
+)
+from multibody_xval.scenarios.sweeps.compared import compare_sweep
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.sweeps.truths import with_truths
+from multibody_xval.scenarios.verdicts.proven import (
     ROUNDED_DB,
     chain_text,
     proven_level,
@@ -32,7 +34,10 @@ from scenarios.verdicts.proven import (
     steady_state_of,
     with_proven_level,
 )
-from scenarios.verdicts.steady_case import CONVERGED, EXACT
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
+from reference_lcp.deadline import NotProven
+from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from tests.scenarios.in_process import evaluator
 
 FLOATS_DB = 1e-8
@@ -128,7 +133,6 @@ def test_a_digit_that_is_wrong_is_noticed(monkeypatch, capsys) -> None:
         {"friction_ratio": 0.31},
         {"frequency_ratio": 0.90001},
         {"ratios": ChainRatios(cells=6)},
-        {"inclination": 0.2, "modulation": Modulation(modulation=0.0)},
         {"ratios": ChainRatios(damping_ratio=0.02)},
         {"excitation": Excitation(kind="force", amplitude=1.0)},
         {"modulation": Modulation(modulation=0.5)},
@@ -247,7 +251,7 @@ def test_what_cannot_be_proven_keeps_the_truth_of_the_motion(monkeypatch) -> Non
     def fails(*_, **__):
         raise NotProven("two events at one instant")
 
-    monkeypatch.setattr("scenarios.verdicts.proven.prove", fails)
+    monkeypatch.setattr("multibody_xval.scenarios.verdicts.proven.prove", fails)
     sweep = replace(figure3([], [0.3], [0.6]), ratios=ChainRatios(cells=2))
     with opened_store(None) as store, evaluator(store) as running:
         compared = compare_sweep(sweep, running)

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
-from reports.formatting import significant
-from reports.reproducers.recipe import recipe_text
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes.base import CREEP
-from scenarios.catalogue.scenes.recipes import Measurement, option_sets
-from scenarios.runs.store import opened_store
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.formatting import significant
+from multibody_xval.reports.reproducers.recipe import recipe_text
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.base import CREEP
+from multibody_xval.scenarios.catalogue.scenes.recipes import Measurement, option_sets
+from multibody_xval.scenarios.runs.store import opened_store
 from tests.scenarios.in_process import evaluator, findings
 
 ACCURACY = Path(__file__).parents[3] / "docs" / "accuracy.md"

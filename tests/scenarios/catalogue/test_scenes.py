@@ -7,17 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine
-from engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
+from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes import base
+from multibody_xval.scenarios.catalogue.scenes.base import COMMON_STEP, CREEP, SceneScenario
+from multibody_xval.scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
+from multibody_xval.scenarios.catalogue.scenes.joints import TURNING, arm
+from multibody_xval.scenarios.catalogue.scenes.spin import CORNERS, TORQUE, UNIFORM
+from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.scenes import base
-from scenarios.catalogue.scenes.base import COMMON_STEP, CREEP, SceneScenario
-from scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
-from scenarios.catalogue.scenes.joints import TURNING, arm
-from scenarios.catalogue.scenes.spin import CORNERS, TORQUE, UNIFORM
-from scenarios.runs.scene import SceneTask
-from scenarios.verdicts.finding import Finding, Verdict
 from tests.scenarios.in_process import findings
 from tests.scenarios.point_mass import CONTACT, JOINT, judged
 
@@ -106,18 +105,10 @@ def test_exploding_scene_is_a_failure_of_the_engine(monkeypatch) -> None:
     def exploding(task) -> SteppedWorld:
         return SteppedWorld(lambda: None, lambda: (np.full(10, np.nan),))
 
-    monkeypatch.setattr("scenarios.runs.scene.built", exploding)
+    monkeypatch.setattr("multibody_xval.scenarios.runs.scene.built", exploding)
     found = findings(CATALOGUE["grip"], CONTACT)
     assert {each.comparison.verdict for each in found} == {Verdict.DISAGREE}
     assert "exploded" in found[0].comparison.reason
-
-
-@needs_mujoco
-def test_a_version_named_alone_has_its_default_and_recommended_scenes() -> None:
-    name = f"mujoco@{engine('mujoco').version()}"
-    named = CATALOGUE["joint-hold"].variants([name])
-    assert [(variant.engine, variant.preset_name) for variant in named] == [(name, "default"), (name, "recommended")]
-    assert findings(CATALOGUE["joint-hold"], named[1])[0].comparison.verdict is not Verdict.BLOCKED
 
 
 def test_presets_for_the_chain_have_no_scenes() -> None:

@@ -7,12 +7,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.errors import ParameterError
-from scenarios.catalogue.block import static_above_kinetic
-from scenarios.catalogue.block.base import TIME_STEP
-from scenarios.catalogue.block.static_above_kinetic import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.block import static_above_kinetic
+from multibody_xval.scenarios.catalogue.block.base import TIME_STEP
+from multibody_xval.scenarios.catalogue.block.static_above_kinetic import (
     BREAKAWAY,
     FAST,
     FOLLOWED,
@@ -22,9 +20,11 @@ from scenarios.catalogue.block.static_above_kinetic import (
     Release,
     StaticAboveKinetic,
 )
-from scenarios.runs.transient import run_transients
-from scenarios.verdicts.finding import Finding, Verdict
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from multibody_xval.scenarios.runs.transient import run_transients
+from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import EXACT, REFERENCE
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.errors import ParameterError
 from tests.scenarios.in_process import deviating, findings
 
 ONE_COEFFICIENT = Variant("mujoco")

@@ -6,13 +6,13 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from engines.interface.variant import Variant
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import Executor, InProcessExecutor
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import SteadyStateTask
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import Executor, InProcessExecutor
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import SteadyStateTask
 
 
 def steady(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.store import ResultStore
 
 
 @pytest.fixture

@@ -6,16 +6,16 @@ import re
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.failures import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
+from multibody_xval.scenarios.runs.parameters import ChainRatios, Modulation
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import Recorded, Task
+from multibody_xval.scenarios.runs.transient_task import TransientTask
 from reference_lcp import Chain, HarmonicBase, Lane, RickerPulse, StillBase
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.euler import CompiledSimulation
-from scenarios.runs.executor import run_batch
-from scenarios.runs.failures import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
-from scenarios.runs.parameters import ChainRatios, Modulation
-from scenarios.runs.result import Result
-from scenarios.runs.task import Recorded, Task
-from scenarios.runs.transient_task import TransientTask
 from tests.scenarios.runs.builders import steady
 
 SMALL = ChainRatios(cells=2)

@@ -12,15 +12,15 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode
-from scenarios.runs.local_processes import LocalExecutor
 from tests.scenarios.runs.builders import evaluated, eventually, numbers, statuses
 
 pytest.importorskip("distributed")
 from distributed import default_client
 
-from scenarios.runs.dask_cluster import CLOSE_SECONDS, DaskExecutor
+from multibody_xval.scenarios.runs.dask_cluster import CLOSE_SECONDS, DaskExecutor
 
 
 @contextlib.contextmanager
@@ -87,7 +87,7 @@ def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, fa
 
 
 def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
-    monkeypatch.setattr("scenarios.runs.dask_cluster.CONNECT_SECONDS", 1)
+    monkeypatch.setattr("multibody_xval.scenarios.runs.dask_cluster.CONNECT_SECONDS", 1)
     with pytest.raises(ParameterError, match=r"scheduler = 'tcp://127.0.0.1:9' cannot be reached"):
         DaskExecutor("tcp://127.0.0.1:9")
     with pytest.raises(ParameterError, match="scheduler = 'nonsense:nonsense' cannot be reached"):
@@ -135,7 +135,7 @@ def test_lost_cluster_ends_a_sweep_within_a_minute_with_one_line(tmp_path, lost)
     (tmp_path / "sweep.toml").write_text(LARGE)
     store = tmp_path / "sweep.sqlite"
     with cluster("--nworkers", "1", "--no-nanny") as (address, processes):
-        command = [sys.executable, "-m", "reports", "sweep", "sweep.toml", "--scheduler", address]
+        command = [sys.executable, "-m", "multibody_xval", "sweep", "sweep.toml", "--scheduler", address]
         sweep = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
         assert eventually(lambda: has_a_result(store), within=120)
         processes[lost].kill()

@@ -5,9 +5,9 @@ from concurrent.futures import Future
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.executor import Batch, Run, WorkerExecutor
-from scenarios.runs.result import Result
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import Batch, Run, WorkerExecutor
+from multibody_xval.scenarios.runs.result import Result
 from tests.scenarios.runs.builders import certified, steady
 
 FIRST, SAME_ENGINE, SAME_PACKAGE, OTHER = (

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.runs import local_processes
-from scenarios.runs.local_processes import LocalExecutor, LocalWorker
-from scenarios.runs.result import LONGEST_REASON, Result
-from scenarios.runs.supervisor import PRINTED_BYTES
-from scenarios.runs.worker_template import START_SECONDS
+from multibody_xval.scenarios.runs import local_processes
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor, LocalWorker
+from multibody_xval.scenarios.runs.result import LONGEST_REASON, Result
+from multibody_xval.scenarios.runs.supervisor import PRINTED_BYTES
+from multibody_xval.scenarios.runs.worker_template import START_SECONDS
 from tests.scenarios.runs.builders import ended, evaluated, eventually, running, statuses
 
 LIMIT = 8.0
@@ -147,7 +147,7 @@ def descendants_of(process: int) -> set[int]:
 
 CLIENT = """
 import signal
-from scenarios.runs.local_processes import LocalExecutor
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor
 from tests.scenarios.runs.builders import evaluated
 # a shell's background jobs ignore Ctrl-C, and so would all that they start
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor
+from multibody_xval.scenarios.runs.worker import LAW_LIMIT, Worker
 from reference_lcp import terminal
 from reference_lcp.schemes.sequential import SequentialSimulation
-from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.worker import LAW_LIMIT, Worker
 from tests.scenarios.runs.builders import evaluated
 
 BATCH_SECONDS = 5.0

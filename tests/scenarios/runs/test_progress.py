@@ -2,13 +2,13 @@
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.progress import ProgressBars
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.point import tasks_of
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.progress import ProgressBars
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.point import tasks_of
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.scenarios.runs.builders import Invented, certified, steady
 
 

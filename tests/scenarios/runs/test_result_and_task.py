@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.task import SteadyStateTask
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import SteadyStateTask
 
 TASK = SteadyStateTask(variant=Variant("reference"), friction_ratio=1.0, frequency_ratio=0.9)
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.runs.scratch import LOCK, MARKER, PREFIX, ScratchFolder
+from multibody_xval.scenarios.runs.scratch import LOCK, MARKER, PREFIX, ScratchFolder
 
 OWNER = """
 import time
-from scenarios.runs.scratch import ScratchFolder
+from multibody_xval.scenarios.runs.scratch import ScratchFolder
 folder = ScratchFolder()
 print(folder.path, flush=True)
 time.sleep(1000)

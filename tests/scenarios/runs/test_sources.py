@@ -12,11 +12,11 @@ from types import ModuleType
 import numba
 import pytest
 
-from engines.interface import registry
-from engines.interface.registry import engine
+from multibody_xval.engines.interface import registry
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.scenarios.runs import sources, task
+from multibody_xval.scenarios.runs.store import ResultStore, key_of
 from reference_lcp.process import ROOT
-from scenarios.runs import sources, task
-from scenarios.runs.store import ResultStore, digest_of, key_of
 from tests.scenarios.runs.builders import certified, steady
 
 OLD, NEW = certified(transmittance_db=1.0), certified(transmittance_db=2.0)
@@ -61,9 +61,7 @@ def test_a_store_of_before_there_were_digests_is_read_where_it_is_to_be(tmp_path
     text = json.dumps(content, separators=(",", ":"))
     with ResultStore(file) as store, closing(sqlite3.connect(file)) as connection, connection:
         assert store.find(steady()) is None
-        row = key_of(text), text, OLD.to_json()
-        digest = digest_of(*(each.encode() for each in row))
-        connection.execute("INSERT INTO answers VALUES (?, ?, ?, ?)", (*row, digest))
+        connection.execute("INSERT INTO answers VALUES (?, ?, ?)", (key_of(text), text, OLD.to_json()))
     with ResultStore(file) as store, ResultStore(file, keep_old=True) as keeping:
         assert store.find(steady()) is None
         assert keeping.find(steady()) == OLD
@@ -85,7 +83,7 @@ def test_digest_is_of_what_computes_an_answer(monkeypatch, file, of_mujoco, of_d
         return [sources.sources_of(engine(name)) for name in ("mujoco", "mujoco@law", "drake")]
 
     before, known = digests(), sources._digest
-    monkeypatch.setattr(sources, "_digest", lambda own: b"changed" if own == ROOT / file else known(own))
+    monkeypatch.setattr(sources, "_digest", lambda own: b"changed" if own.resolve() == ROOT / file else known(own))
     assert [one != two for one, two in zip(before, digests(), strict=True)] == [of_mujoco, of_mujoco, of_drake]
     sources._sources.cache_clear()
 
@@ -112,11 +110,14 @@ ROOMS = ("reference_lcp", "engines", "scenarios", "multibody_xval")
 @pytest.mark.slow
 def test_digest_is_the_same_wherever_the_suite_lies(tmp_path) -> None:
     """A store goes on in another checkout, or in an environment that is made anew."""
-    command = "from scenarios.runs.sources import sources_of as of; from engines.interface.registry import engine;"
+    command = (
+        "from multibody_xval.scenarios.runs.sources import sources_of as of; "
+        "from multibody_xval.engines.interface.registry import engine;"
+    )
     digests = set()
     for folder in (tmp_path / "a", tmp_path / "z"):
         for room in ROOMS:
-            shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(ROOT / room, folder / room, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
         code = f"{command} print(*(of(engine(name)) for name in ('reference', 'mujoco')))"
         printed = subprocess.run(
             [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(folder)}, cwd=folder,

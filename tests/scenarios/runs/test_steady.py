@@ -2,16 +2,16 @@
 
 import pytest
 
-from engines.interface.registry import law_of
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.parameters import Modulation
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.steady import ENGINE_PERIODS, law_orbits, run_steady_states
+from multibody_xval.scenarios.runs.task import Recorded, Start, SteadyStateTask
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.steady.neighbours import NEWTON_PERIODS
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits, repetitions
-from scenarios.runs.executor import run_batch
-from scenarios.runs.parameters import Modulation
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.steady import ENGINE_PERIODS, law_orbits, run_steady_states
-from scenarios.runs.task import Recorded, Start, SteadyStateTask
 from tests.scenarios.in_process import press_harder
 from tests.scenarios.runs.builders import steady
 
@@ -191,7 +191,7 @@ def test_what_an_engine_without_a_law_does_not_find_in_a_hundred_periods_it_does
     variant = Variant.parse("exudyn-bristle:joint:default")
     task = SteadyStateTask(variant=variant, friction_ratio=0.1, frequency_ratio=1.6)
     (stopped,) = run_steady_states([task])
-    monkeypatch.setattr("scenarios.runs.steady.ENGINE_PERIODS", DEFAULT_PERIODS)
+    monkeypatch.setattr("multibody_xval.scenarios.runs.steady.ENGINE_PERIODS", DEFAULT_PERIODS)
     (at_length,) = run_steady_states([task])
     assert stopped.periods == ENGINE_PERIODS + 1 < at_length.periods
     assert (stopped.status, stopped.multiple) == (at_length.status, at_length.multiple) == ("period limit", 0)
@@ -253,7 +253,9 @@ def test_law_is_compared_where_it_does_not_claim_to_hold_and_the_reason_is_noted
     law = law_of(DEFAULT.preset)
     assert law is not None
     (claimed,) = run_steady_states([task])
-    monkeypatch.setattr("scenarios.runs.steady.unclaimed_reason", lambda _, lane: f"{lane.chain.cells} cells")
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.runs.steady.unclaimed_reason", lambda _, lane: f"{lane.chain.cells} cells"
+    )
     (unclaimed,) = run_steady_states([task])
     press_harder(monkeypatch, DEFAULT, 1.01)
     (wrong,) = run_steady_states([task])

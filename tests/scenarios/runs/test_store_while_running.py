@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.runs import store as module
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.runs import store as module
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
 from tests.scenarios.runs.builders import certified, files_up_to, steady
 
 LOCK = """

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.runs.supervisor import PRINTED_BYTES
+from multibody_xval.scenarios.runs.supervisor import PRINTED_BYTES
 from tests.scenarios.runs.builders import ended, eventually, running
 
 END_SECONDS = 5.0
@@ -37,7 +37,7 @@ time.sleep(1000)""",
 PROGRAM = """
 import ctypes, os, signal, subprocess, sys, time
 from pathlib import Path
-from scenarios.runs.supervisor import supervise
+from multibody_xval.scenarios.runs.supervisor import supervise
 def note(process):
     part = Path(sys.argv[1] + ".part")
     part.write_text(str(process))

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.runs import local_processes, worker_template
-from scenarios.runs.executor import KILLED
-from scenarios.runs.failures import ExecutorError
-from scenarios.runs.local_processes import LocalExecutor, LocalWorker
-from scenarios.runs.result import Result
-from scenarios.runs.worker import identity_of
-from scenarios.runs.worker_template import BEGIN_SECONDS, WorkerTemplate
+from multibody_xval.scenarios.runs import local_processes, worker_template
+from multibody_xval.scenarios.runs.executor import KILLED
+from multibody_xval.scenarios.runs.failures import ExecutorError
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor, LocalWorker
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.worker import identity_of
+from multibody_xval.scenarios.runs.worker_template import BEGIN_SECONDS, WorkerTemplate
 from tests.installed import ENGINE_PACKAGES
 from tests.scenarios.runs.builders import ended, running, steady
 
@@ -89,7 +89,7 @@ def test_workers_import_the_suite_whatever_has_the_names_of_its_packages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A user's own folder may be first on the path of the program that starts them."""
-    for package in ("scenarios", "engines", "reference_lcp"):
+    for package in ("multibody_xval", "reference_lcp"):
         (tmp_path / package).mkdir()
         (tmp_path / package / "__init__.py").write_text("raise ImportError('not the suite')")
     monkeypatch.syspath_prepend(tmp_path)
@@ -167,10 +167,17 @@ def test_a_worker_that_is_ended_by_what_it_reads_names_the_end(shared) -> None:
 
 def test_fresh_worker_has_imported_the_suite_and_no_engine(shared) -> None:
     folders = Path(worker_template.__file__).parents[2].glob("engines/*/joint.py")
-    adapters = {f"engines.{file.parent.name}" for file in folders}
-    assert {"engines.mujoco", "engines.exudyn", "engines.drake"} <= adapters
+    adapters = {f"multibody_xval.engines.{file.parent.name}" for file in folders}
+    assert {
+        "multibody_xval.engines.mujoco",
+        "multibody_xval.engines.exudyn",
+        "multibody_xval.engines.drake",
+    } <= adapters
     assert said(shared, f"str({adapters | set(ENGINE_PACKAGES)} & sys.modules.keys())") == "set()"
-    assert said(shared, "str({'scenarios.runs.executor', 'numba', 'scipy'} <= sys.modules.keys())") == "True"
+    assert (
+        said(shared, "str({'multibody_xval.scenarios.runs.executor', 'numba', 'scipy'} <= sys.modules.keys())")
+        == "True"
+    )
 
 
 def test_fresh_worker_is_out_of_reach_of_the_terminal_and_engines_find_the_folder(shared) -> None:
@@ -252,7 +259,7 @@ def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch)
 CLIENT = """
 import json, time
 from pathlib import Path
-from scenarios.runs.worker_template import BEGIN_SECONDS, WorkerTemplate
+from multibody_xval.scenarios.runs.worker_template import BEGIN_SECONDS, WorkerTemplate
 template = WorkerTemplate()
 connection, supervisor, crash_log = template.fork()
 supervisor = next(line for line in Path(f"/proc/self/fdinfo/{supervisor}").open() if line.startswith("Pid:"))
@@ -284,7 +291,7 @@ def test_a_template_that_was_started_before_its_first_worker_is_not_started_agai
 
 COMPILED_LATER = """
 from numba.core import event
-from scenarios.runs import worker_template
+from multibody_xval.scenarios.runs import worker_template
 if sys.argv[1:]:
     worker_template._compile_side_by_side()
 with event.install_recorder("numba:compile") as compiled:

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.studies.accuracy import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.studies.accuracy import (
     ACCURACY_COLUMNS,
     ACCURACY_POINTS,
     Accuracy,
@@ -19,7 +19,7 @@ from scenarios.studies.accuracy import (
     error_db,
     remark,
 )
-from scenarios.tables import csv_text, full_table
+from multibody_xval.scenarios.tables import csv_text, full_table
 
 VARIANT = Variant("mujoco")
 EXACT = Result(
@@ -90,12 +90,12 @@ def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None
     nothing = accuracy_of(
         VARIANT, dict.fromkeys(answers, Result.blocked("gone")), dict.fromkeys(ACCURACY_POINTS, EXACT)
     )
-    assert all(column.text((nothing, None)) for column in ACCURACY_COLUMNS)
-    assert "–" in accuracy_document([(nothing, None)], "command")
+    assert all(column.text(nothing) for column in ACCURACY_COLUMNS)
+    assert "–" in accuracy_document([nothing], "command")
 
 
 def test_tables_hold_every_column_and_name_the_command_and_the_versions() -> None:
-    rows = [(accuracy(transmittance_db=-3.25), None)]
+    rows = [accuracy(transmittance_db=-3.25)]
     document = accuracy_document(rows, "multibody-xval run accuracy")
     assert "| mujoco | joint | tuned | 0.250 | 0.250 | 0.250 |" in document
     assert "`multibody-xval run accuracy`" in document

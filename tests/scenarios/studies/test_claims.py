@@ -7,15 +7,13 @@ from pathlib import Path
 import pytest
 from scipy.optimize import brentq
 
-from engines.interface.variant import Variant
-from reference_lcp.chain.drives import HarmonicBase
-from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_response
-from scenarios.runs.evaluator import StoredResults
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.store import opened_store
-from scenarios.studies import claims
-from scenarios.studies.claims import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import StoredResults
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.runs.result import Result, ResultStatus
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.studies import claims
+from multibody_xval.scenarios.studies.claims import (
     CLAIM_COLUMNS,
     MOVED,
     Answer,
@@ -26,12 +24,19 @@ from scenarios.studies.claims import (
     evaluated_conclusions,
     sentence,
 )
-from scenarios.studies.figure3 import FRICTION_RATIOS, claim_frequency_ratios, default_frequency_ratios, figure3
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, BandDefinition, Edge
-from scenarios.sweeps.edges import refined_edges
-from scenarios.sweeps.refinement import for_the_band, refined
-from scenarios.tables import markdown_lines, text_table
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.scenarios.studies.figure3 import (
+    FRICTION_RATIOS,
+    claim_frequency_ratios,
+    default_frequency_ratios,
+    figure3,
+)
+from multibody_xval.scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, BandDefinition, Edge
+from multibody_xval.scenarios.sweeps.edges import refined_edges
+from multibody_xval.scenarios.sweeps.refinement import for_the_band, refined
+from multibody_xval.scenarios.tables import markdown_lines, text_table
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_response
 from tests.scenarios.in_process import evaluator, rub_harder
 from tests.scenarios.runs.builders import certified
 

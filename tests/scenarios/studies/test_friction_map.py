@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import run_batch
-from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
-from scenarios.studies.figure3 import figure3
-from scenarios.studies.friction_map import friction_map, map_sweep
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.studies.friction_map import friction_map, map_sweep
 
 
 class Here(Evaluator):

@@ -4,18 +4,18 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Recorded
-from scenarios.studies.law_agreement import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Recorded
+from multibody_xval.scenarios.studies.law_agreement import (
     LAW_COLUMNS,
     LawAgreement,
     beside_the_reference,
     law_agreements,
     law_document,
 )
-from scenarios.tables import csv_text, full_table
+from multibody_xval.scenarios.tables import csv_text, full_table
 from tests.scenarios.in_process import evaluator
 
 SOFT, UNMODELLED = Variant("mujoco", "joint", "default"), Variant("exudyn-bristle", "joint", "default")

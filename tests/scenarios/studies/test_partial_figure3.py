@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.evaluator import StoredResults
-from scenarios.runs.executor import run_batch
-from scenarios.runs.store import ResultStore
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep
-from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import StoredResults
+from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.verdicts.finding import Verdict
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 STOPPED = Variant("mujoco")
 ASKED = figure3((STOPPED,), (0.3,), (0.3, 0.62, 0.63, 0.64, 0.65, 0.9, 1.0))

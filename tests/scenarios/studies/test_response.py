@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from scenarios.runs.result import Result
-from scenarios.studies.figure3 import FRICTION_RATIOS
-from scenarios.studies.response import ONE_CELL, response_curves
-from scenarios.sweeps.refinement import free_resonances, resonances
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.studies.figure3 import FRICTION_RATIOS
+from multibody_xval.scenarios.studies.response import ONE_CELL, response_curves
+from multibody_xval.scenarios.sweeps.refinement import free_resonances, resonances
 from tests.scenarios.studies.test_friction_map import Here
 
 

@@ -7,35 +7,30 @@ from typing import Any
 
 import pytest
 
-from engines.interface.variant import Variant
-from engines.shared.step_cost import StepCost
-from reference_lcp import Chain, exact_steady_state
-from reference_lcp.defaults import EXACT_RESIDUAL
-from scenarios.runs.evaluator import Evaluator, StoredResults
-from scenarios.runs.executor import InProcessExecutor, run_batch
-from scenarios.runs.parameters import Excitation
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
-from scenarios.studies.accuracy import ORDER_STEPS
-from scenarios.studies.work_precision import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
+from multibody_xval.scenarios.runs.executor import InProcessExecutor, run_batch
+from multibody_xval.scenarios.runs.parameters import Excitation
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
+from multibody_xval.scenarios.studies.accuracy import ORDER_STEPS
+from multibody_xval.scenarios.studies.work_precision import (
     FINEST_STEPS,
     PRINTED_COLUMNS,
     STUDY_STEPS,
-    WORK_COLUMNS,
     StepPoint,
-    balance_error,
     coarse_steps,
-    document,
     exact_step_tasks,
     remarks,
     step_study,
     step_tasks,
     thrifty_step_study,
-    timed_now,
 )
-from scenarios.tables import full_table, text_table
-from scenarios.verdicts.proven import proven_level
+from multibody_xval.scenarios.tables import text_table
+from multibody_xval.scenarios.verdicts.proven import proven_level
+from reference_lcp import Chain, exact_steady_state
+from reference_lcp.defaults import EXACT_RESIDUAL
 from tests.scenarios.runs.builders import certified
 
 REFERENCE = Variant("reference")
@@ -56,7 +51,7 @@ def store(tmp_path: Path):
 @pytest.fixture
 def nothing_proven(monkeypatch: pytest.MonkeyPatch) -> None:
     """The exact level is invented."""
-    monkeypatch.setattr("scenarios.studies.work_precision.with_proven_level", lambda _, result: result)
+    monkeypatch.setattr("multibody_xval.scenarios.studies.work_precision.with_proven_level", lambda _, result: result)
 
 
 def answer(steps: int, **more: object) -> Result:
@@ -183,28 +178,6 @@ def test_steps_that_the_highest_mode_needs_are_paid_for() -> None:
     assert point(16, 0.1, step_seconds=2e-6).simulated_second > 1.5 * asked
 
 
-def test_times_are_those_of_steps_that_are_measured_now_whatever_a_store_says(monkeypatch) -> None:
-    """Nothing is measured of an engine that finds no steady state: it may not even be here."""
-    lost = Variant("mujoco")
-    measured: list[tuple[Variant, int]] = []
-
-    def cost(variant: Variant, lanes: int) -> StepCost:
-        measured.append((variant, lanes))
-        return StepCost(variant, lanes, advance=3e-6, run=5e-6, bare=1e-6)
-
-    monkeypatch.setattr("scenarios.studies.work_precision.step_cost", cost)
-    stored = [point(50, 0.8, step_seconds=7.0), point(400, 0.1, step_seconds=9.0)]
-    absent = point(50, math.nan, variant=lost, step_seconds=math.nan, certified=0)
-    *timed, untimed = timed_now([*stored, absent])
-    assert measured == [(REFERENCE, 1)]
-    assert [own.step_seconds for own in timed] == [3e-6, 3e-6]
-    assert math.isnan(untimed.simulated_second)
-    assert all(math.isnan(own.seconds) for own in timed), "the time of a search that a store may have"
-    table = full_table(WORK_COLUMNS, timed)
-    assert list(table["simulated_second_s"]) == [pytest.approx(3e-6 * n * drive_frequency()) for n in (50, 400)]
-    assert "steady_state_s" not in table
-
-
 def test_a_printed_row_is_error_times_time_of_its_point() -> None:
     own = point(400, 0.25, step_seconds=2e-3 / (400 * drive_frequency()))
     (row,) = text_table(PRINTED_COLUMNS, [own]).itertuples(index=False, name=None)
@@ -249,16 +222,3 @@ def test_points_that_are_missing_have_a_reason() -> None:
         "reference: not all of the six points are certified at 50, 200 steps a period",
         "mujoco: blocked: crashed",
     ]
-
-
-BALANCE = {"method": "harmonic balance", "seconds_per_point": 0.02, "failed": 0, "largest_error_db": 0.04}
-
-
-def test_steady_states_a_second_are_only_those_of_a_method_that_finds_all() -> None:
-    scheme = {"method": "scheme", "seconds_per_point": 1e-3, "failed": 1, "largest_error_db": 0.007}
-    text = document([point(400, 0.25)], [scheme, BALANCE], "multibody-xval run work-precision")
-    assert "| scheme | 1 | – | 0.007 | 5/6 |" in text
-    assert "| harmonic balance | 20 | 50 | 0.04 | 6/6 |" in text
-    assert "`multibody-xval run work-precision`" in text
-    assert balance_error([scheme, BALANCE]) == 0.04
-    assert math.isnan(balance_error([{**BALANCE, "failed": 1}]))

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
+from multibody_xval.scenarios.runs.parameters import ChainRatios
+from multibody_xval.scenarios.sweeps import adaptive_grid
+from multibody_xval.scenarios.sweeps.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
+from multibody_xval.scenarios.sweeps.refinement import resonances
 from reference_lcp import HarmonicBase, ParameterError, decibel, frictionless_transmittance
-from scenarios.runs.parameters import ChainRatios
-from scenarios.sweeps import adaptive_grid
-from scenarios.sweeps.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
-from scenarios.sweeps.refinement import resonances
 
 AXIS = AdaptiveAxis(first=0.3, last=1.6, accuracy_db=0.5)
 CLOSED_FORM_MULTIPLE = 1.5

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from reference_lcp import Chain, HarmonicBase, ParameterError, decibel, frictionless_transmittance
-from scenarios.sweeps.attenuation_band import (
+from multibody_xval.scenarios.sweeps.attenuation_band import (
     EDGE_RESOLUTION,
     BandDefinition,
     Edge,
@@ -13,6 +12,7 @@ from scenarios.sweeps.attenuation_band import (
     refined_crossings,
     unresolved,
 )
+from reference_lcp import Chain, HarmonicBase, ParameterError, decibel, frictionless_transmittance
 
 ETA = np.arange(0.0, 1.01, 0.1)
 BAND = BandDefinition()

@@ -5,14 +5,14 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.sweeps.attenuation_band import Crossing
-from scenarios.sweeps.edges import compare_edge
-from scenarios.sweeps.point import Point, tolerance
-from scenarios.sweeps.sweep import Case, GivenTolerance
-from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
-from scenarios.verdicts.steady_case import CONVERGED
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.attenuation_band import Crossing
+from multibody_xval.scenarios.sweeps.edges import compare_edge
+from multibody_xval.scenarios.sweeps.point import Point, tolerance
+from multibody_xval.scenarios.sweeps.sweep import Case, GivenTolerance
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED
 
 SLOPE, WIDTH = -100.0, 1e-5
 PLACE = 0.8

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from scenarios.sweeps.dataset import STATUSES
+from multibody_xval.scenarios.sweeps.dataset import STATUSES
 
 SWEEP = """
 engines = ["reference:joint", "faulty-crash:joint:tuned", "faulty-killed:joint:tuned", "faulty-sound:joint:tuned"]
@@ -38,7 +38,7 @@ def sweep(install, tmp_path: Path):
     """Run the sweep into CSV and NetCDF; gives what is printed, and the statuses in both files."""
     (tmp_path / "sweep.toml").write_text(SWEEP)
     site = install("mutations")
-    command = ["-m", "reports", "sweep", str(tmp_path / "sweep.toml"), "--store", str(tmp_path / "sweep.sqlite")]
+    command = ["-m", "multibody_xval", "sweep", str(tmp_path / "sweep.toml"), "--store", str(tmp_path / "sweep.sqlite")]
 
     def run(*options: str) -> tuple[str, Counter[tuple[str, str]], Counter[tuple[str, str]]]:
         out = tmp_path / "sweep.nc", tmp_path / "sweep.csv"
@@ -75,7 +75,7 @@ def test_statuses_in_files_are_those_printed_and_blocked_points_are_recalled(swe
     ("name", "reason"), [("raises", "RuntimeError: no solution"), ("nan", "the engine's position")]
 )
 def test_an_engine_that_always_fails_fails_the_run_and_is_named_in_the_last_lines(install, name, reason) -> None:
-    command = ["-m", "reports", "run", "unit-cell", "--workers", "1", "--engine", f"faulty-{name}"]
+    command = ["-m", "multibody_xval", "run", "unit-cell", "--workers", "1", "--engine", f"faulty-{name}"]
     *_, named, _, failing = install("mutations").run(*command, code=1).splitlines()
     assert named.startswith(f"unit-cell: faulty-{name} fails at 9 numbers of friction 0.6, η_r 0.9: {reason}")
     assert failing.startswith(f"unit-cell: faulty-{name}: 36 of 36 numbers")

@@ -6,20 +6,20 @@ import math
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.recorded import RecordedPeriod
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Recorded, Start, SteadyStateTask
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.checks import Check, _difference, check_models, check_starts
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep
-from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.dataset_reader import DatasetResults
-from scenarios.sweeps.point import Point, evaluated, judged
-from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.recorded import RecordedPeriod
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Recorded, Start, SteadyStateTask
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import Edge
+from multibody_xval.scenarios.sweeps.checks import Check, _difference, check_models, check_starts
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults
+from multibody_xval.scenarios.sweeps.point import Point, evaluated, judged
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator
 
 needs_pymunk = pytest.mark.needs("pymunk")
@@ -229,7 +229,7 @@ def test_a_point_with_nothing_to_compare_is_asked_nothing_more(running, status) 
 
 @needs_mujoco
 def test_a_point_that_the_law_does_not_claim_is_asked_of_the_engine(running, monkeypatch) -> None:
-    monkeypatch.setattr("scenarios.sweeps.point.unclaimed_reason", lambda *_: "it says nothing of it")
+    monkeypatch.setattr("multibody_xval.scenarios.sweeps.point.unclaimed_reason", lambda *_: "it says nothing of it")
     places = list(POINTS.grid_points())
     _, checks = check_models(POINTS, places, spoilt := Spoilt(running), 1)
     assert checks == ()

@@ -5,17 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep
-from scenarios.sweeps.edges import BandEdge
-from scenarios.sweeps.refinement import EDGE_RESIDUAL, decided_db
-from scenarios.sweeps.sweep import GivenTolerance
-from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from multibody_xval.scenarios.sweeps.edges import BandEdge
+from multibody_xval.scenarios.sweeps.refinement import EDGE_RESIDUAL, decided_db
+from multibody_xval.scenarios.sweeps.sweep import GivenTolerance
+from multibody_xval.scenarios.verdicts.finding import Verdict
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator, misread_the_chain
 
 TWIN = Variant("mujoco")

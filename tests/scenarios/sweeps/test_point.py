@@ -5,12 +5,12 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.sweeps.point import UNBOUNDED, Point, point_findings
-from scenarios.sweeps.sweep import Case, GivenTolerance, baseline, refinements
-from scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Comparison, Finding, Verdict
-from scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN, CONVERGED, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.sweeps.point import UNBOUNDED, Point, point_findings
+from multibody_xval.scenarios.sweeps.sweep import Case, GivenTolerance, baseline, refinements
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB, PHASE, TRANSMITTANCE, Comparison, Finding, Verdict
+from multibody_xval.scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN, CONVERGED, REFERENCE
 
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
 

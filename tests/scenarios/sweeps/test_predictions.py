@@ -5,21 +5,21 @@ from collections.abc import Iterator
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.evaluator import StoredResults
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore, opened_store
-from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import Crossing, Edge
-from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
-from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.dataset_reader import DatasetResults
-from scenarios.sweeps.edges import BandEdge, RefinedEdges
-from scenarios.sweeps.predictions import _predicted_edge
-from scenarios.sweeps.sweep import GivenTolerance, Sweep
-from scenarios.verdicts.finding import Comparison, Finding, Verdict, failures, unmodelled
-from scenarios.verdicts.prediction import LawPeriod
-from scenarios.verdicts.steady_case import REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.evaluator import StoredResults
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore, opened_store
+from multibody_xval.scenarios.studies.figure3 import figure3
+from multibody_xval.scenarios.sweeps.attenuation_band import Crossing, Edge
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
+from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
+from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults
+from multibody_xval.scenarios.sweeps.edges import BandEdge, RefinedEdges
+from multibody_xval.scenarios.sweeps.predictions import _predicted_edge
+from multibody_xval.scenarios.sweeps.sweep import GivenTolerance, Sweep
+from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Verdict, failures, unmodelled
+from multibody_xval.scenarios.verdicts.prediction import LawPeriod
+from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import be_late, evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")

@@ -14,20 +14,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.runs.evaluator import Evaluator
+from multibody_xval.scenarios.runs.local_processes import LocalExecutor
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.sweeps.dataset import STATUSES, sweep_dataset, write_dataset
+from multibody_xval.scenarios.sweeps.run import run_sweep, stored_points
+from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE, read_sweep
+from multibody_xval.scenarios.sweeps.sweep import Sweep
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.errors import ParameterError
 from reference_lcp.one_call import steady_state
 from reference_lcp.process import run_command
-from reports.cli.console_script import app
-from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.store import ResultStore
-from scenarios.sweeps.dataset import STATUSES, sweep_dataset, write_dataset
-from scenarios.sweeps.run import run_sweep, stored_points
-from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
-from scenarios.sweeps.sweep import Sweep
 
 SMALL = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -154,7 +154,11 @@ cells = 10
 
 def workers_of(client: int) -> list[int]:
     children = Path(f"/proc/{client}/task/{client}/children").read_text().split()
-    return [int(one) for one in children if "scenarios.runs.worker" in Path(f"/proc/{one}/cmdline").read_text()]
+    return [
+        int(one)
+        for one in children
+        if "multibody_xval.scenarios.runs.worker" in Path(f"/proc/{one}/cmdline").read_text()
+    ]
 
 
 START_LIMIT = 180.0
@@ -197,7 +201,7 @@ def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
     """Kill the client, or one of its workers too, further and further on; compare the end with an undisturbed sweep."""
     file, store = folder / "many.toml", folder / "many.sqlite"
     file.write_text(MANY.format(rows=rows))
-    command = [sys.executable, "-m", "reports", "sweep", str(file), "--store", str(store)]
+    command = [sys.executable, "-m", "multibody_xval", "sweep", str(file), "--store", str(store)]
     points = 20 * rows
     for kill in range(kills):
         kept_before = kept_in(store)

@@ -6,14 +6,14 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.runs.result import Result
-from scenarios.runs.steady import run_steady_states
-from scenarios.runs.task import SteadyStateTask
-from scenarios.sweeps.point import Point
-from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.truths import WRONG_DB, ErrorClass, error_class, truth_error, truth_of
-from scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.steady import run_steady_states
+from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.sweeps.point import Point
+from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.sweeps.truths import WRONG_DB, ErrorClass, error_class, truth_error, truth_of
+from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
 
 ENGINE = Variant("exudyn-bristle")
 """Has an integrator of its own, and so a verdict against the converged reference."""

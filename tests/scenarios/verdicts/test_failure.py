@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
-from engines.interface.variant import Variant
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.runs.result import RESOLVED_DB, Result
-from scenarios.verdicts.finding import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.runs.result import RESOLVED_DB, Result
+from multibody_xval.scenarios.verdicts.finding import (
     TRANSMITTANCE,
     Comparison,
     Finding,
@@ -18,9 +18,9 @@ from scenarios.verdicts.finding import (
     silent,
     unmodelled,
 )
-from scenarios.verdicts.judge import missing
-from scenarios.verdicts.prediction import LawPeriod, with_predictions
-from scenarios.verdicts.steady_case import is_resolved
+from multibody_xval.scenarios.verdicts.judge import missing
+from multibody_xval.scenarios.verdicts.prediction import LawPeriod, with_predictions
+from multibody_xval.scenarios.verdicts.steady_case import is_resolved
 from tests.scenarios.conftest import WRONG, InProcess
 
 OWN_SCHEME = Variant("drake")

@@ -5,12 +5,11 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp.chain.linear_response import frictionless_response
-from scenarios.catalogue.registry import CATALOGUE
-from scenarios.catalogue.steady.base import SAME_STEP
-from scenarios.runs.result import Result
-from scenarios.verdicts.finding import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.steady.base import SAME_STEP
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.finding import (
     FLOOR_DB,
     PHASE,
     TRANSMITTANCE,
@@ -19,6 +18,7 @@ from scenarios.verdicts.finding import (
     amplitude_in_degrees,
     phase_reader,
 )
+from reference_lcp.chain.linear_response import frictionless_response
 from tests.scenarios.conftest import WRONG, InProcess
 
 SCENARIO = CATALOGUE["frictionless-limit"]

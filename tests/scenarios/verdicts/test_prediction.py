@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import pytest
 
-from engines.interface.registry import law_of
-from engines.interface.tolerances import STEPS
-from engines.interface.variant import Variant
-from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.steady.unit_cell import UnitCell
-from scenarios.runs.result import Result
-from scenarios.runs.store import opened_store
-from scenarios.runs.task import Recorded, SteadyStateTask
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Prediction, Verdict
-from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
+from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.catalogue.base import run_with_predictions
+from multibody_xval.scenarios.catalogue.steady.unit_cell import UnitCell
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
+from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Prediction, Verdict
+from multibody_xval.scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 from tests.scenarios.in_process import evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
@@ -91,7 +91,7 @@ def test_a_distance_that_the_law_allows_leaves_a_number_what_it_makes_in_many_pe
 
 @pytest.mark.parametrize(("text", "growth"), [("rapier:contact:default", 2.0), ("mujoco:joint:default", 1.0)])
 def test_roundings_of_four_times_the_steps_add_up_to_twice_as_much_where_each_rounds_by_the_same(text, growth) -> None:
-    variant = Variant.recorded(text)
+    variant = Variant.parse(text)
     ended = Result(status="finished", series={"distance": (1e-5,), "reference": (1.0,)})
     coarse, fine = (
         LawPeriod.of(

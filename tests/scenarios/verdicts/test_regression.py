@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.runs.transient_task import Block, BlockTask
+from multibody_xval.scenarios.verdicts.regression import NOT_COMPARED, Change, TruthDirection, change, compare_stores
+from multibody_xval.scenarios.verdicts.stored import StoredResult, StoredTruth
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.errors import ParameterError
-from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
-from scenarios.runs.transient_task import Block, BlockTask
-from scenarios.verdicts.regression import NOT_COMPARED, Change, TruthDirection, change, compare_stores
-from scenarios.verdicts.stored import StoredResult, StoredTruth
-from scenarios.verdicts.thresholds import Thresholds
 
 STEADY = Result(
     status="converged", transmittance_db=-5.0, residual=1e-9, periods=30, steps_per_period=400, period=1.0,

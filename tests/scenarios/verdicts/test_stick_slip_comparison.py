@@ -5,12 +5,11 @@ import math
 
 import pytest
 
-from engines.interface.variant import Variant
-from reference_lcp.observables.stick_slip import MATCHING_WINDOW
-from scenarios.runs.result import Result
-from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
-from scenarios.verdicts.stick_slip_comparison import (
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.finding import Verdict
+from multibody_xval.scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
+from multibody_xval.scenarios.verdicts.stick_slip_comparison import (
     CREEP_VELOCITY,
     LARGEST_TIME,
     MEDIAN_TIME,
@@ -21,6 +20,7 @@ from scenarios.verdicts.stick_slip_comparison import (
     as_resolved,
     stick_slip_findings,
 )
+from reference_lcp.observables.stick_slip import MATCHING_WINDOW
 
 TRANSITIONS = ((1, 0.1, "stick"), (1, 0.3, "forward slip"), (1, 0.6, "stick"), (1, 0.8, "backward slip"))
 SHORT = ((1, 0.45, "stick"), (1, 0.455, "forward slip"))

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from scenarios.runs.result import Result
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Comparison, Metric, Tolerance, Verdict
-from scenarios.verdicts.judge import Steps, decide, judge, metric_difference, missing
+from multibody_xval.scenarios.runs.result import Result
+from multibody_xval.scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Comparison, Metric, Tolerance, Verdict
+from multibody_xval.scenarios.verdicts.judge import Steps, decide, judge, metric_difference, missing
 
 NUMBER = Metric("number", "dB", "made up")
 

@@ -1,1 +1,0 @@
-"""Cards: what a maintainer would quote of one engine."""

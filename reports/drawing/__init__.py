@@ -1,1 +1,0 @@
-"""How any figure is drawn: its parts as data, its style, on the page, in print, and what is drawn already."""

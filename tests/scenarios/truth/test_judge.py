@@ -1,0 +1,132 @@
+"""A motion that any program wrote: judged beside the exact one, or refused with what is wrong."""
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+
+from multibody_xval.scenarios.truth import judged, problem_named, problems, read_motion
+from reference_lcp.errors import ParameterError
+from reference_lcp.lcp.systems import simulate_system
+
+
+@cache
+def moved(name, refined, friction):
+    """Simulate a problem with the symplectic Euler scheme, in `refined` times as many steps."""
+    problem = problem_named(name)
+    pressed = [force * friction for force in problem.contact_normal_force]
+    step = problem.time_step / refined
+    return simulate_system(
+        problem.model_copy(update={"contact_normal_force": pressed}).system,
+        position=problem.start_position,
+        velocity=problem.start_velocity,
+        time_step=step,
+        steps=round(problem.times[-1] / step),
+    )
+
+
+def written(folder, problem, *, refined=1, scale=1.0, velocities=True, friction=1.0):
+    """Write the motion that `moved` gives, in units of `scale`."""
+    motion = moved(problem.name, refined, friction)
+    bodies = range(len(problem.masses))
+    names = ["time", *(f"x{body}" for body in bodies), *(f"v{body}" for body in bodies if velocities)]
+    columns = [motion.time[:, None], scale * motion.positions, *([scale * motion.velocities] if velocities else [])]
+    file = folder / "motion.csv"
+    np.savetxt(file, np.hstack(columns), delimiter=",", header=",".join(names), comments="")
+    return file
+
+
+def passes(problem, file, time_step=None):
+    return all(one.passes for one in judged(problem, read_motion(file, problem), time_step))
+
+
+def test_a_scheme_of_first_order_passes_with_its_own_step(tmp_path):
+    problem = problem_named("cell-let-go")
+    found = judged(problem, read_motion(written(tmp_path, problem), problem))
+    assert [one.quantity for one in found] == ["position", "velocity"]
+    assert all(one.passes for one in found)
+    file = written(tmp_path, problem, refined=4, velocities=False)
+    (alone,) = judged(problem, read_motion(file, problem), problem.time_step / 4)
+    assert alone.passes
+    assert alone.allowed < found[0].allowed
+
+
+def test_a_coarse_step_does_not_pass_as_a_fine_one(tmp_path):
+    problem = problem_named("cell-let-go")
+    file = written(tmp_path, problem)
+    assert not passes(problem, file, problem.time_step / 10)
+
+
+@pytest.mark.parametrize("name", ["block-stops", "pushed-up-a-slope", "chain-steady-0.6-0.7"])
+def test_a_tenth_less_friction_fails(name, tmp_path):
+    problem = problem_named(name)
+    assert passes(problem, written(tmp_path, problem))
+    assert not passes(problem, written(tmp_path, problem, friction=0.9))
+
+
+def test_a_held_block_that_creeps_fails(tmp_path):
+    problem = problem_named("block-held")
+    file = tmp_path / "motion.csv"
+    lines = [f"{time},{1e-9 * time}" for time in problem.times]
+    file.write_text("\n".join(["time,x0", *lines]))
+    (found,) = judged(problem, read_motion(file, problem))
+    assert not found.passes
+    assert (found.body, found.time) == (0, 1.0)
+
+
+def test_rows_between_the_times_and_columns_of_others_do_not_matter(tmp_path):
+    problem = problem_named("block-held")
+    file = tmp_path / "motion.csv"
+    rows = [f"0,{time}" for time in sorted([0.0, 0.05, 0.33, *problem.times])]
+    file.write_text("\n".join(["x0 , time", *rows]))
+    assert passes(problem, file)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", r"columns of .*motion.csv = '' lack time; allowed: 'time, x0'"),
+        ("time,x1\n0,0\n1,0", r"lack x0; allowed: 'time, x0'"),
+        ("time,x0\n0.1,nan", r"line 2 of motion.csv = '0.1,nan'; allowed: a finite number a column"),
+        ("time,x0\n0.1,0\n0.2", r"line 3 of motion.csv = '0.2'"),
+        ("time,x0\n0.1,much", r"line 2 of motion.csv"),
+        ("time,x0\n0.1,0", r"1 that do not rise; allowed: two or more"),
+        ("time,x0\n0.2,0\n0.1,0", r"2 that do not rise"),
+        (
+            "time,x0\n0.1,0\n0.2,0",
+            r"no row at 0.3 s, but 2 from 0.1 to 0.2 s; allowed: one at each of the problem's 10",
+        ),
+    ],
+)
+def test_a_file_that_says_something_else_is_refused(text, message, tmp_path):
+    file = tmp_path / "motion.csv"
+    file.write_text(text)
+    problem = problem_named("block-held")
+    with pytest.raises(ParameterError, match=message):
+        judged(problem, read_motion(file, problem))
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1e3, "mm"), (1e2, "cm"), (1e-3, "km")])
+@pytest.mark.parametrize("name", ["block-stops", "cell-let-go"])
+def test_other_units_are_named(name, scale, unit, tmp_path):
+    problem = problem_named(name)
+    motion = read_motion(written(tmp_path, problem, scale=scale), problem)
+    with pytest.raises(
+        ParameterError, match=f"{re.escape(f'{scale:g}')} times the exact ones, as if in {unit}; allowed: m"
+    ):
+        judged(problem, motion)
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
+def test_a_step_that_is_none_is_refused(step, tmp_path):
+    problem = problem_named("block-held")
+    motion = read_motion(written(tmp_path, problem), problem)
+    with pytest.raises(ParameterError, match=r"time_step = .*> 0"):
+        judged(problem, motion, step)
+
+
+def test_an_unknown_problem_is_refused_with_the_one_that_is_most_like_it():
+    with pytest.raises(ParameterError, match=r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"):
+        problem_named("block-stop")
+    assert problem_named("block-stops") is problems()["block-stops"]

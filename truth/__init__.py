@@ -1,6 +1,0 @@
-"""Truth as data: benchmark problems of dry friction with their exact motion, for tests in any language."""
-
-from truth.judge import Judgement, Motion, judged, read_motion
-from truth.problem import Problem, problem_named, problems
-
-__all__ = ["Judgement", "Motion", "Problem", "judged", "problem_named", "problems", "read_motion"]
