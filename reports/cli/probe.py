@@ -27,7 +27,9 @@ def probe(
     model: Annotated[Path, typer.Argument(metavar="MODEL", help="MJCF, or URDF as MuJoCo reads it.")],
     time: Annotated[float, typer.Option(help="How long the model is watched, in seconds.")] = 2.0,
     settling: Annotated[float, typer.Option(help="How long the model is left alone before, in seconds.")] = 1.0,
-    keyframe: Annotated[str | None, typer.Option(help="Where the model starts; by default its first, or 'none'.")] = None,
+    keyframe: Annotated[
+        str | None, typer.Option(help="Where the model starts; by default its first, or 'none'.")
+    ] = None,
     ctrl: Annotated[Path | None, typer.Option(help="CSV file that drives the model: time and all controls.")] = None,
     floor: Annotated[bool, typer.Option("--floor", help="Put a floor below the model.")] = False,
     free: Annotated[bool, typer.Option("--free", help="Let the base of a URDF move.")] = False,
@@ -37,7 +39,7 @@ def probe(
 
     Watched is what friction should hold: pairs of geoms and joints whose friction stays below its bound in one of the
     runs. The model starts at its first keyframe, with the controls of that; without one at its own pose, with controls
-    at zero. Each row of --ctrl, with the time since the start in seconds, holds until the next one. Bodies do not sleep.
+    at zero. Each row of --ctrl, with the time since the start in seconds, holds until the next one. Nothing sleeps.
     Creep is the mean slip velocity of the fastest point; the cost of a step is one over that of the model as it is. A
     joint that moves at the start is watched until friction has stopped it. The file is never changed. Other engines
     have no such probe.
@@ -69,17 +71,14 @@ def _print_tables(found: Probe) -> None:
         print(textwrap.fill(visible(note), 80))
     first, *_, last = found.costs
     units = dict.fromkeys(held.unit for held in found.held)
-    names = [stop.name for stop in found.stops]
-    rows = [
-        (
-            line, *(_number(_worst(found, line, unit)) for unit in units),
-            *(_seconds(stop.times[line]) for stop in found.stops), f"×{cost:.2f}" if math.isfinite(cost) else "explodes",
-        )
-        for line, cost in found.costs.items()
-    ]  # fmt: skip
+    rows = []
+    for line, cost in found.costs.items():
+        creeps = (_number(_worst(found, line, unit)) for unit in units)
+        times = (_seconds(stop.times[line]) for stop in found.stops)
+        rows.append((line, *creeps, *times, f"×{cost:.2f}" if math.isfinite(cost) else "explodes"))
     if found.stops:
         rows.append(("exact", *("" for _ in units), *(_seconds(stop.exact) for stop in found.stops), ""))
-    stops = (f"{name} stops after" for name in names)
+    stops = (f"{stop.name} stops after" for stop in found.stops)
     print_table(("model", *(f"largest creep, {unit}" for unit in units), *stops, "cost of a step"), rows)
     if found.held:
         columns = ("what should hold", "load", "unit", first, "law", last, "law")
@@ -115,14 +114,15 @@ def _finding(found: Probe) -> str:
     first, *_, last = found.costs
     if found.held:
         units = dict.fromkeys(held.unit for held in found.held)
-        pairs = (" → ".join(_number(_worst(found, line, unit)) for line in (first, last)) + f" {unit}" for unit in units)
+        numbers = ([_number(_worst(found, line, unit)) for line in (first, last)] for unit in units)
+        pairs = (f"{' → '.join(own)} {unit}" for unit, own in zip(units, numbers, strict=True))
         return f"Largest creep, {first} → {last}: {'; '.join(pairs)}."
     if found.stops:
         stop = max(found.stops, key=lambda each: each.times[first])
         known = "" if math.isnan(stop.exact) else f"; exact: {_seconds(stop.exact)}"
-        best = min(stop.times, key=lambda line: abs(stop.times[line] - (0 if math.isnan(stop.exact) else stop.exact)))
-        times = ", ".join(f"{_seconds(stop.times[line])} ({line})" for line in dict.fromkeys((first, last, best)))
-        return f"Friction stops {stop.name} after {times}{known}."
+        return (
+            f"{stop.name} stops after {_seconds(stop.times[first])}, {_seconds(stop.times[last])} with {last}{known}."
+        )
     return "Nothing was tested: nothing loads the friction of this model."
 
 

@@ -41,7 +41,7 @@ class Creep:
     name: str
     unit: str
     load: float
-    """Largest part of the bound, in the first line in which it is held."""
+    """Largest part of the bound, in the first line in which it is loaded and held."""
     creep: Mapping[str, float]
     """By line; infinite where it slides, NaN where it lost touch, or the model exploded."""
     law: Mapping[str, float]
@@ -116,13 +116,15 @@ def probe(
         own = loaded(path, floor, free)
         step = own.model.opt.timestep
         before, steps = round(settling / step), checked_count("steps", round(time / step))
-        start = started(own, keyframe, ctrl, (before + steps) * step)
+        start = started(own, keyframe, ctrl, (before + steps - 1.5) * step)
         models = {line: with_options(own.model, each) for line, each in recipe_lines(presets, own.model).items()}
         state = start.data(own.model)
         skipped = friction.not_judged(own.model, state, own.own_base)
         tenth = max(round(0.1 / step), 1)
         with counted("tenths of a simulated second", len(models) * ((before + steps) // tenth)) as advance:
-            runs = {line: _run(model, start, skipped, (before, steps, tenth), advance) for line, model in models.items()}
+            runs = {
+                line: _run(model, start, skipped, (before, steps, tenth), advance) for line, model in models.items()
+            }
         result = _result(models, runs, min(steps, WATCHED), (own, start, state, skipped))
         _check(path, runs[AS_IT_IS], result, skipped, settling)
         return result
@@ -209,12 +211,13 @@ def _result(
 
 
 def _overlaps(model: Any, skipped: NotJudged) -> Iterator[str]:
-    """Say which bodies overlap at the start."""
-    for pair, depth in sorted(skipped.overlaps.items(), key=lambda each: -each[1]):
-        first, second = (friction.element_name(model, "geom", geom) for geom in sorted(pair))
-        yield f"Bodies overlap by {1e3 * depth:.3g} mm at the start: {first} / {second}. They are not judged."
-    if skipped.dofs:
-        yield "Nor are the joints between them."
+    """Say which bodies overlap most at the start."""
+    if skipped.overlaps:
+        pair = max(skipped.overlaps, key=lambda each: skipped.overlaps[each])
+        names = " / ".join(friction.element_name(model, "geom", geom) for geom in sorted(pair))
+        more = f" and {len(skipped.overlaps) - 1} more" if len(skipped.overlaps) > 1 else ""
+        yield f"Bodies overlap by {1e3 * skipped.overlaps[pair]:.3g} mm at the start: {names}{more}."
+        yield "They are not judged, nor are the joints between them."
 
 
 def _stops(model: Any, state: Any, runs: Mapping[str, _Run]) -> Iterator[Stop]:
@@ -226,11 +229,14 @@ def _stops(model: Any, state: Any, runs: Mapping[str, _Run]) -> Iterator[Stop]:
         yield Stop(friction.friction_name(model, "dof", dof)[0], stops.exact_time(model, state, dof), times)
 
 
-def _held(models: Mapping[str, Any], whole: Mapping[str, Mapping[str, Motion]], names: Sequence[str]) -> Iterator[Creep]:
+def _held(
+    models: Mapping[str, Any], whole: Mapping[str, Mapping[str, Motion]], names: Sequence[str]
+) -> Iterator[Creep]:
     """Give what is held in a line or more, with its creep in all."""
     for name in names:
         own = {line: motions[name] for line, motions in whole.items() if name in motions}
-        first = next((motion for motion in own.values() if motion.held), None)
+        held = sorted((motion for motion in own.values() if motion.held), key=lambda motion: not motion.loaded)
+        first = next(iter(held), None)
         if first is not None:
             laws = {line: friction.law(models[line], motion) for line, motion in own.items()}
             creep = {line: _creep(own.get(line)) for line in whole}

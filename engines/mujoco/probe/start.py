@@ -64,7 +64,7 @@ def started(loaded: Loaded, keyframe: str | None, ctrl: Path | None, until: floa
     if ctrl is not None:
         notes.append(f"Controls: {ctrl.name}; each row holds until the time of the next one.")
         if times[-1] < until:
-            notes.append(f"The last row, at {times[-1]:g} s, holds until the end at {until:g} s.")
+            notes.append(f"The last row, at {times[-1]:g} s, holds until the end.")
     elif hold:
         notes.append("The keyframe names no controls: position actuators hold its pose.")
     elif loaded.model.nu:
@@ -104,7 +104,9 @@ def _rows(file: Path, model: Any) -> Iterator[list[float]]:
                 continue
             where = f"ctrl = {shown(file.name)}, line {number}:"
             if len(texts) != 1 + model.nu:
-                raise ParameterError(f"{where} {len(texts)} columns; allowed: {1 + model.nu}, time and {model.nu} controls")
+                raise ParameterError(
+                    f"{where} {len(texts)} columns; allowed: {1 + model.nu}, time and {model.nu} controls"
+                )
             for text in texts:
                 if not _is_number(text) or not np.isfinite(float(text)):
                     raise ParameterError(f"{where} {shown(text)} is no finite number; allowed: finite")
