@@ -126,7 +126,7 @@ def probe(
                 line: _run(model, start, skipped, (before, steps, tenth), advance) for line, model in models.items()
             }
         result = _result(models, runs, min(steps, WATCHED), (own, start, state, skipped))
-        _check(path, runs[AS_IT_IS], result, skipped, settling)
+        _check(path, runs[AS_IT_IS], result, (skipped, settling, own.notes))
         return result
 
 
@@ -248,8 +248,9 @@ def _creep(motion: Motion | None) -> float:
     return math.nan if motion is None else motion.creep if motion.creep < RESTING else math.inf
 
 
-def _check(path: Path, installed: _Run, found: Probe, skipped: NotJudged, settling: float) -> None:
+def _check(path: Path, installed: _Run, found: Probe, begin: tuple[NotJudged, float, Sequence[str]]) -> None:
     """Refuse a model in which there is nothing to measure."""
+    skipped, settling, notes = begin
     problem = None
     if not math.isnan(installed.exploded):
         problem = f"explodes after {installed.exploded:.3g} s; allowed: one that MuJoCo simulates as it is"
@@ -258,7 +259,7 @@ def _check(path: Path, installed: _Run, found: Probe, skipped: NotJudged, settli
     elif not (found.held or found.not_loaded or found.stops or skipped.overlaps):
         problem = f"does not rest after {settling:g} s: all that rubs slides; allowed: a longer --settling, or another"
     if problem is not None:
-        raise ParameterError(f"MODEL = {shown(path.name)} {problem}")
+        raise ParameterError(" ".join([f"MODEL = {shown(path.name)} {problem}", *(f"({note})" for note in notes)]))
 
 
 def _costs(models: Mapping[str, Any], runs: Mapping[str, _Run]) -> dict[str, float]:

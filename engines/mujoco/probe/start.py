@@ -39,10 +39,7 @@ class Start:
             data.time = 0.0
         mujoco.mj_forward(model, data)
         if self.hold:
-            holding = (model.actuator_biasprm[:, 1] < 0) & (
-                model.actuator_gainprm[:, 0] == -model.actuator_biasprm[:, 1]
-            )
-            data.ctrl[holding] = data.actuator_length[holding]
+            _hold(model, data)
         return data
 
     def drive(self, model: Any, data: Any) -> None:
@@ -50,6 +47,17 @@ class Start:
         if len(self.times):
             row = np.searchsorted(self.times, data.time + 1e-6 * model.opt.timestep, side="right") - 1
             data.ctrl[:] = self.controls[max(row, 0)]
+
+
+def _hold(model: Any, data: Any) -> None:
+    """Let actuators that are servos of position want the position that they have."""
+    import mujoco
+
+    servos = (model.actuator_biasprm[:, 1] < 0) & (model.actuator_gainprm[:, 0] == -model.actuator_biasprm[:, 1])
+    wanted = servos & (model.actuator_dyntype != mujoco.mjtDyn.mjDYN_INTEGRATOR)  # of which the control is a velocity
+    data.ctrl[wanted] = data.actuator_length[wanted]
+    kept = servos & (model.actuator_actadr >= 0)
+    data.act[model.actuator_actadr[kept]] = data.actuator_length[kept]
 
 
 def started(loaded: Loaded, keyframe: str | None, ctrl: Path | None, until: float) -> Start:

@@ -177,6 +177,16 @@ def test_urdf_is_welded_without_a_floor_and_rolls_on_one_where_it_is_free(capsys
     assert "--free" not in " ".join(found["notes"])
 
 
+def test_robot_without_friction_is_refused_with_what_a_urdf_lacks(capsys, tmp_path) -> None:
+    file = tmp_path / "cart.urdf"
+    file.write_text((MODELS / "cart.urdf").read_text().replace('<dynamics friction="0.2"/>', ""))
+    assert run_command(app, [str(file), "--time", "0.1"]) == 2
+    printed = capsys.readouterr().err
+    assert "has no friction that acts" in printed
+    assert "--free" in printed
+    assert "--floor" in printed
+
+
 def test_contact_of_a_robot_with_its_own_base_is_not_judged(capsys, tmp_path) -> None:
     file = tmp_path / "cart.urdf"
     file.write_text((MODELS / "cart.urdf").read_text().replace("0 .18 -.02", "0 .165 -.02"))
