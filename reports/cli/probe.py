@@ -123,7 +123,7 @@ def _finding(found: Probe) -> str:
         return (
             f"{stop.name} stops after {_seconds(stop.times[first])}, {_seconds(stop.times[last])} with {last}{known}."
         )
-    return "Nothing was tested: nothing loads the friction of this model."
+    return "Nothing was tested; the lines above say why."
 
 
 def _number(value: float | None) -> str:
