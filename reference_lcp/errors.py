@@ -83,3 +83,5 @@ class ExitCode(IntEnum):
     """A fault of the suite itself; the line names a file with the details, which belong into a report of it."""
     INTERRUPTED = 130
     """It was stopped by Ctrl-C; shells use this number too."""
+    READER_GONE = 141
+    """What read its output has closed it, as ``head`` does; shells use this number too."""

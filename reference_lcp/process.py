@@ -201,6 +201,8 @@ def _exit_code(app: "typer.Typer", arguments: list[str]) -> int:
             result = typer.main.get_command(app).main(arguments, prog_name=app.info.name, standalone_mode=False)
     except typer.Abort:
         return ExitCode.INTERRUPTED
+    except _ReaderGoneError:
+        return ExitCode.READER_GONE
     except usage_error as problem:
         _print_error(_message(problem, arguments))
     except ParameterError as problem:
@@ -211,6 +213,10 @@ def _exit_code(app: "typer.Typer", arguments: list[str]) -> int:
     else:
         return result if isinstance(result, int) else ExitCode.DONE
     return ExitCode.WRONG_INPUT
+
+
+class _ReaderGoneError(Exception):
+    """What reads the output of a command has closed it, as ``head`` does."""
 
 
 @contextmanager
@@ -224,8 +230,9 @@ def _standard_output() -> Iterator[None]:
         if not of_click or getattr(problem, "filename", None) is not None:
             raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
-        reason = getattr(problem, "strerror", "closed pipe")
-        raise RunError(f"standard output cannot be written: {reason}") from None
+        if isinstance(problem, SystemExit | BrokenPipeError):
+            raise _ReaderGoneError from None
+        raise RunError(f"standard output cannot be written: {problem.strerror}") from None
 
 
 def _raised_by_typer(problem: BaseException) -> bool:

@@ -1,5 +1,6 @@
 """Exit codes of commands: what is wrong is one line, before any work."""
 
+import os
 import re
 import subprocess
 import sys
@@ -73,6 +74,16 @@ def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monke
     monkeypatch.setattr("multibody_xval.reports.cli.run.print_catalogue", fail)
     assert code_of("run") == code
     assert re.fullmatch("error: .+\n", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("command", ["engines", "--help", "example"])
+def test_a_reader_that_has_enough_ends_a_command_silently(command: str) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    words = [sys.executable, "-m", "multibody_xval", command]
+    done = subprocess.run(words, cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (ExitCode.READER_GONE, "")
 
 
 def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:

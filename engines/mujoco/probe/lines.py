@@ -1,0 +1,73 @@
+"""Lines of the recipe that a model is run with, one by one and all together."""
+
+import copy
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.interface.scene import SceneSetting
+from multibody_xval.engines.mujoco.scene import JOINT_ATTRIBUTES, written
+
+AS_IT_IS, ALL = "as it is", "all"
+"""Names of the model without the recipe, and with all lines of it."""
+
+ENUMERATIONS = {"cone": "mjtCone.mjCONE_", "solver": "mjtSolver.mjSOL_", "integrator": "mjtIntegrator.mjINT_"}
+"""Of options that are words."""
+
+TOLERANCE = 1e-14
+"""Of the solver: with MuJoCo's own 1e-8 a load that swings makes the recipe drift."""
+
+ITERATIONS = {"iterations": 100, "ls_iterations": 50}
+"""MuJoCo's own; impratio needs them."""
+
+Recipe = Mapping[str, tuple[tuple[str, Any], ...]]
+"""Options and values by line: none as it is, each alone, all."""
+
+
+def recommended(presets: Mapping[Formulation, Mapping[str, Preset]]) -> list[Preset]:
+    """Give the presets that a recipe is made of, contacts first."""
+    return [presets[formulation]["recommended"] for formulation in (Formulation.CONTACT, Formulation.JOINT)]
+
+
+def recipe_lines(presets: Sequence[Preset], model: Any) -> Recipe:
+    """Give the lines of a recipe for a model, named as they are written in MJCF."""
+    lines: dict[str, tuple[tuple[str, Any], ...]] = {}
+    for preset in presets:
+        setting = SceneSetting(preset, model.opt.timestep)
+        for name in preset.options:
+            value = setting.changed(name)
+            if value is not None:
+                lines[f'{JOINT_ATTRIBUTES.get(name, name)}="{written(setting, name)}"'] = ((name, value),)
+    lines.update(_of_solver(model.opt))
+    return {AS_IT_IS: (), **lines, ALL: tuple(each for line in lines.values() for each in line)}
+
+
+def _of_solver(option: Any) -> dict[str, tuple[tuple[str, Any], ...]]:
+    """Give the lines with which a model's solver converges, and has no sweep without softness after it."""
+    lines: dict[str, tuple[tuple[str, Any], ...]] = {}
+    if option.tolerance > TOLERANCE:
+        lines[f'tolerance="{TOLERANCE:g}"'] = (("tolerance", TOLERANCE),)
+    few = {name: count for name, count in ITERATIONS.items() if getattr(option, name) < count}
+    if few:
+        lines[" ".join(f'{name}="{count}"' for name, count in few.items())] = tuple(few.items())
+    if option.noslip_iterations > 0:
+        lines['noslip_iterations="0"'] = (("noslip_iterations", 0),)
+    return lines
+
+
+def with_options(model: Any, options: Sequence[tuple[str, Any]]) -> Any:
+    """Give a copy of a model with options as the recipe says it in Python."""
+    import mujoco
+
+    changed = copy.copy(model)
+    for name, value in options:
+        if name == "solref_friction":
+            changed.dof_solref[:], changed.tendon_solref_fri[:] = value, value
+        elif name == "solimp_friction":
+            changed.dof_solimp[:, :2], changed.tendon_solimp_fri[:, :2] = value, value
+        elif name in ENUMERATIONS:
+            kind, _, prefix = ENUMERATIONS[name].partition(".")
+            setattr(changed.opt, name, getattr(getattr(mujoco, kind), f"{prefix}{value.upper()}"))
+        else:
+            setattr(changed.opt, name, value)
+    return changed
