@@ -2,7 +2,7 @@
 
 import difflib
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from pathlib import Path
 
@@ -53,11 +53,12 @@ def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
     return checked
 
 
-def checked_choice(name: str, value: str, allowed: Sequence[str]) -> str:
-    """Give `value` if it is one of `allowed`, or raise `ParameterError` with the choices."""
-    if value not in allowed:
-        raise ParameterError(f"{name} = {shown(value)} is unknown; {choices(value, allowed)}")
-    return value
+def checked_choice(name: str, value: str, allowed: Sequence[str], instead: Mapping[str, str] | None = None) -> str:
+    """Give `value` if it is one of `allowed`; else raise `ParameterError` with these, and with what to use instead."""
+    if value in allowed:
+        return value
+    known = f"allowed: {', '.join(allowed)}; instead: {instead[value]}" if instead and value in instead else None
+    raise ParameterError(f"{name} = {shown(value)} is unknown; {known or choices(value, allowed)}")
 
 
 def choices(value: object, allowed: Sequence[str]) -> str:

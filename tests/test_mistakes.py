@@ -74,6 +74,8 @@ COMMAND_LINES = [
     ("sweep sweep.toml --workers 1000000", r"workers = 1000000.*1 to 1024"),
     (f"sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
     ("sweep /dev/zero", r"more than 10000000 bytes"),
+    ("report --engine mjx", r"engine = 'mjx' is unknown; allowed: .*; instead: mujoco-warp"),
+    ("card mujoco", r"command = 'card' is unknown; allowed: .*; instead: report --engine NAME"),
     ("report --engine mujoco@3.3.7 --quick", r"engine = 'mujoco@3.3.7' is unknown; allowed: mujoco, as installed; "),
     ("reproduce mujoco unit-cell", r"scenario = 'unit-cell'.*static-hold"),
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),

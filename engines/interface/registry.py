@@ -201,6 +201,10 @@ def _check_versions(registered: Engine) -> None:
         text.encode()
 
 
+GONE = {"mjx": "mujoco-warp", "ovphysx": "sapien, which has PhysX too"}
+"""Engines of before, and what to use instead."""
+
+
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
@@ -217,7 +221,7 @@ def engine(name: str) -> Engine:
     if at and versioned in _entry_points():
         return _version(versioned, version)
     if name not in _entry_points():
-        checked_choice("engine", name, registered_names())
+        checked_choice("engine", name, registered_names(), GONE)
     reason = broken_reason(name)
     if reason is not None:
         raise ParameterError(f"engine = {name!r} cannot be used: {reason}")
