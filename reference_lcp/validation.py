@@ -127,3 +127,12 @@ def check_record_size(cells: int, steps: int) -> None:
     if cells * steps > MOST_CELL_STEPS:
         problem = f"{cells} cells x {steps} steps are {cells * steps:.3g}"
         raise ParameterError(f"{problem}; allowed: cells times steps <= {MOST_CELL_STEPS:g}")
+
+
+def is_number(text: str) -> bool:
+    """Tell whether a text, as of a table, is a number: finite or not."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -80,11 +80,6 @@ def span(values: list[int]) -> str:
     return str(low) if low == high else f"{low}–{high}"
 
 
-def printed_option(value: object) -> str:
-    """Write what an option is set to as the engine takes it; of several, one after the other."""
-    return ", ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
-
-
 def typeset(text: str) -> Markup:
     """Escape `text`, set the indices of its symbols low (η_r, ω_max, λ_T, U0, P0) and give numbers a true minus."""
     text = re.sub(r"(?<![\w.)−-])-(?=[\d.])|(?<=\de)-(?=\d)", "−", text)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import MovingBase
 from reference_lcp.errors import ParameterError, checked_choice, checked_path
-from reference_lcp.validation import FloatArray, checked_count, checked_scalar
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar, is_number
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -353,7 +353,7 @@ def _samples(file: Path) -> list[tuple[float, float]]:
         raise ParameterError(f"record {file} cannot be read: {reason}") from None
     filled = ((number, line) for number, line in enumerate(lines, start=1) if any(cell.strip() for cell in line))
     samples = [(number, line) for number, line in filled if not line[0].lstrip().startswith("#")]
-    if samples and len(samples[0][1]) == 2 and not any(_is_number(cell) for cell in samples[0][1]):
+    if samples and len(samples[0][1]) == 2 and not any(is_number(cell) for cell in samples[0][1]):
         samples = samples[1:]
     return [_sample(file, number, line) for number, line in samples]
 
@@ -363,14 +363,6 @@ def _sample(file: Path, number: int, line: list[str]) -> tuple[float, float]:
     if len(line) != 2:
         raise ParameterError(f"{where} has {len(line)} columns; allowed: 2, time [s] and displacement [m]")
     for cell in line:
-        if not _is_number(cell) or not math.isfinite(float(cell)):
+        if not is_number(cell) or not math.isfinite(float(cell)):
             raise ParameterError(f"{cell.strip()!r} in {where} is not a number; allowed: finite numbers")
     return float(line[0]), float(line[1])
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -10,7 +10,7 @@ import numpy as np
 
 from multibody_xval.engines.mujoco.probe.load import Loaded
 from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
-from reference_lcp.validation import FloatArray
+from reference_lcp.validation import FloatArray, is_number
 
 NONE = "none"
 """Instead of a keyframe: the model's own pose."""
@@ -108,7 +108,7 @@ def _rows(file: Path, model: Any) -> Iterator[list[float]]:
     last = -np.inf
     with file.open(newline="", encoding="utf-8-sig") as opened:
         for number, texts in enumerate(csv.reader(opened), start=1):
-            if not texts or (number == 1 and not any(map(_is_number, texts))):
+            if not texts or (number == 1 and not any(map(is_number, texts))):
                 continue
             where = f"ctrl = {shown(file.name)}, line {number}:"
             if len(texts) != 1 + model.nu:
@@ -116,18 +116,10 @@ def _rows(file: Path, model: Any) -> Iterator[list[float]]:
                     f"{where} {len(texts)} columns; allowed: {1 + model.nu}, time and {model.nu} controls"
                 )
             for text in texts:
-                if not _is_number(text) or not np.isfinite(float(text)):
+                if not is_number(text) or not np.isfinite(float(text)):
                     raise ParameterError(f"{where} {shown(text)} is no finite number; allowed: finite")
             row = [float(text) for text in texts]
             if row[0] <= last:
                 raise ParameterError(f"{where} time = {row[0]:g} after {last:g}; allowed: ascending")
             last = row[0]
             yield row
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
