@@ -54,6 +54,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -76,6 +77,7 @@ CONTACT_TUNED = Preset(
         "positionIterations": (1, "Boxes start as near to their plates as Box2D leaves them."),
     },
     shares_scheme=True,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -92,10 +94,12 @@ JOINT_RECOMMENDED = replace(
     description="For joints of any model: more sweeps; one joint holds as it comes, and an arm sags less.",
     changes={"velocityIterations": (30, "Motors and pins of an arm are solved together, by sweeps.")},
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
     CONTACT_DEFAULT,
     description="For contacts of any model: as Box2D comes; more sweeps help tall stacks alone.",
     optional=True,
+    judged=("scenes",),
 )

@@ -98,6 +98,7 @@ JOINT_TUNED = Preset(
     split_tolerance=1e-12,
     residual_slip_compliance=JOINT_MIXING,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -125,6 +126,7 @@ CONTACT_TUNED = replace(
     CONTACT_DEFAULT,
     description="Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
     changes={**TUNED, "shape": ("box", "Its four points share DART's constraint force mixing of 1e-5 a point.")},
+    judged=("chain",),
 )
 
 CONTACT_SPHERE = replace(
@@ -136,12 +138,19 @@ CONTACT_SPHERE = replace(
     split_tolerance=1e-5,
     residual_slip_compliance=CONTACT_MIXING,
     turned_bound=None,
+    judged=(),
 )
 
 JOINT_RECOMMENDED = replace(
-    JOINT_DEFAULT, description="For joints of any model: as DART comes, which holds them.", optional=True
+    JOINT_DEFAULT,
+    description="For joints of any model: as DART comes, which holds them.",
+    optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
-    CONTACT_DEFAULT, description="For contacts of any model: as DART comes, which holds them.", optional=True
+    CONTACT_DEFAULT,
+    description="For contacts of any model: as DART comes, which holds them.",
+    optional=True,
+    judged=("scenes",),
 )

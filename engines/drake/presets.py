@@ -44,6 +44,7 @@ JOINT_TUNED = Preset(
     ),
     law=near_rigid_actuator,
     split_tolerance=1e-12,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -91,6 +92,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
     turns=True,
+    judged=("chain",),
 )  # fmt: skip
 
 CONTACT_SIMILAR = replace(
@@ -103,6 +105,7 @@ CONTACT_SIMILAR = replace(
         "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
     ),
     law=similar_contact,
+    judged=(),
 )
 
 CONTACT_SAP = replace(
@@ -116,6 +119,7 @@ CONTACT_SAP = replace(
         "approximation": ("kSap", "A sliding sphere glides as with kSimilar, and higher still with a relaxation time."),
     },
     law=sap_contact,
+    judged=(),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -147,6 +151,7 @@ JOINT_RECOMMENDED = replace(
     known_deviation="a stuck contact is a damper of 1e6 N s/m, or as strong as Drake resolves, and creeps with λ_T / d",
     law=lambda _: NotModelled("whether the gain decides, or Drake's near-rigid limit, depends on masses and step"),
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
@@ -164,4 +169,5 @@ CONTACT_RECOMMENDED = replace(
     },
     known_deviation=CONTACT_DEFAULT.known_deviation.replace("1e-3", "1e-5"),
     optional=True,
+    judged=("scenes",),
 )

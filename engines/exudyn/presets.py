@@ -57,6 +57,7 @@ REGULARISED_TUNED = Preset(
     law=zone,
     static_friction=True,
     split_tolerance=1e-9,
+    judged=("chain",),
 )
 
 # A restart has to find the accelerations anew, which generalised alpha carries from step to step: runs split inexactly.
@@ -83,6 +84,7 @@ REGULARISED_RECOMMENDED = replace(
     split_tolerance=0.05,
     optional=True,
     varied={"frictionProportionalZone": (1e-4, 1e-6)},
+    judged=("scenes",),
 )
 
 CONTACT_TUNED = Preset(
@@ -107,6 +109,7 @@ CONTACT_TUNED = Preset(
     known_deviation=REGULARISED_TUNED.known_deviation,
     law=disc,
     split_tolerance=1e-9,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -147,6 +150,7 @@ BRISTLE_TUNED = Preset(
     law=bristle,
     static_friction=True,
     split_tolerance=1e-9,
+    judged=("chain",),
 )
 
 BRISTLE_DEFAULT = Preset(
@@ -172,4 +176,5 @@ BRISTLE_RECOMMENDED = replace(
         )
     },
     optional=True,
+    judged=("scenes",),
 )

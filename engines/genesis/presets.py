@@ -61,6 +61,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 OWN_JOINT = {
@@ -102,6 +103,7 @@ JOINT_RECOMMENDED = Preset(
     normal_force=NormalForce.MODULATED,
     optional=True,
     varied={"noslip_iterations": (1, 5)},
+    judged=("scenes",),
 )
 
 CONTACT_TUNED = Preset(
@@ -131,6 +133,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-7,
     # (1 - d) / d over impratio.
     residual_slip_compliance=1e-8,
+    judged=("chain",),
 )
 
 OWN_CONTACT = {**CONTACT_OPTIONS, "constraint_timeconst": Option.own(TIME_CONSTANT, "Genesis's own, of solref [s].")}
@@ -162,4 +165,5 @@ CONTACT_RECOMMENDED = Preset(
     batch_lanes=4,
     optional=True,
     varied={"impratio": (100.0,)},
+    judged=("scenes",),
 )

@@ -135,6 +135,13 @@ class Preset:
     not 1 as Coulomb's law has it, and nothing else but this is another."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Options that a recipe changes, with other values of theirs: `run recipes` measures them too."""
+    judged: tuple[str, ...] = ()
+    """What of it is judged, of ``chain`` and ``scenes``; of the rest, errors are measured and no run fails by them."""
+    accuracy: Mapping[str, float] = field(default_factory=dict)
+    """By how much its numbers may be off beside the error of a step, by quantity: ``transmittance`` as a part of the
+    amplitude, ``stuck fraction``, ``time`` over the period; in scenes ``drift`` [µm/s], ``share`` of a number."""
+    accuracy_reason: str = ""
+    """Why: regularised friction, a bristle, single precision."""
     unchanged: "Preset | None" = None
     """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()
@@ -162,6 +169,10 @@ class Preset:
     def is_free(self) -> bool:
         """Whether a constant force presses masses together that are free across the row."""
         return ACROSS in self.options and self[ACROSS] == FREE
+
+    def accuracy_of(self, quantity: str) -> float:
+        """Give by how much a number may be off beside the error of a step; 0 where nothing is stated."""
+        return self.accuracy.get(quantity, 0.0)
 
     def value(self, name: str, time_step: float) -> Any:
         """Give the value of an option at a time step, in the units of that step if it depends on it."""

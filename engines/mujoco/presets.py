@@ -98,6 +98,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -145,6 +146,7 @@ CONTACT_TUNED = Preset(
         "solreffriction": Option(HARDEST_STOPS[0], (0.0, 0.0), HARDEST_STOPS[1]),
     },
     modulated_residual_slip_compliance=1e-4,
+    judged=("chain",),
 )
 
 CONTACT_NEWTON = Preset(
@@ -195,6 +197,7 @@ JOINT_RECOMMENDED = Preset(
     normal_force=NormalForce.MODULATED,
     optional=True,
     varied={"noslip_iterations": (3,)},
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = Preset(
@@ -212,4 +215,5 @@ CONTACT_RECOMMENDED = Preset(
     modulated_options=CONTACT_DEFAULT.modulated_options,
     optional=True,
     varied={"impratio": (100.0, 1000.0, 1e5), "noslip_iterations": (3,)},
+    judged=("scenes",),
 )

@@ -57,9 +57,10 @@ JOINT_TUNED = Preset(
     {**TUNED, "cone": mujoco.NO_CONTACTS, "solref_friction": mujoco.stops_in_one_step(step_model.LARGEST_IMPEDANCE)},
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
-JOINT_DEFAULT = replace(mujoco.JOINT_DEFAULT, law=joint_friction, split_tolerance=1e-6)
+JOINT_DEFAULT = replace(mujoco.JOINT_DEFAULT, law=joint_friction, split_tolerance=1e-6, judged=())
 
 CONTACT_TUNED = Preset(
     "The elliptic cone under a normal force that friction hardly changes, and a sweep without softness: equation (5).",
@@ -73,10 +74,11 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     turns=True,
+    judged=("chain",),
 )
 
-CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6)
+CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6, judged=())
 
-JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_tolerance=1e-6)
+JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_tolerance=1e-6, judged=("scenes",))
 
-CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6)
+CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6, judged=("scenes",))

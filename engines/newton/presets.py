@@ -31,6 +31,7 @@ JOINT_TUNED = Preset(
     {"units": LANE_UNITS},
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -50,6 +51,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -72,6 +74,7 @@ JOINT_RECOMMENDED = replace(
     JOINT_DEFAULT,
     description="For joints of any model: drives as rows of the solver, as they come; no more sweeps hold an arm.",
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
@@ -81,4 +84,5 @@ CONTACT_RECOMMENDED = replace(
     changes=MORE,
     optional=True,
     varied={"iterations": (30, 100)},
+    judged=("scenes",),
 )

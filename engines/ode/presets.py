@@ -35,6 +35,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -89,6 +90,7 @@ CONTACT_TUNED = Preset(
         ),
         "depth": Option(2.0**-21, 0.0, "Within the layer, as under a constant normal force."),
     },
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -109,6 +111,7 @@ JOINT_RECOMMENDED = replace(
     JOINT_DEFAULT,
     description="For joints of any model: a motor a joint, and steps of the direct solver, as they come.",
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
@@ -126,4 +129,5 @@ CONTACT_RECOMMENDED = replace(
     law=lambda _: NotModelled("the depth of a box is a state of its own, of which a restart knows nothing"),
     split_tolerance=1e-4,
     varied={"soft_cfm": (1e-6, 1e-4)},
+    judged=("scenes",),
 )

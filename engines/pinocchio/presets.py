@@ -30,6 +30,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(

@@ -72,6 +72,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -105,6 +106,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
     turns=True,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -127,6 +129,7 @@ JOINT_RECOMMENDED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = Preset(
@@ -150,4 +153,5 @@ CONTACT_RECOMMENDED = Preset(
     normal_force=NormalForce.LIFTING,
     turns=True,
     optional=True,
+    judged=("scenes",),
 )

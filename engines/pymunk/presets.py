@@ -35,6 +35,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -58,6 +59,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -72,6 +74,7 @@ JOINT_RECOMMENDED = replace(
     description="For joints of any model: more sweeps; one joint holds as it comes, and an arm sags less.",
     changes={"iterations": (30, "Motors and pins of an arm are solved together, by sweeps.")},
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
@@ -86,4 +89,5 @@ CONTACT_RECOMMENDED = replace(
         "collision_slop": (1e-3, "[m] With pymunk's own, bodies sink into each other by centimetres."),
     },
     optional=True,
+    judged=("scenes",),
 )

@@ -46,6 +46,7 @@ JOINT_TUNED = Preset(
     TUNED,
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -82,6 +83,7 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
     turns=True,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -107,6 +109,7 @@ JOINT_RECOMMENDED = replace(
         "joints": ("multibody", "A pin cannot give way, and one hinge holds. The chain's masses are free bodies.")
     },
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
@@ -116,4 +119,5 @@ CONTACT_RECOMMENDED = replace(
     changes={"num_internal_pgs_iterations": (4, "Stacks need them; more give no more.")},
     optional=True,
     varied={"num_internal_pgs_iterations": (20,), "num_solver_iterations": (1, 10)},
+    judged=("scenes",),
 )

@@ -59,6 +59,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    judged=("chain",),
 )
 
 JOINT_DEFAULT = Preset(
@@ -81,6 +82,7 @@ CONTACT_TUNED = Preset(
     turns=True,
     static_friction=True,
     turned_bound=_tangents_of_a_slow_slip,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
@@ -102,6 +104,7 @@ JOINT_RECOMMENDED = replace(
     description="For joints of any model: drives as dry friction, without PhysX's damping; more does not help an arm.",
     changes={"linear damping": (0.0, "PhysX slows every link down, against the ground.")},
     optional=True,
+    judged=("scenes",),
 )
 
 CONTACT_RECOMMENDED = replace(
@@ -109,4 +112,5 @@ CONTACT_RECOMMENDED = replace(
     description="For contacts of any model: as SAPIEN comes, for any other number of iterations creeps more somewhere.",
     optional=True,
     varied={"solver_velocity_iterations": (0, 2), "solver_position_iterations": (4, 50)},
+    judged=("scenes",),
 )

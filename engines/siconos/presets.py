@@ -59,6 +59,7 @@ JOINT_TUNED = Preset(
     TUNED_RELAYS,
     law=moreau_jean,
     split_tolerance=1e-12,
+    judged=("chain",),
 )
 
 JOINT_EULER = Preset(
@@ -98,6 +99,7 @@ CONTACT_TUNED = Preset(
     },
     law=moreau_jean,
     split_tolerance=1e-12,
+    judged=("chain",),
 )
 
 CONTACT_DEFAULT = Preset(
