@@ -1,0 +1,123 @@
+"""What two tables of judged points have in common, and where the second is closer to the exact motion or farther."""
+
+import numpy as np
+import pandas as pd
+
+from multibody_xval.scenarios.evaluate import Means, judged_points
+from multibody_xval.scenarios.judge import FLOOR, resolution
+from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
+from reference_lcp.errors import ParameterError
+
+IMPROVED, REGRESSED, UNCHANGED, MISSING, UNKNOWN = "improved", "regressed", "unchanged", "missing", "unknown"
+
+CHANGES = (REGRESSED, MISSING, IMPROVED, UNCHANGED, UNKNOWN)
+"""What a point may have become, the worst first; unknown where it has changed and there is no exact value."""
+
+LEAST_PERCENT = 0.01
+"""Change of the error that counts as none [% of amplitude]: a tenth of a hundredth of a decibel, far below any step."""
+
+RANKS = {"periodic": 0, "not periodic": 1, "failed": 2, "unsupported": 3}
+"""How little a run says."""
+
+_NUMBERS = [
+    "status",
+    "reason",
+    "transmittance_db",
+    "phase_deg",
+    "ratio",
+    "error_db",
+    "error_deg",
+    "error_percent",
+    "open",
+]
+
+
+def changes_between(before: str, now: str, means: Means) -> pd.DataFrame:
+    """Compute two configurations, or the presets of two engines, at 24 points, and compare them.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown, an engine not installed, or the two have no formulation and preset in common.
+    """
+    sides = [compared_configs(name) for name in (before, now)]
+    table = judged_points(runs_at([*sides[0], *sides[1]], guard_cases()), means, f"{before}, {now}")
+    one, other = (table[table.config.isin(own)] for own in sides)
+    found = [compared(own, new, name) for name, own, new in pairs(one, other)]
+    if not found:
+        raise ParameterError(f"{before} and {now} have no formulation and preset in common; allowed: two that have")
+    return pd.concat(found, ignore_index=True)
+
+
+def compared(before: pd.DataFrame, now: pd.DataFrame, pair: str) -> pd.DataFrame:
+    """Join two tables of `judge.judged` points on the case and the number of steps.
+
+    Returns
+    -------
+    DataFrame
+        One row a case: ``pair``, ``case``, ``steps``, the numbers of both with the endings ``_before`` and ``_now``,
+        and ``change``, one of `CHANGES`, by the error to the exact value.
+    """
+    one, other = (_opened(table)[["case", "steps", *_NUMBERS]] for table in (before, now))
+    rows = one.merge(other, on=["case", "steps"], how="inner", suffixes=("_before", "_now"))
+    return rows.assign(pair=pair, change=_changes(rows))
+
+
+def _opened(table: pd.DataFrame) -> pd.DataFrame:
+    """Add what each point leaves open of its error: what repeats, rounding and contacts that give way leave [%]."""
+    return table.assign(open=100 * resolution(table) / table.exact.abs().clip(lower=FLOOR))
+
+
+def _changes(rows: pd.DataFrame) -> np.ndarray:
+    """Say what has become of each row."""
+    worse = rows.status_now.map(RANKS) - rows.status_before.map(RANKS)
+    left = (rows.open_before + rows.open_now).clip(lower=LEAST_PERCENT).fillna(LEAST_PERCENT)
+    moved = 100 * (rows.ratio_now - rows.ratio_before).abs() / rows.ratio_before.abs() > left
+    farther = rows.error_percent_now - rows.error_percent_before
+    return np.select(
+        [worse > 0, worse < 0, rows.status_now != "periodic", ~moved, farther.isna(), farther > left, farther < -left],
+        [MISSING, IMPROVED, UNCHANGED, UNCHANGED, UNKNOWN, REGRESSED, IMPROVED],
+        UNCHANGED,
+    )
+
+
+def summary(changes: pd.DataFrame) -> pd.DataFrame:
+    """Count what has become of points, a row a pair, with the largest error before and now [% of amplitude]."""
+    counts = changes.groupby("pair", sort=False).change.value_counts().unstack(fill_value=0)
+    worst = changes.groupby("pair", sort=False)[["error_percent_before", "error_percent_now"]].max()
+    known = [name for name in CHANGES if name in counts]
+    size = changes.groupby("pair", sort=False).size().rename("points")
+    return pd.concat([size, counts[known], worst], axis=1).reset_index()
+
+
+def fails(changes: pd.DataFrame) -> bool:
+    """Whether anything has become worse, or has changed where no exact value says where to."""
+    return bool(changes.change.isin([REGRESSED, MISSING, UNKNOWN]).any())
+
+
+def conclusion(changes: pd.DataFrame, before: str, now: str) -> str:
+    """Say in one sentence what has come out."""
+    counts = changes.change.value_counts()
+    parts = [f"{counts[name]} {name}" for name in CHANGES if counts.get(name, 0)]
+    better = int(counts.get(IMPROVED, 0)) - sum(int(counts.get(name, 0)) for name in (REGRESSED, MISSING))
+    closer = f"{now} is closer to the exact motion" if better > 0 else f"{before} is closer to the exact motion"
+    verdict = "both are as far from the exact motion" if better == 0 else closer
+    return f"{len(changes)} points, from {before} to {now}: {', '.join(parts)}: {verdict}."
+
+
+def pairs(before: pd.DataFrame, now: pd.DataFrame) -> list[tuple[str, pd.DataFrame, pd.DataFrame]]:
+    """Give what is compared: the same formulation and preset of two engines, or the only configuration of each."""
+    one, other = (
+        {str(name): rows for name, rows in table.groupby("configuration", sort=False)} for table in (before, now)
+    )
+    if len(one) == len(other) == 1:
+        matches = [(first, second) for first in one for second in other]
+    else:
+        second = {_presets(name): name for name in other}
+        matches = [(name, second[_presets(name)]) for name in one if _presets(name) in second]
+    return [(f"{first} -> {second}", one[first], other[second]) for first, second in matches]
+
+
+def _presets(name: str) -> str:
+    """Give formulation and preset of a configuration."""
+    return name.partition(":")[2]

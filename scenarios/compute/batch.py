@@ -1,0 +1,56 @@
+"""A batch of runs in this process: failures of an engine are results, each of its own run."""
+
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+from multibody_xval.engines.interface.engine import EngineNotInstalled
+from multibody_xval.scenarios.compute.checked import TrajectoryFault
+from multibody_xval.scenarios.compute.steady import steady_states
+from multibody_xval.scenarios.model import Case, Config, Result, Run, failed, unsupported
+from reference_lcp.chain.trajectory import State
+from reference_lcp.errors import ParameterError, shortened, text_of
+
+CIRCUMSTANCES = (MemoryError, OSError)
+"""Errors that say more of the machine than of the engine: too little memory, too many open files, a full disk."""
+
+LONGEST_REASON = 500
+"""Characters of a reason: an engine may put a whole state into the text of an error."""
+
+
+def run_batch(runs: Sequence[Run]) -> list[Result]:
+    """Run what shares configuration, steps and cells; what fails together is run one by one."""
+    begin = time.process_time()
+    try:
+        results = steady_states(runs)
+    except (Exception, SystemExit) as problem:  # whatever an engine raises
+        if len(runs) > 1:
+            return [run_batch([run])[0] for run in runs]
+        results = [result_of(problem)]
+    seconds = (time.process_time() - begin) / len(runs)
+    return [replace(result, seconds=seconds) for result in results]
+
+
+def result_of(problem: BaseException) -> Result:
+    """Give the result that an error is."""
+    text = shortened(" ".join(text_of(problem).split()), LONGEST_REASON)
+    if isinstance(problem, EngineNotInstalled):
+        return unsupported(f"not installed: {text}")
+    if isinstance(problem, ParameterError):
+        return unsupported(text)
+    if isinstance(problem, TrajectoryFault):
+        return failed(text)
+    return failed(f"{type(problem).__name__}: {text}", circumstance=isinstance(problem, CIRCUMSTANCES))
+
+
+def prepare(config: Config) -> None:
+    """Import an engine and let it compile, by a step of the paper's chain; what it raises is the runs' to report."""
+    with suppress(Exception):
+        case = Case(friction_ratio=0.3, frequency_ratio=0.9)
+        steps = case.steps()
+        simulation = config.build([case.lane(steps)])
+        try:
+            simulation.run(State.at_rest(1, case.cells), 0, 1)
+        finally:
+            simulation.close()

@@ -1,0 +1,111 @@
+"""The one way to a steady state: from that of Euler's scheme, by accelerated periods, certified by a plain one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from multibody_xval.engines.interface.engine import SteadyStateSolver
+from multibody_xval.scenarios.compute.checked import CheckedSimulation, check_trajectory
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
+from reference_lcp.chain.trajectory import State
+from reference_lcp.defaults import DEFAULT_PERIODS
+from reference_lcp.observables.stick_slip import (
+    creep_velocity,
+    largest_gap,
+    open_fraction,
+    stuck_fraction,
+    transitions,
+)
+from reference_lcp.observables.transmittance import complex_transmittance
+from reference_lcp.one_call import SteadyState
+from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.steady.neighbours import LONGEST_CHAIN, PeriodInverse, residual_amplification
+from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits, searched
+
+MOST_PERIODS = 60
+"""Periods of a search: engines that settle on the paper's chain take 2 to 55, and those that have not settled by then
+have not after 100 either."""
+
+LIGHT_DAMPING = 0.005
+"""Damping ratio below which motions ring longer than `MOST_PERIODS`, and searches may take `DEFAULT_PERIODS`."""
+
+LONG_CHAIN = 10
+"""Cells above which they may take as long."""
+
+
+def steady_states(runs: Sequence[Run]) -> list[Result]:
+    """Find the steady states of runs that share configuration, steps and number of cells."""
+    config, steps = runs[0].config, runs[0].steps
+    limit = most_periods(config, [run.case for run in runs])
+    orbits, travels = _found(config, [run.case.lane(steps) for run in runs], steps, limit)
+    return [_read(config, orbit, own) for orbit, own in zip(orbits, travels, strict=True)]
+
+
+def _found(
+    config: Config, lanes: Sequence[Lane], steps: int, limit: int
+) -> tuple[list[PeriodicOrbit], list[tuple[float, ...] | None]]:
+    """Search the periodic orbit of every lane; of the exact motion also how far contacts slip after each transition."""
+    simulation, tolerance = config.build(lanes), config.capabilities.residual
+    try:
+        if isinstance(simulation, SteadyStateSolver):
+            states = simulation.steady_states(steps)
+            for lane, state in zip(lanes, states, strict=True):
+                check_trajectory(state.orbit.trajectory, lane, 0, steps)
+            travels = [_travels(state) for state in states]
+            return [state.orbit for state in states], travels
+        nothing: list[tuple[float, ...] | None] = [None] * len(lanes)
+        if config.engine == REFERENCE.engine:
+            return periodic_orbits(simulation, steps, tolerance=tolerance), nothing
+        return beside_euler(CheckedSimulation(simulation), steps, tolerance, limit), nothing
+    finally:
+        simulation.close()
+
+
+def _travels(state: SteadyState) -> tuple[float, ...] | None:
+    """Give distances over the displacement scale."""
+    lane = state.orbit.lane
+    scale = lane.drive.displacement_scale(lane.chain)
+    return None if state.travels is None else tuple((state.travels / scale).tolist())
+
+
+def most_periods(config: Config, cases: Sequence[Case]) -> int:
+    """Give the limit on periods: long chains, light damping and single precision take longer."""
+    slow = any(case.cells > LONG_CHAIN or np.min(case.damping_ratio) < LIGHT_DAMPING for case in cases)
+    return DEFAULT_PERIODS if slow or config.capabilities.precision != "double" else MOST_PERIODS
+
+
+def beside_euler(simulation: Simulation, steps: int, tolerance: float, limit: int) -> list[PeriodicOrbit]:
+    """Search from the steady states of Euler's scheme, by Newton's steps with the Jacobians there, mixed."""
+    if simulation.lanes[0].chain.cells > LONGEST_CHAIN:
+        return periodic_orbits(simulation, steps, tolerance=tolerance)
+    euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
+    ends = [orbit.trajectory.end for orbit in euler]
+    start = State.stack([State(end.positions, end.velocities) for end in ends])
+    newton = PeriodInverse.of(euler).newton
+    return searched(simulation, start, steps, tolerance, limit, LONGEST_MULTIPLE, newton)
+
+
+def _read(config: Config, orbit: PeriodicOrbit, travels: tuple[float, ...] | None) -> Result:
+    """Read the numbers of a period; one that has diverged has none."""
+    if orbit.status is OrbitStatus.DIVERGED or not np.isfinite(orbit.residual):
+        return failed(f"the motion diverges, or is not finite, in period {orbit.periods} of the search")
+    margin, lane = config.preset.stick_margin, orbit.lane
+    scale = lane.drive.displacement_scale(lane.chain)
+    period = lane.time_step * orbit.trajectory.steps
+    swings = lane.preload is not None
+    return Result(
+        status=Status.PERIODIC if orbit.converged else Status.NOT_PERIODIC,
+        transmittance=complex_transmittance(orbit),
+        residual=orbit.residual,
+        amplification=residual_amplification(orbit) if config == REFERENCE else float("nan"),
+        periods=orbit.periods,
+        multiple=orbit.multiple,
+        stuck=tuple(stuck_fraction(orbit, margin).tolist()),
+        transitions=tuple((own.cell, own.time / period, str(own.kind)) for own in transitions(orbit, margin)),
+        stick_velocity=float(np.max(creep_velocity(orbit, margin)) * period / (2 * np.pi * scale)),
+        open_fraction=tuple(open_fraction(orbit).tolist()) if swings else (),
+        largest_gap=tuple((largest_gap(orbit) / scale).tolist()) if swings else (),
+        series={} if travels is None else {"travels": travels},
+        reason=orbit.reason,
+    )

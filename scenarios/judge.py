@@ -1,0 +1,164 @@
+"""The one ruler: every number beside the exact value, and how far from that it may be.
+
+Level and phase are one complex number, the transmittance T. An engine agrees where |T − T_expected| ≤ allowed:
+
+- a preset that shares Euler's scheme is expected where the reference is at equal steps, and nothing is allowed but what
+  neither can resolve: what residuals leave open, round-off, and contacts that give way;
+- all others are expected at the exact value, and their step may be off as much as Euler's is there, or as much as their
+  preset states to be accurate.
+
+The error that readers see is always that to the exact value. Judging asks for no runs: `judged` is a function of a
+table.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from multibody_xval.scenarios.exact_values import MARGIN, exact_values, scheme_errors
+from multibody_xval.scenarios.model import Case, linear_limits
+from multibody_xval.scenarios.result_tables import is_exact
+from reference_lcp.steady.richardson import ROUND_OFF_STEPS
+
+FLOOR_DB = -60.0
+"""Transmittance below which differences are those of amplitudes, as large in dB as they are at the floor."""
+
+FLOOR, DB = 10 ** (FLOOR_DB / 20), 20 / math.log(10)
+
+COARSE_SHARE = 0.1
+"""Part of what friction changes at all that may be allowed: with a tenth, friction that is missing altogether, or never
+lets go, is ten times what is allowed."""
+
+MOST_MISSING = 0.25
+"""Part of the numbers of a judged preset that may be missing, or of a named one that may fail."""
+
+AGREES, DEVIATES, TOO_LARGE, UNKNOWN = "agrees", "deviates", "time step too large", "unknown"
+"""Verdicts on numbers that are there; those that are not have the status of their run."""
+
+VERDICTS = (AGREES, DEVIATES, TOO_LARGE, "not periodic", "failed", "unsupported", UNKNOWN)
+
+
+@np.errstate(invalid="ignore", divide="ignore")
+def judged(table: pd.DataFrame) -> pd.DataFrame:
+    """Add exact value, error, what is expected and allowed, and the verdict to every row but those of the exact motion.
+
+    Added columns: ``exact_db``, ``exact_deg``, ``exact_kind``; the error to the exact value as ``error_db``,
+    ``error_deg`` and ``error_percent`` (of the complex distance); ``expected``: exact value, or reference at equal
+    steps; ``distance`` from that and ``allowed``, both over U0; ``verdict``, one of `VERDICTS`. Rows keep their order.
+    """
+    rows = table[~is_exact(table)].reset_index(drop=True)
+    rows = rows.merge(exact_values(table), on="case", how="left")
+    rows = rows.merge(scheme_errors(table), on=["case", "steps"], how="left")
+    rows = rows.assign(distance=_distance(rows), allowed=_allowed(rows), expected=_expected(rows))
+    return rows.assign(**_errors(rows), verdict=_verdicts(rows))
+
+
+def _expected(rows: pd.DataFrame) -> np.ndarray:
+    return np.where(rows.shares_scheme, "reference at equal steps", "exact value")
+
+
+def _distance(rows: pd.DataFrame) -> pd.Series:
+    """Give how far T is from what is expected, over U0."""
+    return (rows.ratio - rows.reference.where(rows.shares_scheme, rows.exact)).abs()
+
+
+def _allowed(rows: pd.DataFrame) -> pd.Series:
+    """Give how far from what is expected T may be, over U0."""
+    step = np.maximum(rows.scheme_error, rows.accuracy * rows.exact.abs())
+    other = rows.exact_bar + step + resolution(rows)
+    repeats = rows.reference_residual.fillna(0) * MARGIN * rows.growth
+    return other.where(~rows.shares_scheme, resolution(rows) + repeats)
+
+
+def resolution(rows: pd.DataFrame) -> pd.Series:
+    """Give what residual, round-off and contacts that give way leave open of an amplitude, over U0."""
+    motion = rows.ratio.abs().clip(lower=1.0)
+    steps = rows.periods.clip(lower=1) * rows.steps
+    repeats = rows.residual.clip(lower=rows.least_residual) * MARGIN * rows.growth
+    return repeats + rows.round_off * np.sqrt(steps / ROUND_OFF_STEPS) * motion + rows.gives_way
+
+
+def _errors(rows: pd.DataFrame) -> dict[str, pd.Series]:
+    """Give the error to the exact value in dB, degrees, and per cent of the exact amplitude or the floor's."""
+    level, exact_level = _decibel(rows.ratio), _decibel(rows.exact)
+    turn = pd.Series(np.degrees(np.angle(rows.ratio / rows.exact)), rows.index)
+    scale = rows.exact.abs().clip(lower=FLOOR)
+    return {
+        "exact_db": exact_level,
+        "exact_deg": pd.Series(np.degrees(np.angle(rows.exact)), rows.index),
+        "error_db": on_scale(level) - on_scale(exact_level),
+        "error_deg": turn,
+        "error_percent": 100 * (rows.ratio - rows.exact).abs() / scale,
+    }
+
+
+def _decibel(ratio: pd.Series) -> pd.Series:
+    return DB * np.log(ratio.abs())
+
+
+def on_scale(level_db: pd.Series) -> pd.Series:
+    """Give levels on the scale of differences: dB, and below the floor linear in the amplitude."""
+    linear = FLOOR_DB + DB * (10 ** ((level_db - FLOOR_DB) / 20) - 1)
+    return level_db.where(~(level_db < FLOOR_DB), linear)
+
+
+def _verdicts(rows: pd.DataFrame) -> np.ndarray:
+    """Say of each row what it is."""
+    effect = pd.Series(
+        [friction_effect(*own) for own in zip(rows.case, rows.exact, strict=True)], rows.index, dtype=float
+    )
+    known = rows.distance.notna() & rows.allowed.notna()
+    verdicts = np.select(
+        [~known, rows.distance > rows.allowed, rows.allowed > COARSE_SHARE * effect],
+        [UNKNOWN, DEVIATES, TOO_LARGE],
+        AGREES,
+    )
+    return np.where(rows.status == "periodic", verdicts, rows.status)
+
+
+def friction_effect(case: Case, exact: complex) -> float:
+    """Give how much friction changes T at all: its distance from the farther linear limit, over U0.
+
+    Between contacts that slide freely and contacts that never slide lies what friction can do.
+    """
+    return max(abs(limit - exact) for limit in linear_limits(case))
+
+
+def failures(rows: pd.DataFrame, named: Callable[[pd.DataFrame], pd.Series] | None = None) -> list[str]:
+    """Say why a command fails, a line a configuration; nothing where it does not.
+
+    It fails where a judged number deviates, where more than a quarter of the numbers of a judged preset are missing,
+    and where a preset that is judged or `named` fails at more than a quarter. What is unsupported is not counted.
+    """
+    lines = []
+    asked = rows.judged if named is None else rows.judged | named(rows)
+    for name, own in rows[asked & (rows.verdict != "unsupported")].groupby("configuration", sort=False):
+        total = len(own)
+        counts = own.verdict.value_counts()
+        deviating, failed = int(counts.get(DEVIATES, 0)), int(counts.get("failed", 0))
+        missing = total - deviating - int(counts.get(AGREES, 0))
+        if own.judged.all() and deviating:
+            worst = own[own.verdict == DEVIATES].error_percent.max()
+            lines.append(f"{name}: {deviating} of {total} numbers deviate, by up to {worst:.3g} %")
+        elif failed > MOST_MISSING * total:
+            first = own[own.verdict == "failed"].reason.iloc[0]
+            lines.append(f"{name}: {failed} of {total} runs failed: {first}")
+        elif own.judged.all() and missing > MOST_MISSING * total:
+            lines.append(f"{name}: {missing} of {total} numbers are missing")
+    return lines
+
+
+def conclusion(rows: pd.DataFrame) -> str:
+    """Say in one sentence what has come out."""
+    own = rows[rows.judged & (rows.verdict != "unsupported")]
+    if own.empty:
+        return "Nothing was judged: no preset here is judged, their errors are measured."
+    off, agreeing = own[own.verdict == DEVIATES], int((own.verdict == AGREES).sum())
+    rest = len(own) - len(off) - agreeing
+    silent = f" {rest} have no verdict." if rest else ""
+    if off.empty:
+        return f"{agreeing} of {len(own)} judged numbers agree with the exact motion, none deviates.{silent}"
+    whose = ", ".join(f"{name} {count}" for name, count in off.groupby("configuration", sort=False).size().items())
+    return f"{len(off)} of {len(own)} judged numbers deviate from the exact motion: {whose}.{silent}"

@@ -1,0 +1,137 @@
+"""Tables of results: one row a run, plain columns."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, replace
+from functools import cache, lru_cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from multibody_xval.scenarios.model import CASE, EXACT, REFERENCE, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.store import Stored, identity
+
+CONFIG = ["engine", "formulation", "preset"]
+"""Columns that say what configuration a row belongs to."""
+
+CURVE = [*CONFIG, "version", "curve", "steps"]
+"""Columns that rows of one curve over the frequency ratio share; `curve` is the case without its frequency ratio."""
+
+MODES = ("stick", "forward slip", "backward slip")
+
+
+def now(results: Mapping[Run, Result]) -> list[Stored]:
+    """Give results with the versions of the engines of this environment."""
+    return [Stored(run, identity(run.config)[0], result) for run, result in results.items()]
+
+
+def points(stored: Iterable[Stored]) -> pd.DataFrame:
+    """Give one row a run: configuration, case, numbers, and what of the configuration its judgement needs.
+
+    Columns: those of `CONFIG` and `model.CASE`, ``version``, ``case`` and ``curve`` (`Case` objects), ``steps`` per
+    period, ``status``, ``transmittance_db``, ``phase_deg``, ``ratio`` (complex), ``residual``, ``amplification``,
+    ``periods``, ``multiple``, ``stuck`` (tuple, a part of the period a cell), ``transitions`` (their number),
+    ``stick_velocity`` over ω U0, ``seconds`` of a processor, ``reason``.
+    """
+    return pd.DataFrame([_point(*row) for row in stored], columns=_COLUMNS).astype(_TYPES)
+
+
+def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
+    own, case = run.config, run.case
+    ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
+    return {
+        "configuration": ":".join([own.engine, own.formulation, own.preset_name]),
+        "engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version,
+        **asdict(case), "case": case, "curve": _curve(case), "steps": run.steps,
+        "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
+        "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
+        "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
+        "transitions": len(result.transitions), "stick_velocity": result.stick_velocity,
+        "seconds": result.seconds, "reason": result.reason, **of_config(own, swings=bool(case.modulation)),
+    }  # fmt: skip
+
+
+@cache
+def of_config(config: Config, *, swings: bool) -> dict[str, Any]:
+    """Give what of a configuration decides how its numbers are compared, also where the normal force swings."""
+    preset, able = config.preset, config.capabilities
+    if swings:
+        preset = preset.modulated()
+    return {
+        "config": config,
+        "shares_scheme": preset.shares_scheme,
+        "judged": "chain" in preset.judged,
+        "accuracy": preset.accuracy_of("transmittance"),
+        "least_residual": able.residual,
+        "round_off": TRAJECTORY_TOLERANCE[able.precision],
+        "gives_way": CREEP * preset.residual_slip_compliance,
+    }
+
+
+_COLUMNS = [
+    "configuration", *CONFIG, "version", *CASE, "case", "curve", "steps", "status", "transmittance_db", "phase_deg",
+    "ratio", "residual", "amplification", "periods", "multiple", "stuck", "transitions", "stick_velocity", "seconds",
+    "reason", "config", "shares_scheme", "judged", "accuracy", "least_residual", "round_off", "gives_way",
+]  # fmt: skip
+
+_TYPES = {
+    "steps": int,
+    "ratio": complex,
+    "shares_scheme": bool,
+    "judged": bool,
+    "residual": float,
+    "amplification": float,
+}
+
+INTERNAL = [
+    "case", "curve", "config", "ratio", "shares_scheme", "accuracy", "least_residual", "round_off", "gives_way",
+]  # fmt: skip
+"""Columns that files of tables leave out."""
+
+
+def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
+    """Give one row a change between stick and slip: its ``cell``, ``time`` over the period and new ``mode``."""
+    rows = [
+        {**_label(run, version), "cell": cell, "time": time, "mode": mode}
+        for run, version, result in stored
+        if result.status is Status.PERIODIC
+        for cell, time, mode in result.transitions
+    ]
+    return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", "cell", "time", "mode"])
+
+
+@lru_cache(maxsize=4096)
+def _curve(case: Case) -> Case:
+    return replace(case, frequency_ratio=1.0)
+
+
+def _label(run: Run, version: str) -> dict[str, Any]:
+    own = run.config
+    names = {"engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version}
+    return {**names, **asdict(run.case), "steps": run.steps}
+
+
+def rows_of(table: pd.DataFrame, *names: str) -> Iterator[tuple[Any, ...]]:
+    """Give the values of some columns, row by row."""
+    return zip(*(table[name].tolist() for name in names), strict=True)
+
+
+def is_reference(table: pd.DataFrame) -> pd.Series:
+    """Tell which rows are of the reference's scheme."""
+    return (table.engine == REFERENCE.engine) & (table.preset == REFERENCE.preset_name)
+
+
+def is_exact(table: pd.DataFrame) -> pd.Series:
+    """Tell which rows are of the exact motion."""
+    return (table.engine == EXACT.engine) & (table.preset == EXACT.preset_name)
+
+
+def file_columns(table: pd.DataFrame) -> pd.DataFrame:
+    """Give a table as files have it: plain values, stuck fractions as numbers with spaces between."""
+    shown = table.drop(columns=[name for name in INTERNAL if name in table])
+    return shown.map(_spaced)
+
+
+def _spaced(value: Any) -> Any:
+    return " ".join(f"{part:.6g}" for part in value) if isinstance(value, tuple) else value

@@ -1,0 +1,98 @@
+"""Results in one file: what is added is found again, and what is no store is refused as it is."""
+
+import shutil
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from multibody_xval.scenarios import store as stores
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.store import opened
+from reference_lcp.errors import ParameterError, RunError
+
+CASE = Case(friction_ratio=0.3, frequency_ratio=0.9, cells=2, mass_ratio=(1.0, 0.5), modulation=0.25)
+RUN = Run(REFERENCE, CASE, 400)
+FOUND = Result(
+    status=Status.PERIODIC, transmittance=0.25 - 0.5j, residual=1e-12, amplification=3.0, periods=2, stuck=(0.5, 1.0),
+    transitions=((1, 0.25, "stick"),), stick_velocity=0.0, series={"travels": (0.1, 0.2)}, seconds=0.5,
+)  # fmt: skip
+
+
+def stored_in(file: Path) -> Path:
+    with opened(file) as store:
+        store.add({RUN: FOUND})
+    return file
+
+
+def test_a_result_is_found_again_as_it_was(tmp_path: Path) -> None:
+    with opened(stored_in(tmp_path / "own.sqlite")) as store:
+        assert store.known([RUN, Run(REFERENCE, CASE, 800)]) == {RUN: FOUND}
+        assert [(own.run, own.result) for own in store.rows()] == [(RUN, FOUND)]
+
+
+def test_a_result_of_other_sources_is_not_taken(tmp_path: Path, monkeypatch) -> None:
+    file = stored_in(tmp_path / "own.sqlite")
+    monkeypatch.setattr(stores, "digest", lambda _name: "another")
+    with opened(file) as store:
+        assert store.known([RUN]) == {}
+        assert len(list(store.rows())) == 1
+
+
+def test_a_closed_store_is_whole_in_its_one_file(tmp_path: Path) -> None:
+    copy = shutil.copy(stored_in(tmp_path / "own.sqlite"), tmp_path / "copy.sqlite")
+    assert sorted(own.name for own in tmp_path.iterdir()) == ["copy.sqlite", "own.sqlite"]
+    with opened(Path(copy)) as store:
+        assert store.known([RUN]) == {RUN: FOUND}
+
+
+def test_a_store_that_is_open_is_read_by_another(tmp_path: Path) -> None:
+    file = tmp_path / "own.sqlite"
+    with opened(file) as one, opened(file) as other:
+        one.add({RUN: FOUND})
+        assert other.known([RUN]) == {RUN: FOUND}
+
+
+def test_a_failure_by_circumstance_is_not_kept() -> None:
+    with opened(None) as store:
+        store.add({RUN: failed("its process has ended by signal SIGKILL", circumstance=True)})
+        assert store.known([RUN]) == {}
+
+
+def foreign(file: Path) -> None:
+    with sqlite3.connect(file) as other:
+        other.execute("CREATE TABLE mine (number)")
+
+
+def older(file: Path) -> None:
+    stored_in(file)
+    with sqlite3.connect(file) as own:
+        own.execute("PRAGMA user_version = 2")
+
+
+REFUSED = {
+    "is no store of this suite": foreign,
+    "is of format 2": older,
+    "is damaged or no store": lambda file: file.write_text("no database at all, of some length" * 99),
+    "is a folder or a device": Path.mkdir,
+}
+
+
+@pytest.mark.parametrize("problem", REFUSED)
+def test_what_is_no_store_is_refused_and_stays_as_it_is(tmp_path: Path, problem: str) -> None:
+    file = tmp_path / "other.sqlite"
+    REFUSED[problem](file)
+    before = file.read_bytes() if file.is_file() else b""
+    with pytest.raises(ParameterError, match=problem), opened(file):
+        pass
+    assert (file.read_bytes() if file.is_file() else b"") == before
+
+
+def test_a_full_disk_ends_in_a_line_and_loses_nothing() -> None:
+    with opened(None) as store:
+        store.add({RUN: FOUND})
+        store._file.execute("PRAGMA max_page_count = 1")
+        many = {Run(Config("reference"), CASE, steps): FOUND for steps in range(100, 400)}
+        with pytest.raises(RunError, match="the disk is full; what is stored stays"):
+            store.add(many)
+        assert store.known([RUN]) == {RUN: FOUND}
