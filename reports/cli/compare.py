@@ -2,22 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from multibody_xval.reports.cli.options import Work, check_outs
+from multibody_xval.engines.completion import complete_variant
+from multibody_xval.reports.cli.options import Store, Work, Workers, check_outs, keeping
 from multibody_xval.scenarios.verdicts.thresholds import Thresholds
-from reference_lcp.errors import ExitCode
+from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import visible
+from reference_lcp.terminal import print_table, visible
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from multibody_xval.reports.export.changes import Regression
     from multibody_xval.scenarios.runs.result import Result
     from multibody_xval.scenarios.runs.task import Task
+
+Pair = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar="ENGINE[:FORMULATION[:PRESET]]",
+        help="Instead of stores, what is before and what is now: both compute 24 points. An engine alone stands for "
+        "its presets default, recommended and tuned.",
+        autocompletion=complete_variant,
+    ),
+]
 
 app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_exceptions_enable=False)
 
@@ -30,8 +44,11 @@ ENDINGS = (".md", ".json", ".csv")
 
 @app.command()
 def compare(
-    first: Annotated[Path, typer.Argument(help="The store before.")],
-    second: Annotated[Path, typer.Argument(help="The store now.")],
+    first: Annotated[Path | None, typer.Argument(help="The store before.")] = None,
+    second: Annotated[Path | None, typer.Argument(help="The store now.")] = None,
+    pair: Pair = None,
+    store: Store = None,
+    workers: Workers = None,
     decibel: Annotated[
         float, typer.Option("--db", help="Largest change of transmittance in dB that does not count.")
     ] = Thresholds.transmittance_db,
@@ -62,7 +79,7 @@ def compare(
         ),
     ] = None,
 ) -> None:
-    """Compare two stores point by point: two versions of an engine, two sets of options.
+    """Compare two stores point by point, or two configurations: versions of an engine, sets of options, engines.
 
     Points are matched by their tasks. Versions and options may differ; their differences are printed. Each changed
     point has improved, regressed, or is as far from the truth as before. The truth is the proven level, the
@@ -75,6 +92,8 @@ def compare(
     Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """
     outs = check_outs(out, ENDINGS, first, second)
+    if pair or first is None or second is None:
+        _compare_pair(pair or [], [own for own in (first, second) if own is not None], store, workers, outs)
     from multibody_xval.reports.export.changes import CHANGE_FORMATS, Regression
     from multibody_xval.scenarios.verdicts.regression import compare_stores
 
@@ -85,6 +104,41 @@ def compare(
     for written in outs:
         write_whole(written, CHANGE_FORMATS[written.suffix](regression))
     raise typer.Exit(ExitCode.FAILED if regression.failing else ExitCode.DONE)
+
+
+def _compare_pair(
+    names: Sequence[str], stores: Sequence[Path], store: Path | None, workers: int | None, outs: Sequence[Path]
+) -> NoReturn:
+    """Compare two configurations, or the presets of two engines, and end the command."""
+    if len(names) != 2 or stores:
+        given = f"{len(stores)} stores and {len(names)} --engine"
+        raise ParameterError(f"{given}; allowed: two stores, or two --engine and no store")
+    from multibody_xval.scenarios.compare import changes_between, conclusion, fails, summary
+    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.result_tables import file_columns
+
+    with keeping(store):
+        changes = changes_between(names[0], names[1], Means(store=store, workers=workers))
+    table = summary(changes)
+    print_table(
+        [str(name) for name in table], [[_shown(value) for value in row] for row in table.itertuples(index=False)]
+    )
+    print(visible(conclusion(changes, *names)))
+    for written in outs:
+        write_whole(written, WRITTEN[written.suffix](table if written.suffix == ".md" else file_columns(changes)))
+    raise typer.Exit(ExitCode.FAILED if fails(changes) else ExitCode.DONE)
+
+
+def _shown(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+WRITTEN: dict[str, Callable[[pd.DataFrame], str]] = {
+    ".md": lambda table: f"{table.to_markdown(index=False)}\n",
+    ".json": lambda table: table.to_json(orient="records", indent=1),
+    ".csv": lambda table: table.to_csv(index=False),
+}
+"""How the changes of a pair are written: a summary for people, every point for programs."""
 
 
 def _computed(tasks: Sequence[Task]) -> list[Result]:
