@@ -1,10 +1,13 @@
 """What two tables of judged points have in common, and where the second is closer to the exact motion or farther."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.evaluate import Means, judged_points
 from multibody_xval.scenarios.judge import FLOOR, resolution
+from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
 from reference_lcp.errors import ParameterError
 
@@ -40,13 +43,15 @@ def changes_between(before: str, now: str, means: Means) -> pd.DataFrame:
     ParameterError
         If a name is unknown, an engine not installed, or the two have no formulation and preset in common.
     """
-    sides = [compared_configs(name) for name in (before, now)]
-    table = judged_points(runs_at([*sides[0], *sides[1]], guard_cases()), means, f"{before}, {now}")
-    one, other = (table[table.config.isin(own)] for own in sides)
-    found = [compared(own, new, name) for name, own, new in pairs(one, other)]
+    found = pairs(compared_configs(before), compared_configs(now))
     if not found:
         raise ParameterError(f"{before} and {now} have no formulation and preset in common; allowed: two that have")
-    return pd.concat(found, ignore_index=True)
+    configs = [config for pair in found for config in pair]
+    table = judged_points(runs_at(configs, guard_cases()), means, f"{before}, {now}")
+    changes = [
+        compared(table[table.config == one], table[table.config == other], f"{one} -> {other}") for one, other in found
+    ]
+    return pd.concat(changes, ignore_index=True)
 
 
 def compared(before: pd.DataFrame, now: pd.DataFrame, pair: str) -> pd.DataFrame:
@@ -85,6 +90,7 @@ def summary(changes: pd.DataFrame) -> pd.DataFrame:
     """Count what has become of points, a row a pair, with the largest error before and now [% of amplitude]."""
     counts = changes.groupby("pair", sort=False).change.value_counts().unstack(fill_value=0)
     worst = changes.groupby("pair", sort=False)[["error_percent_before", "error_percent_now"]].max()
+    worst.columns = ["error before [%]", "error now [%]"]
     known = [name for name in CHANGES if name in counts]
     size = changes.groupby("pair", sort=False).size().rename("points")
     return pd.concat([size, counts[known], worst], axis=1).reset_index()
@@ -105,19 +111,14 @@ def conclusion(changes: pd.DataFrame, before: str, now: str) -> str:
     return f"{len(changes)} points, from {before} to {now}: {', '.join(parts)}: {verdict}."
 
 
-def pairs(before: pd.DataFrame, now: pd.DataFrame) -> list[tuple[str, pd.DataFrame, pd.DataFrame]]:
-    """Give what is compared: the same formulation and preset of two engines, or the only configuration of each."""
-    one, other = (
-        {str(name): rows for name, rows in table.groupby("configuration", sort=False)} for table in (before, now)
-    )
-    if len(one) == len(other) == 1:
-        matches = [(first, second) for first in one for second in other]
-    else:
-        second = {_presets(name): name for name in other}
-        matches = [(name, second[_presets(name)]) for name in one if _presets(name) in second]
-    return [(f"{first} -> {second}", one[first], other[second]) for first, second in matches]
+def pairs(before: Sequence[Config], now: Sequence[Config]) -> list[tuple[Config, Config]]:
+    """Give what is compared: the same formulation and preset, whatever the options, or the only two configurations."""
+    if len(before) == len(now) == 1:
+        return [(before[0], now[0])]
+    presets = {_preset(config): config for config in now}
+    return [(config, presets[_preset(config)]) for config in before if _preset(config) in presets]
 
 
-def _presets(name: str) -> str:
-    """Give formulation and preset of a configuration."""
-    return name.partition(":")[2]
+def _preset(config: Config) -> tuple[str, str]:
+    """Give formulation and preset of a configuration, without changed options."""
+    return config.formulation, config.preset_name.partition(":")[0]

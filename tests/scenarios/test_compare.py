@@ -66,14 +66,19 @@ def test_a_change_without_an_exact_value_is_unknown_and_fails(ruled) -> None:
     assert fails(rows)
 
 
-def test_presets_are_matched_by_formulation_and_name(ruled) -> None:
-    names = ["mujoco", "mujoco:joint:default", "pybullet:joint:default", "pybullet:contact"]
-    rows = [Stored(Run(Config.parse(name), CASE, STEPS), "1", with_bound(1.0)) for name in names]
-    table = judged(points([*ruled, *rows]))
-    own = {name: table[table.engine == name] for name in ("mujoco", "pybullet")}
-    assert [name for name, _, _ in pairs(own["mujoco"], own["pybullet"])] == [
-        "mujoco:joint:default -> pybullet:joint:default"
-    ]
+MATCHED = {
+    "two engines": (["mujoco", "mujoco:joint:default"], ["pybullet:joint:default", "pybullet:contact"], [1], [0]),
+    "an option": (["mujoco:joint:default", "mujoco"], ["mujoco:noslip_iterations=3"], [1], [0]),
+    "one and one": (["mujoco:joint:default"], ["pybullet:contact"], [0], [0]),
+    "nothing": (["mujoco:joint:default", "mujoco"], ["pybullet:contact"], [], []),
+}
+
+
+@pytest.mark.parametrize("case", MATCHED)
+def test_formulations_and_presets_are_matched_whatever_their_options(case: str) -> None:
+    *names, left, right = MATCHED[case]
+    before, now = ([Config.parse(name) for name in own] for own in names)
+    assert pairs(before, now) == [(before[i], now[k]) for i, k in zip(left, right, strict=True)]
 
 
 def test_the_sentence_at_the_end_says_which_is_closer(ruled) -> None:
@@ -99,6 +104,7 @@ def test_default_options_of_mujoco_are_farther_from_the_exact_motion_at_every_po
         (["some.sqlite", "--engine=mujoco", "--engine=pybullet"], "1 stores and 2 --engine"),
         (["--engine=mujoco:joint:best", "--engine=pybullet"], "best"),
         (["--engine=mujoco:contact:tuned", "--engine=mujoco:nose=3"], "nose"),
+        (["--engine=mujoco", "--engine=pybullet:contact:nothing"], "nothing"),
     ],
 )
 def test_wrong_input_ends_before_anything_runs(arguments: list[str], problem: str, capsys) -> None:
