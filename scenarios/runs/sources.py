@@ -13,8 +13,8 @@ from multibody_xval.engines.interface.registry import engine, registered_names
 from reference_lcp.process import ROOT
 
 RUNS = tuple(
-    ROOT / "multibody_xval" / "scenarios" / "runs" / f"{name}.py"
-    for name in ("steady", "transient", "scene", "failures")
+    ROOT / "multibody_xval" / "scenarios" / f"{name}.py"
+    for name in ("runs/steady", "runs/transient", "runs/scene", "runs/failures", "compute/checked")
 )
 """What asks an engine, and reads its motion."""
 

@@ -16,7 +16,8 @@ from multibody_xval.engines.interface.presets import FrictionLaw
 from multibody_xval.engines.interface.registry import LAW_SUFFIX, law_of
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.shared.law_distance import distance_from_law, gain, stepped_by, unclaimed_reason
-from multibody_xval.scenarios.runs.failures import NOT_FINITE, CheckedSimulation, check_trajectory, results_together
+from multibody_xval.scenarios.compute.checked import NOT_FINITE, CheckedSimulation, check_trajectory
+from multibody_xval.scenarios.runs.failures import results_together
 from multibody_xval.scenarios.runs.recorded import RecordedPeriod
 from multibody_xval.scenarios.runs.result import RESOLVED_DB, Result, ResultStatus
 from multibody_xval.scenarios.runs.task import Recorded, Start, SteadyStateTask

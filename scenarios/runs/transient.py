@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from multibody_xval.scenarios.runs.failures import CheckedSimulation, results_together
+from multibody_xval.scenarios.compute.checked import CheckedSimulation
+from multibody_xval.scenarios.runs.failures import results_together
 from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
 from multibody_xval.scenarios.runs.transient_task import TransientTask
 from reference_lcp.chain.mass_in_mass import mechanical_energy

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.compute.checked import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
 from multibody_xval.scenarios.runs.executor import run_batch
-from multibody_xval.scenarios.runs.failures import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
 from multibody_xval.scenarios.runs.parameters import ChainRatios, Modulation
 from multibody_xval.scenarios.runs.result import Result
 from multibody_xval.scenarios.runs.task import Recorded, Task
