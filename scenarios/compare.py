@@ -17,7 +17,7 @@ CHANGES = (REGRESSED, MISSING, IMPROVED, UNCHANGED, UNKNOWN)
 """What a point may have become, the worst first; unknown where it has changed and there is no exact value."""
 
 LEAST_PERCENT = 0.01
-"""Change of the error that counts as none [% of amplitude]: a tenth of a hundredth of a decibel, far below any step."""
+"""Change of the error that counts as none [% of amplitude]: a thousandth of a decibel, far below any step."""
 
 RANKS = {"periodic": 0, "not periodic": 1, "failed": 2, "unsupported": 3}
 """How little a run says."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from multibody_xval.engines.interface.variant import GENERAL, check_installed, name_parts, variants_named, variants_of
 from multibody_xval.scenarios.exact_values import ruler
-from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
+from multibody_xval.scenarios.model import Case, Config, Run
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 
 COMPARED = ("tuned", *GENERAL)
@@ -45,8 +45,3 @@ def runs_at(configs: Iterable[Config], cases: Sequence[Case], minimum: int = MIN
     steps = {case: case.steps(minimum) for case in cases}
     own = [Run(config, case, steps[case]) for config, case in product(dict.fromkeys(configs), cases)]
     return list(dict.fromkeys([*own, *ruler(steps.items())]))
-
-
-def is_ruler(run: Run) -> bool:
-    """Whether a run is the reference's, by which others are judged."""
-    return run.config.engine == REFERENCE.engine

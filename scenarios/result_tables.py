@@ -18,8 +18,6 @@ CONFIG = ["engine", "formulation", "preset"]
 CURVE = [*CONFIG, "version", "curve", "steps"]
 """Columns that rows of one curve over the frequency ratio share; `curve` is the case without its frequency ratio."""
 
-MODES = ("stick", "forward slip", "backward slip")
-
 
 def now(results: Mapping[Run, Result]) -> list[Stored]:
     """Give results with the versions of the engines of this environment."""

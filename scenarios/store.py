@@ -146,13 +146,6 @@ def checked_store(path: Path) -> Path:
     return path
 
 
-def existing_store(path: Path) -> Path:
-    """Give the path of a store that is there."""
-    if not checked_store(path).is_file():
-        raise ParameterError(f"store {path} does not exist; allowed where nothing is run: a store that is there")
-    return path
-
-
 def key(run: Run) -> str:
     """Give the hash of all that the result of a run depends on."""
     return hashlib.sha256("\n".join((run.text, *identity(run.config), digest(run.config.engine))).encode()).hexdigest()

@@ -33,6 +33,14 @@ Pair = Annotated[
     ),
 ]
 
+Outs = Annotated[
+    list[Path] | None,
+    typer.Option(
+        help="Write the changes here: a short comment for a pull request as .md, in full as .json, every point as "
+        ".csv; may be repeated."
+    ),
+]
+
 app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_exceptions_enable=False)
 
 MOST_ROWS = 20
@@ -71,13 +79,7 @@ def compare(
             help="Compute the exact motion of changed points; --no-exact takes the truth only from the stores."
         ),
     ] = True,
-    out: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Write the changes here: a short comment for a pull request as .md, in full as .json, every point as "
-            ".csv; may be repeated."
-        ),
-    ] = None,
+    out: Outs = None,
 ) -> None:
     """Compare two stores point by point, or two configurations: versions of an engine, sets of options, engines.
 
