@@ -107,15 +107,17 @@ class Sweep:
     def places(self) -> list[Place]:
         """Every combination of the values of all axes but the frequency ratio, the last axis fastest."""
         axes = {name: values for name, values in self.axes.items() if name != FREQUENCY}
-        fixed = {**self.chain, "drive": self.drive, "displacement": self.displacement, STEPS: self.steps_per_period}
-        found = []
-        for values in itertools.product(*axes.values()):
-            own = fixed | dict(zip(axes, values, strict=True))
-            whole = {name: int(own[name]) for name in COUNTS if name in own}
-            steps = whole.pop(STEPS)
-            del own[STEPS]
-            found.append(Place(Case(frequency_ratio=1.0, **(own | whole)), steps))
-        return found
+        combinations = [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
+        return [
+            Place(self.case_at({**own, FREQUENCY: 1.0}), int(own.get(STEPS, self.steps_per_period)))
+            for own in combinations
+        ]
+
+    def case_at(self, values: Mapping[str, float]) -> Case:
+        """Give the case at values of all axes."""
+        own = {**self.chain, "drive": self.drive, "displacement": self.displacement, **values}
+        own.pop(STEPS, None)
+        return Case(**{name: int(value) if name in COUNTS else value for name, value in own.items()})
 
     def runs(self) -> list[Run]:
         """Give all runs of a sweep with its ruler's; of an adaptive sweep, those that it begins with."""
