@@ -79,8 +79,9 @@ def judged_table(data: xr.Dataset) -> pd.DataFrame:
     for name in COMPLEX:
         rows[name] = rows.pop(f"{name}_real") + 1j * rows.pop(f"{name}_imag")
     configs = rows.configuration.map(Config.parse)
-    rows["case"] = [sweep.case_at({name: row[name] for name in sweep.axes}) for row in rows.to_dict("records")]
-    described = [_described(*own) for own in zip(configs, rows.case, strict=True)]
+    cases = [sweep.case_at({name: row[name] for name in sweep.axes}) for row in rows.to_dict("records")]
+    rows["case"] = pd.Series(cases, rows.index, dtype=object)
+    described = [_described(*own) for own in zip(configs, cases, strict=True)]
     return rows.drop(columns="configuration").assign(**pd.DataFrame(described, index=rows.index))
 
 

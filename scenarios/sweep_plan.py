@@ -115,9 +115,10 @@ class Sweep:
 
     def case_at(self, values: Mapping[str, float]) -> Case:
         """Give the case at values of all axes."""
-        own = {**self.chain, "drive": self.drive, "displacement": self.displacement, **values}
+        own: dict[str, Any] = {**self.chain, "drive": self.drive, "displacement": self.displacement, **values}
         own.pop(STEPS, None)
-        return Case(**{name: int(value) if name in COUNTS else value for name, value in own.items()})
+        counts = {name: int(own[name]) for name in COUNTS if name in own}
+        return Case(**(own | counts))
 
     def runs(self) -> list[Run]:
         """Give all runs of a sweep with its ruler's; of an adaptive sweep, those that it begins with."""
@@ -160,6 +161,10 @@ class Sweep:
         for config, place, eta in wanted:
             runs |= dict.fromkeys(runs_at([config], [replace(place.case, frequency_ratio=eta)], place.minimum))
         return list(runs)
+
+    def with_config(self, config: Config) -> "Sweep":
+        """Give the sweep with one more configuration in front, unless it has it."""
+        return replace(self, configs=tuple(dict.fromkeys((config, *self.configs))))
 
     def own_points(self, table: pd.DataFrame) -> pd.DataFrame:
         """Give the rows of a table that are points of this sweep, with a column ``steps_per_period``.
