@@ -85,6 +85,7 @@ REGULARISED_RECOMMENDED = replace(
     optional=True,
     varied={"frictionProportionalZone": (1e-4, 1e-6)},
     judged=("scenes",),
+    settles=False,
 )
 
 CONTACT_TUNED = Preset(

@@ -142,6 +142,8 @@ class Preset:
     amplitude, ``stuck fraction``, ``time`` over the period; in scenes ``drift`` [µm/s], ``share`` of a number."""
     accuracy_reason: str = ""
     """Why: regularised friction, a bristle, single precision."""
+    settles: bool = True
+    """Whether it has a steady state at most points of the chain; reports measure what does not at one point alone."""
     unchanged: "Preset | None" = None
     """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()

@@ -179,6 +179,7 @@ CONTACT_DEFAULT = Preset(
         "solimp": Option.own(SOLIMP, "MuJoCo's own: contacts are soft."),
         "solref": Option.own(SOLREF, "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
     },
+    settles=False,
 )
 
 JOINT_RECOMMENDED = Preset(
@@ -216,4 +217,5 @@ CONTACT_RECOMMENDED = Preset(
     optional=True,
     varied={"impratio": (100.0, 1000.0, 1e5), "noslip_iterations": (3,)},
     judged=("scenes",),
+    settles=False,
 )

@@ -1,0 +1,127 @@
+"""The runs of a report: every preset at five points, tuned and default joints over the paper's chain."""
+
+from collections.abc import Iterable, Sequence
+from functools import cache
+
+import numpy as np
+import scipy.linalg
+
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import default_engine_names, engine
+from multibody_xval.engines.interface.variant import GENERAL, variants_named, variants_of
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
+from multibody_xval.scenarios.plan import runs_at
+from reference_lcp.chain.linear_response import stuck_basis
+
+HEADLINE = tuple(
+    Case(friction_ratio=friction, frequency_ratio=eta)
+    for friction, eta in ((0.1, 1.4), (0.1, 1.5), (0.1, 1.6), (0.3, 1.5), (1.0, 1.4))
+)
+"""Deep within the band, where engines are farthest from the exact motion: with little friction, and with much."""
+
+HEADLINE_STEPS = 800
+"""Per period: the error that is left is an engine's, hardly its step's."""
+
+PRESETS = ("default", *(name for name in GENERAL if name != "default"), "tuned")
+"""Presets that a report compares, in the order in which it shows them."""
+
+ON_GRID = ("default", "tuned")
+"""Presets of joints that are measured on the whole grid."""
+
+FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
+QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
+
+QUICK_SLOW: dict[str, tuple[float, ...]] = {"tuned": (0.3,), "default": ()}
+"""Friction ratios of engines in `SLOW` in the quick report, by preset."""
+
+SLOW = ("exudyn-regularised", "exudyn-bristle")
+"""Engines that take a hundred times as long as others."""
+
+FREQUENCY_RATIOS = tuple(np.round(np.r_[0.1:0.5:0.1, 0.5:1.6:0.05, 1.6:3.05:0.1], 4).tolist())
+QUICK_FREQUENCY_RATIOS = (
+    0.3, 0.62, 0.7, 0.8, 0.8505, 0.8686, 0.9, 0.95, 1.0, 1.1, 1.2, 1.3, 1.4, 1.422, 1.5, 1.6,
+)  # fmt: skip
+"""With the resonances next to which a band edge may hide."""
+
+REPORT = "multibody-xval report"
+
+
+def report_configs(names: Iterable[str] = ()) -> list[Config]:
+    """Give the configurations of a report: of engines, every preset that is compared; of a full name, that one.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown, or its engine is not installed.
+    """
+    asked = list(names)
+    bare = [name for name in asked or default_engine_names() if ":" not in name and name != REFERENCE.engine]
+    if asked:
+        variants_named(bare)
+    compared = [own for name in bare for own in variants_of(name, optional=True) if own.preset_name in PRESETS]
+    return list(dict.fromkeys([*compared, *variants_named([name for name in asked if ":" in name])]))
+
+
+def report_runs(configs: Iterable[Config], *, quick: bool) -> list[Run]:
+    """Give all runs of a report that are known before the first: those of the ruler too."""
+    configs = list(dict.fromkeys(configs))
+    runs = runs_at([REFERENCE], grid(quick))
+    for own in configs:
+        runs += runs_at([own], HEADLINE if own.preset.settles else HEADLINE[:1], HEADLINE_STEPS)
+        runs += runs_at([own], [case for case in grid(quick) if case.friction_ratio in frictions(own, quick=quick)])
+    return list(dict.fromkeys(runs))
+
+
+def frictions(config: Config, *, quick: bool) -> Sequence[float]:
+    """Give the friction ratios at which a configuration is measured over the frequency ratio."""
+    if config.formulation != Formulation.JOINT or config.preset_name not in ON_GRID or not config.preset.settles:
+        return ()
+    if quick and config.engine in SLOW:
+        return QUICK_SLOW[config.preset_name]
+    return QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
+
+
+@cache
+def grid(quick: bool) -> tuple[Case, ...]:
+    """Give the cases of the grid; curves of the default report hold every resonance."""
+    ratios = QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
+    etas = QUICK_FREQUENCY_RATIOS if quick else sorted({*FREQUENCY_RATIOS, *resonances()})
+    return tuple(Case(friction_ratio=own, frequency_ratio=eta) for own in ratios for eta in etas)
+
+
+@cache
+def resonances() -> tuple[float, ...]:
+    """Give the natural frequencies over ω_r of the paper's chain with contacts that slide freely, or never slide."""
+    chain = Case(friction_ratio=0.0, frequency_ratio=1.0).chain
+    found: set[float] = set()
+    for basis in (np.eye(2 * chain.cells), stuck_basis(chain)):
+        stiffness, mass = (basis.T @ matrix @ basis for matrix in (chain.stiffness_matrix, chain.mass_matrix))
+        squares = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
+        found |= set(np.round(np.sqrt(squares) / chain.resonator_frequency, 4).tolist())
+    return tuple(sorted(eta for eta in found if min(FREQUENCY_RATIOS) < eta < max(FREQUENCY_RATIOS)))
+
+
+def left_out(configs: Iterable[Config], *, quick: bool) -> str:
+    """Say in a line what a report does not measure, with the command that does; empty where it measures all."""
+    configs = list(configs)
+    never = [str(own) for own in configs if not own.preset.settles]
+    sentences = []
+    if quick:
+        parts = [f"friction ratios {_listed(set(FRICTION_RATIOS) - set(QUICK_FRICTION_RATIOS))}", *_slow(configs)]
+        sentences.append(f"Left out of the quick report: {'; '.join(parts)}; all of it: {REPORT}.")
+    if never:
+        sentences.append(f"At one point alone, since they hardly ever settle: {', '.join(never)}.")
+    return " ".join(sentences)
+
+
+def _slow(configs: Iterable[Config]) -> list[str]:
+    """Say what is left out of the engines that take longest."""
+    titles = dict.fromkeys(engine(own.engine).capabilities.title for own in configs if own.engine in SLOW)
+    if not titles:
+        return []
+    kept = _listed(QUICK_SLOW["tuned"])
+    return [f"{' and '.join(titles)}: friction ratios other than {kept}, and default options on the grid"]
+
+
+def _listed(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:g}" for value in sorted(values))

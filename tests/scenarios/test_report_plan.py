@@ -1,0 +1,47 @@
+"""What a report measures where, as a function of configurations alone."""
+
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios import report_plan
+from multibody_xval.scenarios.exact_values import ruler
+from multibody_xval.scenarios.model import Config, Run
+from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, frictions, grid, left_out, report_runs
+
+TUNED = Config("mujoco")
+DEFAULT = Config("mujoco", preset_name="default")
+CONTACT = Config("mujoco", "contact")
+UNSETTLED = Config("mujoco", "contact", "default")
+SLOW = Config("exudyn-regularised")
+
+
+def of(config: Variant, runs: list[Run]) -> list[Run]:
+    return [run for run in runs if run.config == config]
+
+
+def test_every_preset_is_measured_at_the_headline_points_and_joints_on_the_grid() -> None:
+    runs = report_runs([TUNED, DEFAULT, CONTACT, UNSETTLED], quick=True)
+    headline = [Run(CONTACT, case, HEADLINE_STEPS) for case in HEADLINE]
+    assert of(CONTACT, runs) == headline
+    assert len(of(TUNED, runs)) == len(of(DEFAULT, runs)) == len(HEADLINE) + len(grid(True))
+    assert of(UNSETTLED, runs) == [Run(UNSETTLED, HEADLINE[0], HEADLINE_STEPS)]
+
+
+def test_the_ruler_of_every_run_is_planned_too() -> None:
+    runs = report_runs([TUNED], quick=True)
+    assert set(ruler((run.case, run.steps) for run in of(TUNED, runs))) <= set(runs)
+    assert len(runs) == len(set(runs))
+
+
+def test_the_quick_report_measures_slow_engines_at_one_friction_ratio() -> None:
+    assert frictions(SLOW, quick=True) == (0.3,)
+    assert frictions(Config("exudyn-bristle", preset_name="default"), quick=True) == ()
+    assert frictions(SLOW, quick=False) == report_plan.FRICTION_RATIOS
+
+
+def test_what_is_left_out_is_said_with_the_command_that_has_it() -> None:
+    said = left_out([TUNED, SLOW, UNSETTLED], quick=True)
+    assert said == (
+        "Left out of the quick report: friction ratios 0.1, 0.6, 5; Exudyn, regularised: friction ratios other than "
+        "0.3, and default options on the grid; all of it: multibody-xval report. "
+        "At one point alone, since they hardly ever settle: mujoco:contact:default."
+    )
+    assert left_out([TUNED], quick=False) == ""
