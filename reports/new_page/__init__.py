@@ -1,0 +1,1 @@
+"""One page about judged points: tables, figures and templates, each a function of tables."""
