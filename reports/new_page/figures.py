@@ -39,7 +39,7 @@ def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
 
 def transmittance(points: pd.DataFrame) -> Figure:
     """Draw a panel an engine: the reference as lines, one a friction ratio, engines as points."""
-    coarse = points[points.steps == points.groupby("case").steps.transform("min")]
+    coarse = points[points.steps == points.groupby("case", sort=False).steps.transform("min")]
     shown = coarse[coarse.status == "periodic"].sort_values("frequency_ratio")
     shown = shown.assign(level=np.maximum(shown.transmittance_db, FLOOR_DB))
     reference, rest = shown[is_reference(shown)], shown[~is_reference(shown)]
