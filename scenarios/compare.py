@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from multibody_xval.scenarios.evaluate import Means, judged_points
-from multibody_xval.scenarios.judge import FLOOR, resolution
+from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.judge import FLOOR, judged, resolution
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
+from multibody_xval.scenarios.result_tables import points
 from reference_lcp.errors import ParameterError
 
 IMPROVED, REGRESSED, UNCHANGED, MISSING, UNKNOWN = "improved", "regressed", "unchanged", "missing", "unknown"
@@ -47,7 +48,7 @@ def changes_between(before: str, now: str, means: Means) -> pd.DataFrame:
     if not found:
         raise ParameterError(f"{before} and {now} have no formulation and preset in common; allowed: two that have")
     configs = [config for pair in found for config in pair]
-    table = judged_points(runs_at(configs, guard_cases()), means, f"{before}, {now}")
+    table = judged(points(computed(runs_at(configs, guard_cases()), means, f"{before} and {now}")))
     changes = [
         compared(table[table.config == one], table[table.config == other], f"{one} -> {other}") for one, other in found
     ]

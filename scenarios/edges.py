@@ -163,7 +163,7 @@ AGREES, DEVIATES, NOT_REFINED, NONE, UNKNOWN = "agrees", "deviates", "not refine
 
 
 def judged_edges(table: pd.DataFrame) -> pd.DataFrame:
-    """Compare the edges of curves with those of the exact motion, or of the reference for presets that share its scheme.
+    """Compare edges of curves with those of the exact motion, or of the reference for presets that share its scheme.
 
     The exact motion's edge is as far from the reference's as its level there is from the threshold, over the slope;
     what is allowed of an amplitude, over the slope, is allowed of an edge.

@@ -1,20 +1,22 @@
 """The results of planned runs: from a store, and of what it lacks from worker processes."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
-from multibody_xval.scenarios.judge import judged
-from multibody_xval.scenarios.model import Run
+from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.pool import SECONDS_A_RUN, dask, local, run_missing
 from multibody_xval.scenarios.progress import shown
 from multibody_xval.scenarios.result_tables import now, points
-from multibody_xval.scenarios.store import opened
+from multibody_xval.scenarios.store import Stored, existing_store, opened
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
+
+Propose = Callable[[pd.DataFrame], list[Run]]
+"""Gives the runs that a table of points still needs; none where it is whole."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +48,21 @@ class Means:
                 raise ParameterError(f"workers = {self.workers} with a scheduler; allowed: one of the two")
 
 
-def judged_points(runs: Sequence[Run], means: Means, what: str) -> pd.DataFrame:
-    """Give the judged points of runs; those that are known are not run again.
+def computed(
+    runs: Sequence[Run], means: Means, what: str = "operating points", then: Sequence[tuple[str, Propose]] = ()
+) -> list[Stored]:
+    """Give the results of runs, and of those that they lead to; those that are known are not run again.
+
+    Parameters
+    ----------
+    runs
+        What is known before anything is run.
+    means
+        What computes, and where results are kept.
+    what
+        What the runs are, for the line of progress.
+    then
+        What follows, each with its name: asked again with the points so far until it proposes nothing.
 
     Raises
     ------
@@ -57,8 +72,36 @@ def judged_points(runs: Sequence[Run], means: Means, what: str) -> pd.DataFrame:
         If the store cannot be written; what is stored stays.
     """
     opened_pool = local(means.workers or os.cpu_count() or 1) if means.scheduler is None else dask(means.scheduler)
-    with opened(means.store) as store, shown(what, len(runs)) as ended, opened_pool as pool:
-        found = run_missing(
-            runs, store, pool, ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
-        )
-    return judged(points(now(found)))
+    with opened(means.store) as store, shown([what, *(name for name, _ in then)]) as steps, opened_pool as pool:
+
+        def run(new: Sequence[Run]) -> None:
+            steps.more(len(new))
+            found.update(
+                run_missing(
+                    new, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
+                )
+            )
+
+        found: dict[Run, Result] = {}
+        steps.begin()
+        run(runs)
+        for _, propose in then:
+            steps.begin()
+            while new := [own for own in propose(points(now(found))) if own not in found]:
+                run(new)
+        return now(found)
+
+
+def stored_results(*stores: Path) -> list[Stored]:
+    """Give all that stores hold, whatever engines and versions; of what several hold, the last is given.
+
+    Raises
+    ------
+    ParameterError
+        If a file is missing, or is no store.
+    """
+    found: dict[tuple[Run, str], Stored] = {}
+    for path in stores:
+        with opened(existing_store(path)) as store:
+            found |= {(row.run, row.version): row for row in store.rows()}
+    return list(found.values())

@@ -1,40 +1,86 @@
 """What is done of a command, on standard error: one bar in a terminal, a line now and then without one."""
 
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
 
-from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.pool import Ended
+from multibody_xval.scenarios.model import Result, Run, Status
 
-STEPS = 10
-"""Lines at most, where no terminal shows a bar."""
+LINES = 10
+"""Lines of a step at most, where no terminal shows a bar."""
+
+EXPECTED_SECONDS = 0.2
+"""That a run takes before any has ended: an engine's steady state takes 0.05 to 1."""
+
+
+class Steps:
+    """The steps of a command, one after the other, each with its runs."""
+
+    def __init__(self, names: Sequence[str], bar: Progress | None):
+        self._names, self._bar = names, bar
+        self._number, self._total, self._done, self._printed = 0, 0, 0, 0
+        self._begin = time.monotonic()
+        self._task: TaskID | None = None
+        self._silent = True
+
+    def begin(self) -> None:
+        """Begin the next step."""
+        self._number += 1
+        self._total = self._done = self._printed = 0
+        self._begin = time.monotonic()
+        if self._bar is not None:
+            if self._task is not None:
+                self._bar.remove_task(self._task)
+            self._task = self._bar.add_task(self._title, total=None, left="")
+
+    def more(self, runs: int) -> None:
+        """Add runs to the step."""
+        self._total += runs
+
+    def ended(self, results: dict[Run, Result]) -> None:
+        """Show results that have just come."""
+        self._done += len(results)
+        self._first(results)
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, total=self._total, completed=self._done, left=self._left)
+        elif results and self._done * LINES >= (self._printed + 1) * self._total:
+            self._printed = self._done * LINES // self._total
+            print(f"{self._title}: {self._done} of {self._total} runs{self._left}", file=sys.stderr)
+
+    def _first(self, results: dict[Run, Result]) -> None:
+        """Print the first steady state of all."""
+        steady = next((own for own in results.items() if own[1].status is Status.PERIODIC), None)
+        if self._silent and steady is not None:
+            run, result = steady
+            self._silent = False
+            text = f"first result: {run.config}, {run.case.title}: {result.level_db:.3f} dB"
+            print(text, file=sys.stderr) if self._bar is None else self._bar.console.print(text, highlight=False)
+
+    @property
+    def _title(self) -> str:
+        return f"step {self._number} of {len(self._names)}, {self._names[self._number - 1]}"
+
+    @property
+    def _left(self) -> str:
+        """Say how long the rest of the step takes, as long a run as those so far."""
+        rest = self._total - self._done
+        if not rest:
+            return ""
+        each = (time.monotonic() - self._begin + EXPECTED_SECONDS) / (self._done + 1)
+        return f", about {max(1, round(rest * each))} s left"
 
 
 @contextmanager
-def shown(what: str, total: int) -> Iterator[Ended]:
-    """Show how many runs are done; gives what takes their results."""
+def shown(steps: Sequence[str]) -> Iterator[Steps]:
+    """Show the steps of a command, by their names."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _Lines(what, total)
+        yield Steps(steps, None)
         return
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}")
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(what, total=total)
-        yield lambda results: bar.advance(task, len(results))
-
-
-class _Lines:
-    """Prints a line each tenth of the runs."""
-
-    def __init__(self, what: str, total: int):
-        self._what, self._total, self._done, self._printed = what, total, 0, 0
-
-    def __call__(self, results: dict[Run, Result]) -> None:
-        self._done += len(results)
-        if self._done * STEPS >= (self._printed + 1) * self._total:
-            self._printed = self._done * STEPS // self._total
-            print(f"{self._what}: {self._done} of {self._total} runs", file=sys.stderr)
+        yield Steps(steps, bar)

@@ -134,6 +134,14 @@ def opened(path: Path | None) -> Iterator[Store]:
         store.close()
 
 
+def existing_store(path: Path) -> Path:
+    """Give the path of a store that is there."""
+    path = checked_path("store", path)
+    if not path.is_file():
+        raise ParameterError(f"store {path} is no file; allowed: a file that an earlier command has written")
+    return path
+
+
 def checked_store(path: Path) -> Path:
     """Give the path of a store, if a file can be there."""
     path = checked_path("store", path)

@@ -1,40 +1,25 @@
 """Sweeps that run: a first plan, then what points still need, until nothing is proposed; edges as a table."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-
 import pandas as pd
 import xarray as xr
 
 from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.dataset import by_tolerance, dataset, sweep_in
+from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.judge import judged
-from multibody_xval.scenarios.model import REFERENCE, Result, Run
-from multibody_xval.scenarios.result_tables import is_reference, now, points
+from multibody_xval.scenarios.model import REFERENCE
+from multibody_xval.scenarios.result_tables import is_reference, points
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, Sweep
 
-RunAll = Callable[[Sequence[Run]], Mapping[Run, Result]]
-"""Gives the results of runs; those that are known are not run again."""
 
-Propose = Callable[[pd.DataFrame], list[Run]]
-"""Gives the runs that a table of points still needs; none where it is whole."""
-
-
-def grown(runs: Sequence[Run], run: RunAll, proposals: Iterable[Propose]) -> pd.DataFrame:
-    """Give the points of runs, and of those that are proposed, one proposal after the other."""
-    found = dict(run(runs))
-    for propose in proposals:
-        while new := [own for own in propose(points(now(found))) if own not in found]:
-            found |= run(new)
-    return points(now(found))
-
-
-def swept(sweep: Sweep, run: RunAll) -> xr.Dataset:
+def swept(sweep: Sweep, means: Means) -> xr.Dataset:
     """Run a sweep, and give its judged points as labelled arrays."""
-    table = judged(grown(sweep.runs(), run, [sweep.propose]))
+    then = [("adaptive curves", sweep.propose)] if sweep.grid is not None else []
+    table = judged(points(computed(sweep.runs(), means, then=then)))
     return dataset(sweep, by_tolerance(table, sweep.tolerance_db))
 
 
-def edge_table(data: xr.Dataset, run: RunAll) -> pd.DataFrame:
+def edge_table(data: xr.Dataset, means: Means) -> pd.DataFrame:
     """Refine both edges of every curve of a dataset.
 
     Returns
@@ -45,7 +30,8 @@ def edge_table(data: xr.Dataset, run: RunAll) -> pd.DataFrame:
     """
     sweep = sweep_in(data)
     plan = sweep.with_config(REFERENCE)
-    table = grown(plan.runs(), run, [plan.propose, edges.propose])
+    then = [("adaptive curves", plan.propose), ("band edges", edges.propose)]
+    table = points(computed(plan.runs(), means, then=then))
     found = edges.judged_edges(table)
     found = found[found[["engine", "formulation", "preset"]].agg(tuple, axis=1).isin(_names(sweep))]
     axes = [name for name in sweep.axes if name not in (FREQUENCY, "steps_per_period")]
