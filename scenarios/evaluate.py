@@ -73,7 +73,7 @@ def computed(
         If the store cannot be written; what is stored stays.
     """
     opened_pool = local(means.workers or os.cpu_count() or 1) if means.scheduler is None else dask(means.scheduler)
-    with opened(means.store) as store, shown([what, *(name for name, _ in then)]) as steps, opened_pool as pool:
+    with opened_pool as pool, opened(means.store) as store, shown([what, *(name for name, _ in then)]) as steps:
 
         def run(new: Sequence[Run]) -> None:
             steps.more(len(new))

@@ -21,9 +21,10 @@ from multibody_xval.scenarios import compute
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.compute.batch import prepare, run_batch
 from multibody_xval.scenarios.compute.prctl import SET_CHILD_SUBREAPER, SET_NAME, SET_PARENT_DEATH_SIGNAL, prctl
+from multibody_xval.scenarios.compute.without_main import WithoutMain
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.store import Store, is_kept
-from reference_lcp.errors import RunError
+from reference_lcp.errors import ParameterError, shown
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
@@ -58,7 +59,7 @@ class LocalPool:
         self.slots = workers
         self._pools: dict[str, ProcessPool] = {}
         self._names: dict[str, str] = {}
-        self._context = multiprocessing.get_context("forkserver")
+        self._context = WithoutMain()
         self._context.set_forkserver_preload([f"{compute.__name__}.{name}" for name in ("ends_with_parent", "warm")])
         forkserver.ensure_running()  # by this thread: it ends with that
         prctl(SET_CHILD_SUBREAPER, 1)
@@ -148,7 +149,10 @@ def dask(address: str) -> Iterator[DaskPool]:
     try:
         client = Client(address, timeout="15s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:
-        raise RunError(f"scheduler = {address!r} does not answer: {problem}") from None
+        reason = " ".join(str(problem).split())
+        raise ParameterError(
+            f"scheduler = {shown(address)} cannot be reached: {reason}; allowed: the address of one that runs"
+        ) from None
     with client:
         yield DaskPool(client)
 
