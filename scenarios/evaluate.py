@@ -1,7 +1,7 @@
 """The results of planned runs: from a store, and of what it lacks from worker processes."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,7 +50,11 @@ class Means:
 
 
 def computed(
-    runs: Sequence[Run], means: Means, what: str = "operating points", then: Sequence[tuple[str, Propose]] = ()
+    runs: Sequence[Run],
+    means: Means,
+    what: str = "operating points",
+    then: Sequence[tuple[str, Propose]] = (),
+    known: Mapping[Run, Result] | None = None,
 ) -> list[Stored]:
     """Give the results of runs, and of those that they lead to; those that are known are not run again.
 
@@ -64,6 +68,8 @@ def computed(
         What the runs are, for the line of progress.
     then
         What follows, each with its name: asked again with the points so far until it proposes nothing.
+    known
+        Results that neither are run nor kept.
 
     Raises
     ------
@@ -76,10 +82,13 @@ def computed(
     with opened_pool as pool, opened(means.store) as store, shown([what, *(name for name, _ in then)]) as steps:
 
         def run(new: Sequence[Run]) -> None:
-            steps.more(len(new))
+            given = {run: known[run] for run in new if run in known} if known else {}
+            rest = [run for run in new if run not in given]
+            steps.more(len(rest))
+            found.update(given)
             found.update(
                 run_missing(
-                    new, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
+                    rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
                 )
             )
 

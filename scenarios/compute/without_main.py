@@ -18,9 +18,7 @@ class _Start(Popen):
 
 
 class _Process(ForkServerProcess):
-    @staticmethod
-    def _Popen(process: Any) -> _Start:
-        return _Start(process)
+    _Popen = staticmethod(_Start)  # type: ignore[assignment]
 
 
 class WithoutMain(ForkServerContext):
