@@ -9,7 +9,7 @@ import pandas as pd
 
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.pool import dask, local, run_missing
+from multibody_xval.scenarios.pool import dask, local, run_missing, without_processes
 from multibody_xval.scenarios.progress import shown
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.store import Stored, existing_store, opened
@@ -27,7 +27,8 @@ class Means:
     Raises
     ------
     ParameterError
-        If a number is outside its range, or both workers and a scheduler are given.
+        If a number is outside its range, both workers and a scheduler are given, or this system
+        runs no worker processes.
     """
 
     store: Path | None = None
@@ -47,6 +48,8 @@ class Means:
             checked_count("workers", self.workers, 1, MOST_WORKERS)
             if self.scheduler is not None:
                 raise ParameterError(f"workers = {self.workers} with a scheduler; allowed: one of the two")
+            if self.workers > 1 and (reason := without_processes()) is not None:
+                raise ParameterError(f"workers = {self.workers}; allowed here: 1, since {reason}")
 
 
 def computed(
