@@ -111,11 +111,11 @@ def configurations(name: str) -> list[Config]:
     return [own for own in variants_of(name, optional=True) if own.unavailable_reason is None]
 
 
-def chosen_points(settled: int) -> list[str]:
+def chosen_points(settled: int, every: int) -> list[str]:
     """Give the points at which a preset is recorded that settles at so many of the headline's, see `MOSTLY`."""
     first = headline()
     if settled >= MOSTLY * len(first):
-        return list(points())
+        return [*first, *[own for own in points() if own not in first][::every]]
     return first if settled else first[:1]
 
 
@@ -126,19 +126,19 @@ def settled(table: pd.DataFrame) -> dict[Config, int]:
     return (rows.status == "periodic").groupby(rows.config, sort=False).sum().to_dict()
 
 
-def steady_rows(name: str, means: Means) -> Iterator[Row]:
+def steady_rows(name: str, means: Means, every: int = 1) -> Iterator[Row]:
     """Give the steady states of every preset of an engine; one that hardly ever settles has few rows, see `MOSTLY`."""
     first = [run_at(own, point) for own in configurations(name) for point in headline()]
 
     def rest(table: pd.DataFrame) -> list[Run]:
-        return [run_at(own, point) for own, count in settled(table).items() for point in chosen_points(count)]
+        return [run_at(own, point) for own, count in settled(table).items() for point in chosen_points(count, every)]
 
     of_reference = [run_at(REFERENCE, point) for point in points()]
     results = results_of(computed([*of_reference, *first], means, f"{name}, first points", [("other points", rest)]))
     growth = {point: results[run_at(REFERENCE, point)].amplification for point in points()}
     for config in configurations(name):
         count = sum(results[run_at(config, point)].status is Status.PERIODIC for point in headline())
-        for point in chosen_points(count):
+        for point in chosen_points(count, every):
             numbers = steady_numbers(results[run_at(config, point)], growth[point])
             yield {"config": str(config), "point": point, **numbers}
 
@@ -251,7 +251,7 @@ def write(file: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
             table.writerows(known)
 
 
-def record(folder: Path, names: Sequence[str], parts: Sequence[str], means: Means) -> None:
+def record(folder: Path, names: Sequence[str], parts: Sequence[str], means: Means, every: int) -> None:
     """Write the files of these engines."""
     usable = [name for name in names if engine(name).unavailable_reason() is None]
     if "reference" in parts:
@@ -261,7 +261,7 @@ def record(folder: Path, names: Sequence[str], parts: Sequence[str], means: Mean
         write(folder / "edges.csv", EDGE_COLUMNS, rows)
     for name in usable:
         if "steady" in parts:
-            write(folder / "steady" / f"{name}.csv", STEADY_COLUMNS, steady_rows(name, means))
+            write(folder / "steady" / f"{name}.csv", STEADY_COLUMNS, steady_rows(name, means, every))
         if "scenarios" in parts and name != "reference":
             assert means.store is not None
             beside = means.store.with_name(f"{means.store.stem}-scenarios.sqlite")
@@ -277,9 +277,10 @@ def main() -> None:
     parser.add_argument("--engine", action="append")
     parser.add_argument("--part", action="append", choices=PARTS)
     parser.add_argument("--workers", type=int)
+    parser.add_argument("--every", type=int, default=1, help="record one point of so many, and the headline's five")
     given = parser.parse_args()
     means = Means(store=given.store, workers=given.workers, seconds_a_run=TIME_LIMIT)
-    record(given.folder, given.engine or engine_names(), given.part or PARTS, means)
+    record(given.folder, given.engine or engine_names(), given.part or PARTS, means, given.every)
 
 
 if __name__ == "__main__":
