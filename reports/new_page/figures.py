@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from multibody_xval.reports.new_page.svg import Panel
 from multibody_xval.reports.new_page.tables import FREQUENCY, TITLES
@@ -21,8 +21,11 @@ OTHER = ("#cc79a7", "x")
 REFERENCE = "0.55"
 MODES = {"stick": "#b9bfc6", "forward slip": "#0072b2", "backward slip": "#e69f00", "slip": "#56b4e9", "open": "#000"}
 
-MOST_PLACES, MOST_PANELS = 6, 48
+MOST_PLACES, MOST_PANELS = 4, 48
 """Panels of an engine, and of a figure on the page: tables have all."""
+
+PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+"""Of logarithmic axes, without powers of ten, which take longer to set than all else of a figure."""
 
 LEAST_PERCENT, LEAST_DB, LEAST_EDGE = 1e-4, 1e-4, 1e-7
 """Errors below are drawn as these."""
@@ -35,15 +38,17 @@ def transmittance(rows: pd.DataFrame) -> list[Panel]:
     reference = dict(list(steady[is_reference(steady)].groupby(["place", "steps"])))
     panels = []
     for title, own in rows[~is_reference(rows)].groupby("title", sort=False):
-        for key in _spread(list(own.groupby(["place", "steps"], sort=False).groups)):
+        for key in _spread(own):
             at = own[(own.place == key[0]) & (own.steps == key[1])]
             draw = partial(_draw_level, at, reference.get(key))
             panels.append(Panel(f"{title}: {key[0]}", _level_text(at), draw))
     return panels[:MOST_PANELS]
 
 
-def _spread(places: list[tuple[str, int]]) -> list[tuple[str, int]]:
-    """Give at most `MOST_PLACES`, evenly."""
+def _spread(rows: pd.DataFrame) -> list[tuple[str, int]]:
+    """Give at most `MOST_PLACES` places with their steps, evenly; those without friction only where all have room."""
+    groups = rows.groupby(["place", "steps"], sort=False).friction_ratio.first()
+    places = list(groups.index if len(groups) <= MOST_PLACES else groups[groups != 0].index)
     chosen = np.unique(np.linspace(0, len(places) - 1, min(MOST_PLACES, len(places))).round().astype(int))
     return [places[k] for k in chosen]
 
@@ -98,6 +103,7 @@ def _draw_errors(rows: pd.DataFrame, top: float, axes: Axes) -> None:
         sizes = own.error_percent.clip(lower=LEAST_PERCENT)
         axes.plot(own[FREQUENCY], sizes, marker, ms=4.5, mfc="none", mew=0.8, color=colour)
     axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=(LEAST_PERCENT / 2, top))
+    axes.yaxis.set_major_formatter(PLAIN)
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
@@ -121,6 +127,7 @@ def _draw_dots(rows: pd.DataFrame, titles: list[str], label: str, axes: Axes) ->
                   color=colour)  # fmt: skip
     axes.set(xscale="log", xlabel=label, yticks=range(len(titles)), ylim=(-0.6, len(titles) - 0.4))
     axes.set_yticklabels(titles)
+    axes.xaxis.set_major_formatter(PLAIN)
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 

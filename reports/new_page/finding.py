@@ -20,17 +20,8 @@ def finding(rows: pd.DataFrame) -> str:
         return "Nothing was compared: there are no results of engines."
     if own.empty:
         return f"Nothing was judged, errors were measured: {_largest(rows)}."
-    groups = [(_name(one), one) for _, one in own.groupby("configuration", sort=False)]
-    good = [name for name, one in groups if not (one.verdict == DEVIATES).any()]
-    silent = len(own) - int(own.verdict.isin([AGREES, DEVIATES]).sum())
-    parts = []
-    if good:
-        agreeing = sum(int((one.verdict == AGREES).sum()) for name, one in groups if name in good)
-        parts.append(f"{_listed(good, 'configurations')} agree{'s' * (len(good) == 1)} with the exact motion at "
-                     f"{agreeing:,} operating points and nowhere deviate{'s' * (len(good) == 1)}")  # fmt: skip
-    parts += [_off(name, one) for name, one in groups if name not in good]
-    if silent:
-        parts.append(f"{silent:,} of {len(own):,} points have no verdict")
+    off = own.groupby("configuration", sort=False).verdict.transform(lambda verdicts: (verdicts == DEVIATES).any())
+    parts = [_judged(one, deviates=deviates) for deviates, one in own.groupby(off, sort=True)]
     default = rows[(rows.options == TITLES["default"]) & ~rows.judged & rows.error_db.notna()]
     if not default.empty:
         parts.append(f"with default options, vibration amplitudes are wrong by up to {_largest(default)}")
@@ -38,9 +29,33 @@ def finding(rows: pd.DataFrame) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def _off(name: str, rows: pd.DataFrame) -> str:
+def _judged(rows: pd.DataFrame, *, deviates: bool) -> str:
+    """Say of configurations, all of which deviate somewhere or none of which does, how many of their numbers do."""
+    names = [_name(options, own) for options, own in rows.groupby("options", sort=False)]
+    several = "s" * (rows.configuration.nunique() == 1)
+    if not deviates:
+        agreeing = int((rows.verdict == AGREES).sum())
+        count = f"{agreeing:,} of {len(rows):,}" if agreeing < len(rows) else f"all {len(rows):,}"
+        return f"{' and '.join(names)} agree{several} with the exact motion at {count} operating points" + (
+            f" and deviate{several} at none" * (agreeing < len(rows))
+        )
     off = rows[rows.verdict == DEVIATES]
-    return f"{name} deviates at {len(off):,} of {len(rows):,}, by up to {off.error_percent.max():.2g} % of the amplitude"
+    size = f"up to {off.error_percent.max():.2g} % of the amplitude"
+    return f"{' and '.join(names)} deviate{several} at {len(off):,} of {len(rows):,}, by {size}"
+
+
+def _name(options: str, rows: pd.DataFrame) -> str:
+    """Name configurations of one preset: ``tuned to the chain, MuJoCo (joint, contact) and PyBullet (joint)``."""
+    parts = rows.title.drop_duplicates().str.partition(", joint")[0].str.partition(", contact")[0]
+    engines = dict.fromkeys(parts)
+    if len(engines) > NAMED_AT_MOST:
+        return f"{options}, {rows.configuration.nunique()} configurations"
+    titles = rows.title.unique()
+    listed = [
+        f"{name} ({', '.join(own[len(name) + 2 :] for own in titles if own.startswith(f'{name}, '))})"
+        for name in engines
+    ]
+    return f"{options}, {' and '.join([', '.join(listed[:-1]), listed[-1]] if listed[:-1] else listed)}"
 
 
 def _largest(rows: pd.DataFrame) -> str:
@@ -50,16 +65,6 @@ def _largest(rows: pd.DataFrame) -> str:
         return "none is known"
     worst = rows.loc[sizes.idxmax()]
     return f"{sizes.max():.2g} dB ({worst.title})"
-
-
-def _name(rows: pd.DataFrame) -> str:
-    return f"{rows.title.iloc[0]}, {rows.options.iloc[0]}"
-
-
-def _listed(names: list[str], what: str) -> str:
-    if len(names) > NAMED_AT_MOST:
-        return f"{len(names)} {what}"
-    return " and ".join([", ".join(names[:-1]), names[-1]] if names[:-1] else names)
 
 
 def reasons_to_fail(
@@ -73,5 +78,7 @@ def reasons_to_fail(
             off = found[found.verdict == EDGE_DEVIATES]
             if len(off):
                 worst = (off.frequency_ratio - off.exact).abs().max()
-                lines.append(f"{name}: {len(off)} of {len(found)} band edges deviate, by up to {worst:.2g} in frequency ratio")
+                lines.append(
+                    f"{name}: {len(off)} of {len(found)} band edges deviate, by up to {worst:.2g} in frequency ratio"
+                )
     return lines

@@ -47,8 +47,9 @@ def _title(config: Config) -> str:
 
 def place(case: Case) -> str:
     """Name every value of a case that is not the paper's, but its frequency ratio: ``friction ratio 0.3, cells 3``."""
-    return ", ".join(f"{name.replace('_', ' ')} {value_text(own)}" for name, own in case.as_data().items()
-                     if name != FREQUENCY)
+    return ", ".join(
+        f"{name.replace('_', ' ')} {value_text(own)}" for name, own in case.as_data().items() if name != FREQUENCY
+    )
 
 
 def planned(table: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
@@ -154,7 +155,7 @@ def mode_table(stored: Sequence[Stored], case: Case) -> pd.DataFrame:
     never changes has one phase: it always sticks or always slips.
     """
     rows = [
-        (":".join([run.config.engine, run.config.formulation, run.config.preset_name]), version, run.config, run.steps, cell, *phase)
+        (full_name(run.config), version, run.config, run.steps, cell, *phase)
         for run, version, result in stored
         if run.case == case and result.status is Status.PERIODIC
         for cell, stuck in enumerate(result.stuck, 1)
@@ -162,6 +163,11 @@ def mode_table(stored: Sequence[Stored], case: Case) -> pd.DataFrame:
     ]  # fmt: skip
     names = ["configuration", "version", "config", "steps", "cell", "begin", "length", "mode"]
     return pd.DataFrame(rows, columns=names)
+
+
+def full_name(config: Config) -> str:
+    """Give engine, formulation and preset, as the column `configuration` has them."""
+    return ":".join([config.engine, config.formulation, config.preset_name])
 
 
 def phases(changes: Sequence[tuple[float, str]], stuck: float) -> list[tuple[float, float, str]]:

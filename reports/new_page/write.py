@@ -4,23 +4,24 @@ import importlib.metadata
 import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import pandas as pd
-import xarray as xr
 
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.new_page import figures, tables
 from multibody_xval.reports.new_page.finding import finding, reasons_to_fail
 from multibody_xval.reports.new_page.svg import Panel, pdf, svg
-from multibody_xval.scenarios.dataset import by_tolerance, judged_table, sweep_in
 from multibody_xval.scenarios.edges import judged_edges
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case
-from multibody_xval.scenarios.result_tables import file_columns, is_reference, points, transitions
+from multibody_xval.scenarios.result_tables import file_columns, points, transitions
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PAGE, FIGURES = "index.html", "figures"
 
@@ -56,7 +57,7 @@ def write_page(
     *,
     left_out: str = "",
     named: Named | None = None,
-    tolerance_db: float | None = None,
+    judge: Callable[[pd.DataFrame], pd.DataFrame] = judged,
 ) -> Written:
     """Write the page of stored results, with figures as PDF and tables as CSV.
 
@@ -72,11 +73,11 @@ def write_page(
         What has not been measured, and how it is.
     named
         Tells which rows are of configurations that were asked for by name: these may not fail.
-    tolerance_db
-        Largest error of a level that counts as agreement, instead of what the ruler allows.
+    judge
+        Judges the table of points.
     """
     every = points(stored)
-    rows = tables.labelled(by_tolerance(judged(every), tolerance_db))
+    rows = tables.labelled(judge(every))
     edges = tables.edge_table(judged_edges(every))
     shown = tables.planned(every, rows)
     case = tables.shown_case(shown)
@@ -88,8 +89,10 @@ def write_page(
     return _written(folder, rows, shown, data, command, left_out, named, case)
 
 
-def write_dataset_page(data: xr.Dataset, folder: Path, command: str) -> Written:
+def write_dataset_page(data: "xr.Dataset", folder: Path, command: str) -> Written:
     """Write the page of the dataset of a sweep: nothing is computed, so that there are no band edges."""
+    from multibody_xval.scenarios.dataset import by_tolerance, judged_table, sweep_in
+
     rows = tables.labelled(by_tolerance(judged_table(data), sweep_in(data).tolerance_db))
     versions = {(config, version) for config, version in zip(rows.config, rows.version, strict=True)}
     line = "A dataset has neither band edges nor the times of stick and slip: report --sweep FILE has them."
@@ -103,8 +106,10 @@ def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
     own = table.assign(case=case, preset=[config.preset_name for config in table.config])
     last = "exact" if EXACT in set(own.config) else REFERENCE.preset_name
     kept = own.config.map(
-        lambda config: config.formulation == "joint"
-        and config.preset_name in ((last,) if config.engine == REFERENCE.engine else ("default", "tuned"))
+        lambda config: (
+            config.formulation == "joint"
+            and config.preset_name in ((last,) if config.engine == REFERENCE.engine else ("default", "tuned"))
+        )
     )
     finest = own.groupby("configuration").steps.transform("max" if last != "exact" else "min")
     return tables.labelled(own[kept & (own.steps == finest)]).drop(columns=["case", "config"])
@@ -184,7 +189,7 @@ def _write(folder: Path, data: dict[str, pd.DataFrame], drawn: dict[str, list[Pa
 
 
 def check_folder(folder: Path, inputs: Sequence[Path | None]) -> None:
-    """Raise a `ParameterError` unless all files can be written into the folder, which is made, over none of `inputs`."""
+    """Refuse a folder into which not all files can be written, or over one of `inputs`; it is made."""
     checked_output_folder("--out", folder)
     for name in (PAGE, *(f"{name}.csv" for name in TABLES)):
         checked_output_file("output file", folder / name, inputs)
