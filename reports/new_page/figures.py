@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from multibody_xval.reports.new_page.svg import Panel
 from multibody_xval.reports.new_page.tables import FREQUENCY, TITLES
 from multibody_xval.scenarios.judge import FLOOR_DB
-from multibody_xval.scenarios.model import Status
+from multibody_xval.scenarios.model import CASE, Case, Status
 from multibody_xval.scenarios.result_tables import is_reference
 
 COLOURS = {"default options": "#d55e00", "recipe": "#009e73", "tuned to the chain": "#0072b2"}
@@ -47,10 +47,16 @@ def transmittance(rows: pd.DataFrame) -> list[Panel]:
 
 def _spread(rows: pd.DataFrame) -> list[tuple[str, int]]:
     """Give at most `MOST_PLACES` places with their steps, evenly; those without friction only where all have room."""
-    groups = rows.groupby(["place", "steps"], sort=False).friction_ratio.first()
-    places = list(groups.index if len(groups) <= MOST_PLACES else groups[groups != 0].index)
+    cases = rows.groupby(["place", "steps"], sort=False).case.first()
+    order = sorted(cases.index, key=lambda key: (_numbers(cases[key]), key[1]))
+    places = order if len(order) <= MOST_PLACES else [key for key in order if np.any(cases[key].friction_ratio)]
     chosen = np.unique(np.linspace(0, len(places) - 1, min(MOST_PLACES, len(places))).round().astype(int))
     return [places[k] for k in chosen]
+
+
+def _numbers(case: Case) -> list[float]:
+    """Give what curves are sorted by; of cells that differ, the mean."""
+    return [float(np.mean(getattr(case, name))) for name in CASE if name not in ("drive", FREQUENCY)]
 
 
 def _level_text(rows: pd.DataFrame) -> str:
@@ -138,7 +144,8 @@ def modes(table: pd.DataFrame) -> list[Panel]:
         stuck = own[own["mode"] == "stick"].groupby("cell").length.sum()
         share = stuck.sum() / own.cell.nunique()
         text = f"On average, contacts stick {100 * share:.0f} % of the period."
-        panels.append(Panel(f"{title}, {options}", text, partial(_draw_modes, own), 1.9))
+        name = "Exact motion" if options == "exact" else f"{title}, {options}"
+        panels.append(Panel(name, text, partial(_draw_modes, own), 1.9))
     return panels
 
 

@@ -112,7 +112,9 @@ def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
         )
     )
     finest = own.groupby("configuration").steps.transform("max" if last != "exact" else "min")
-    return tables.labelled(own[kept & (own.steps == finest)]).drop(columns=["case", "config"])
+    chosen = tables.labelled(own[kept & (own.steps == finest)])
+    order = chosen.config.map(lambda config: (config.engine != REFERENCE.engine, config.preset_name))
+    return chosen.assign(order=order).sort_values("order", kind="stable").drop(columns=["case", "config", "order"])
 
 
 def _written(
@@ -132,7 +134,9 @@ def _written(
     }  # fmt: skip
     size = own_edges.assign(size=own_edges.error.abs()) if len(own_edges) else pd.DataFrame(columns=["size", "title"])
     drawn = {
-        "headline": figures.dots(first, "largest_db", figures.LEAST_DB, "Largest error", "dB"),
+        "headline": figures.dots(
+            first, "largest_db", figures.LEAST_DB, "Largest error of the vibration amplitude", "dB"
+        ),
         "transmittance": figures.transmittance(grid),
         "errors": figures.errors(grid),
         "edges": figures.dots(size, "size", figures.LEAST_EDGE, "Errors of band edges", "frequency ratio"),
@@ -142,10 +146,17 @@ def _written(
     result = Written(folder / PAGE, finding(engines), failing)
     text = _page(
         data, drawn, result, command=command, left_out=left_out, case=case, at_headline=not at_headline.empty,
-        counts=_counts(engines), grid_steps=sorted(set(grid.steps)),
+        counts=_counts(engines), grid_steps=sorted(set(grid.steps)), looks=_looks(first), grid_looks=_looks(grid),
     )  # fmt: skip
     _write(folder, data, drawn, text)
     return result
+
+
+def _looks(rows: pd.DataFrame) -> dict[str, str]:
+    """Give the colours of the presets that a table has."""
+    own = dict.fromkeys(tables.engines_only(rows).options if "engine" in rows else rows.options)
+    order = [*(name for name in figures.COLOURS if name in own), *(name for name in own if name not in figures.COLOURS)]
+    return {name: figures.look(name)[0] for name in order}
 
 
 def _counts(engines: pd.DataFrame) -> dict[str, int]:
@@ -162,11 +173,11 @@ def _page(data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: 
     }
     there = {name for name, table in data.items() if len(table)} | {name for name, panels in drawn.items() if panels}
     sections = {name: title for name, title in SECTIONS.items() if name in there or name == "made"}
-    looks = {name: figures.COLOURS[name] for name in figures.COLOURS if name in set(data["errors"].options)}
+    modes = set(data["phases"]["mode"]) if "phases" in there else set()
     template = environment("multibody_xval.reports.new_page").get_template("page.html")
     return template.render(
         tables=data, figures=parts, sections=sections, finding=result.finding, failures=result.failures,
-        versions=_versions(), looks=looks, modes=figures.MODES, files=[name for name in TABLES if name in there],
+        versions=_versions(), modes={name: colour for name, colour in figures.MODES.items() if name in modes}, files=[name for name in TABLES if name in there],
         **values,
     )  # fmt: skip
 
