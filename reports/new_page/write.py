@@ -174,10 +174,11 @@ def _page(data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: 
     there = {name for name, table in data.items() if len(table)} | {name for name, panels in drawn.items() if panels}
     sections = {name: title for name, title in SECTIONS.items() if name in there or name == "made"}
     modes = set(data["phases"]["mode"]) if "phases" in there else set()
+    drawn_modes = {name: colour for name, colour in figures.MODES.items() if name in modes}
     template = environment("multibody_xval.reports.new_page").get_template("page.html")
     return template.render(
         tables=data, figures=parts, sections=sections, finding=result.finding, failures=result.failures,
-        versions=_versions(), modes={name: colour for name, colour in figures.MODES.items() if name in modes}, files=[name for name in TABLES if name in there],
+        versions=_versions(), modes=drawn_modes, files=[name for name in TABLES if name in there],
         **values,
     )  # fmt: skip
 
