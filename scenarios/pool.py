@@ -18,14 +18,12 @@ from pebble import ProcessExpired, ProcessPool
 
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios import compute
+from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.compute.batch import prepare, run_batch
 from multibody_xval.scenarios.compute.prctl import SET_CHILD_SUBREAPER, SET_NAME, SET_PARENT_DEATH_SIGNAL, prctl
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.store import Store, is_kept
 from reference_lcp.errors import RunError
-
-SECONDS_A_RUN = 60.0
-"""Time limit of a run; that of a batch is as many times longer as it has runs."""
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""

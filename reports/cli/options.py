@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from multibody_xval.engines.completion import complete_variant
+from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.runs import TIME_LIMIT
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import checked_output_file
@@ -22,6 +23,7 @@ from reference_lcp.terminal import announce_compilation
 
 if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant
+    from multibody_xval.scenarios.evaluate import Means
     from multibody_xval.scenarios.runs.evaluator import Evaluator
     from multibody_xval.scenarios.runs.executor import Executor
     from multibody_xval.scenarios.runs.store import ResultStore
@@ -49,6 +51,9 @@ Store = Annotated[
 Workers = Annotated[int | None, typer.Option(help="Number of worker processes; without it, one for each processor.")]
 Limit = Annotated[
     float, typer.Option(help="Time limit of a batch of points, in seconds; an engine that hangs is then stopped.")
+]
+Scheduler = Annotated[
+    str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
 ]
 
 
@@ -97,9 +102,7 @@ class Work:
 
     workers: Workers = None
     time_limit: Limit = TIME_LIMIT
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
-    ] = None
+    scheduler: Scheduler = None
     retry_blocked: Annotated[
         bool,
         typer.Option(
@@ -145,6 +148,38 @@ class Work:
             Evaluator(stored, executor, bars, retry_blocked=self.retry_blocked) as evaluator,
         ):
             yield evaluator
+
+
+@dataclass(frozen=True)
+class Computing:
+    """What computes runs, as `Means` takes it."""
+
+    workers: Workers = None
+    time_limit: Annotated[
+        float, typer.Option(help="Time limit of a run, in seconds; an engine that hangs is then stopped.")
+    ] = SECONDS_A_RUN
+    scheduler: Scheduler = None
+    retry_failed: Annotated[
+        bool,
+        typer.Option(
+            "--retry-failed",
+            help="Run again what an engine failed at before: it crashed, raised an error or passed the time limit.",
+        ),
+    ] = False
+
+    def means(self, store: Path | None) -> Means:
+        """Give what computes, and where results are kept."""
+        from multibody_xval.scenarios.evaluate import Means
+
+        return Means(
+            store=store, workers=self.workers, scheduler=self.scheduler, seconds_a_run=self.time_limit,
+            retry_failed=self.retry_failed,
+        )  # fmt: skip
+
+    def check(self, *, run: bool) -> None:
+        """Refuse to run something again where nothing is run."""
+        if self.retry_failed and not run:
+            raise ParameterError("--retry-failed with --no-run, which runs nothing; allowed: one of the two")
 
 
 @contextmanager
