@@ -16,7 +16,7 @@ from scipy.interpolate import PchipInterpolator
 from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.judge import DB, judged, resolution
 from multibody_xval.scenarios.model import Case, Run
-from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference
+from multibody_xval.scenarios.result_tables import CURVE, coarsest, is_exact, is_reference
 
 THRESHOLD_DB, DEPTH_DB = 0.0, -10.0
 """Transmittance at the edges, and below which an attenuation is deep."""
@@ -49,9 +49,8 @@ class Edge(NamedTuple):
 
 def curves(table: pd.DataFrame) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
     """Give the steady points of every curve by ascending frequency, without steps finer than those compared."""
-    table = table[~is_exact(table)]
-    coarsest = table.groupby([table.config, table.case], sort=False).steps.transform("min")
-    steady = table[(table.steps == coarsest) & (table.status == "periodic")]
+    table = coarsest(table[~is_exact(table)])
+    steady = table[table.status == "periodic"]
     for key, own in steady.groupby(CURVE, sort=False):
         yield key, own.sort_values("frequency_ratio").drop_duplicates("frequency_ratio")
 
