@@ -25,6 +25,10 @@ WIDTH, CLOSE = 5e-4, 1e-6
 """Of the bracket of a refined edge, and how close a cubic and a straight line through its ends cross the threshold,
 both in η_r: a step of 400 per period moves edges by fifty times as much."""
 
+KINK = 0.005
+"""Part of its bracket by which an edge may be beside a straight line: slopes of the scheme change by 2 % within a
+hundred-thousandth of η_r, wherever a transition passes on to the next step."""
+
 NEAR = 1e-4
 """Distance in η_r from the reference's edge at which other curves are first tried: most have theirs there."""
 
@@ -176,7 +180,7 @@ def judged_edges(table: pd.DataFrame) -> pd.DataFrame:
     rows = found.merge(places, on=["curve", "steps", "edge"], how="left")
     rows = rows.merge(_allowances(points), on=CURVE, how="left").assign(error=rows.frequency_ratio - rows.exact)
     step = np.maximum(rows.scheme, rows.accuracy * DB / rows.slope.abs())
-    blur = rows.open * DB / rows.slope.abs() + rows.interpolation + rows.reference_bar
+    blur = rows.open * DB / rows.slope.abs() + rows.interpolation + KINK * rows.width + rows.reference_bar
     allowed = (rows.exact_bar + step + blur).where(~rows.shares_scheme, blur)
     expected = rows.exact.where(~rows.shares_scheme, rows.reference)
     distance = (rows.frequency_ratio - expected).abs()
@@ -203,6 +207,7 @@ def _exact_edges(reference: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
             per_amplitude = DB / abs(own.slope or FLAT)
             place = point.frequency_ratio - (point.exact_db - THRESHOLD_DB) / (own.slope or FLAT)
             bar, scheme = point.exact_bar * per_amplitude, point.scheme_error * per_amplitude
-            rows.append((own.curve, own.steps, own.edge, place, bar, scheme, own.frequency_ratio, own.interpolation))
+            read = own.interpolation + KINK * own.width
+            rows.append((own.curve, own.steps, own.edge, place, bar, scheme, own.frequency_ratio, read))
     names = ["curve", "steps", "edge", "exact", "exact_bar", "scheme", "reference", "reference_bar"]
     return pd.DataFrame(rows, columns=names)

@@ -146,13 +146,23 @@ def test_compare_finds_nothing_between_presets_with_the_same_steps(store) -> Non
     assert compared(config("sound"), config("sound", OTHER), store) == ExitCode.DONE
 
 
+CLOSER = ("lag",)
+"""Faults by which a step is closer to the exact motion than Euler's is: `compare` calls them improved."""
+
+COMPARED = [name for name in FOUND if name not in (*SEEN_IN_ONE_CASE, *CLOSER)]
+
+QUICK = ("bound", "nan")
+
+
 @pytest.mark.parametrize(
-    "name",
-    [
-        own if own in ("bound", "nan") else pytest.param(own, marks=pytest.mark.slow)
-        for own in FOUND
-        if own not in SEEN_IN_ONE_CASE
-    ],
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in COMPARED]
 )
 def test_compare_fails_where_an_engine_has_become_wrong(store, name: str) -> None:
     assert compared(config("sound"), config(name), store) == ExitCode.FAILED
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CLOSER)
+def test_compare_calls_improved_what_is_closer_to_the_exact_motion(store, name: str, capsys) -> None:
+    assert compared(config("sound"), config(name), store) == ExitCode.DONE
+    assert "improved" in capsys.readouterr().out
