@@ -6,7 +6,6 @@ stick for a step more: an edge is known as well as the four points around it say
 """
 
 from collections.abc import Iterator
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
