@@ -16,7 +16,6 @@ from multibody_xval.scenarios.runs.store import ResultStore
 from multibody_xval.scenarios.sweeps.dataset import SWEEP
 from multibody_xval.scenarios.sweeps.run import saved_sweeps
 from multibody_xval.scenarios.sweeps.sweep import Sweep
-from multibody_xval.scenarios.verdicts.stored import read_all
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
@@ -63,7 +62,7 @@ def test_only_the_tables_of_a_store_are_read(file, script) -> None:
     with closing(sqlite3.connect(file)) as connection:
         connection.executescript(script)
     before = file.read_bytes()
-    for read in (ResultStore, saved_sweeps, read_all):
+    for read in (ResultStore, saved_sweeps):
         with pytest.raises(ParameterError, match="its tables are not those of a store"):
             read(file)
     assert file.read_bytes() == before
