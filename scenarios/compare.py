@@ -153,7 +153,8 @@ def conclusion(changes: pd.DataFrame, before: str, now: str) -> str:
         verdict = "no exact value says which of the two is closer to the exact motion"
     else:
         verdict = "both are as close to the exact motion"
-    return f"{len(changes)} points, from {before} to {now}: {parts}: {verdict}."
+    points_text = f"{len(changes)} point" + "s" * (len(changes) != 1)
+    return f"{points_text}, from {before} to {now}: {parts}: {verdict}."
 
 
 def pairs(before: Sequence[Config], now: Sequence[Config]) -> list[tuple[Config, Config]]:

@@ -109,7 +109,11 @@ class Store:
         """Give every result, whatever engine and version it is of."""
         query = "SELECT run, version, result FROM results ORDER BY rowid"
         for run, version, result in self._read(query):
-            yield Stored(Run.from_text(run), version, Result.from_json(result))
+            try:
+                yield Stored(Run.from_text(run), version, Result.from_json(result))
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as problem:
+                wrong = f"store {self.path} has a row of another form: {shown(str(problem))}"
+                raise ParameterError(f"{wrong}; allowed: what a command of this version has written") from None
 
     def options(self) -> dict[str, str]:
         """Give the options of every configuration by its name, as JSON; of several versions, those of the last."""

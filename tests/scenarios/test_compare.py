@@ -179,6 +179,6 @@ def test_formulations_and_presets_are_matched_whatever_their_options(case: str) 
 
 def test_the_sentence_at_the_end_says_which_is_closer(written) -> None:
     rows = own(compare(written("before", {CASE: with_bound(1.05)}), written("now", {CASE: SOUND})))
-    assert conclusion(rows, "a", "b") == "1 points, from a to b: 1 improved: b is closer to the exact motion."
+    assert conclusion(rows, "a", "b") == "1 point, from a to b: 1 improved: b is closer to the exact motion."
     assert summary(rows).columns.tolist()[:4] == ["configuration", "points", "regressed", "improved"]
     assert summary(rows).improved.tolist() == [1]
