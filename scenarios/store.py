@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeVar
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import Config, Result, Run, Status
-from reference_lcp.errors import ParameterError, RunError, checked_path
+from reference_lcp.errors import ParameterError, RunError, checked_path, shown
 
 SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
