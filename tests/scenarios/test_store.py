@@ -96,3 +96,16 @@ def test_a_full_disk_ends_in_a_line_and_loses_nothing() -> None:
         with pytest.raises(RunError, match="the disk is full; what is stored stays"):
             store.add(many)
         assert store.known([RUN]) == {RUN: FOUND}
+
+
+@pytest.mark.parametrize(
+    "text", ["{}", '{"status": "finest"}', "no JSON", "[" * 5000, '{"status": "failed", "colour": 1}']
+)
+def test_a_result_that_cannot_be_read_is_named_with_its_store(tmp_path: Path, text: str) -> None:
+    file = stored_in(tmp_path / "own.sqlite")
+    with sqlite3.connect(file) as own:
+        own.execute("UPDATE results SET result = ?", (text,))
+    with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .* cannot be read: .*; allowed"):
+        store.known([RUN])
+    with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .* cannot be read: .*; allowed"):
+        list(store.rows())
