@@ -102,18 +102,24 @@ class Store:
         for first in range(0, len(wanted), LOOKUP):
             some = wanted[first : first + LOOKUP]
             query = f"SELECT key, result FROM results WHERE key IN ({', '.join('?' * len(some))})"
-            found |= {keys[name]: Result.from_json(text) for name, text in self._read(query, some)}
+            found |= {keys[name]: self._readable(Result.from_json, text) for name, text in self._read(query, some)}
         return found
 
     def rows(self) -> Iterator[Stored]:
         """Give every result, whatever engine and version it is of."""
         query = "SELECT run, version, result FROM results ORDER BY rowid"
         for run, version, result in self._read(query):
-            try:
-                yield Stored(Run.from_text(run), version, Result.from_json(result))
-            except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as problem:
-                wrong = f"store {self.path} has a row of another form: {shown(str(problem))}"
-                raise ParameterError(f"{wrong}; allowed: what a command of this version has written") from None
+            yield Stored(self._readable(Run.from_text, run), version, self._readable(Result.from_json, result))
+
+    def _readable(self, read: Callable[[str], _Value], text: str) -> _Value:
+        """Read a text of the file, which anybody may have written."""
+        try:
+            return read(text)
+        except ParameterError as problem:
+            raise ParameterError(f"store {self.path}: {problem}") from None
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as problem:
+            what = f"{shown(text)} cannot be read: {type(problem).__name__}: {problem}"
+            raise ParameterError(f"store {self.path}: {what}; allowed: what this suite writes") from None
 
     def options(self) -> dict[str, str]:
         """Give the options of every configuration by its name, as JSON; of several versions, those of the last."""

@@ -10,7 +10,7 @@ import pytest
 
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
+from multibody_xval.scenarios.sweep_file import EXAMPLE
 from reference_lcp.errors import ExitCode, ParameterError, RunError
 from reference_lcp.process import run_command
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
@@ -44,7 +44,7 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("compare before.sqlite before.sqlite", ExitCode.DONE),
         ("compare before.sqlite now.sqlite", ExitCode.FAILED),
         ("compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
-        ("sweep sweep.toml --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("sweep sweep.toml --no-run --retry-failed", ExitCode.WRONG_INPUT),
         ("run unit-cell --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
         ("run record --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
         ("report --no-run --retry-blocked", ExitCode.WRONG_INPUT),

@@ -76,7 +76,7 @@ def test_a_curve_without_an_edge_has_a_row_that_says_why(found: pd.DataFrame) ->
 
 
 GRIDS = {
-    "no point before the band is above 0 dB": ([0.7, 0.8, 0.9], "lower"),
+    "no point before the band is above 0 dB": ([0.7, 0.9, 1.2], "lower"),
     "no point is below -10 dB": ([0.5, 0.55], "lower"),
 }
 
@@ -118,13 +118,14 @@ def test_points_of_the_data_are_not_run_again(data: xr.Dataset, monkeypatch: pyt
 
 
 def test_each_number_of_steps_has_edges_of_its_own() -> None:
-    """Euler's error of an edge falls with the step: at half the step it is half as large."""
+    """Euler's error of an edge falls with the step: at half the step it is half as large at most."""
     data = sweep("reference", 0.0, FREQUENCIES, vary={"steps_per_period": [400, 800]}, chain=CHAIN)
     rows = band_edges(data).query("edge == 'lower'")
     assert rows.steps_per_period.tolist() == [400, 800]
     exact = brentq(free, 0.8, 0.9, xtol=1e-12)
     coarse, fine = (rows.frequency_ratio - exact).tolist()
-    assert coarse == pytest.approx(4 * fine, rel=0.2) or coarse == pytest.approx(2 * fine, rel=0.2)
+    assert 0 < fine < 0.5 * coarse
+    assert (np.abs(rows.frequency_ratio - exact) <= rows.error_bar + 1e-6).all()
 
 
 def test_another_version_of_an_engine_refines_no_edge(data: xr.Dataset) -> None:

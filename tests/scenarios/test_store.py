@@ -115,6 +115,19 @@ def test_a_row_of_the_wrong_form_is_refused_in_a_line(tmp_path: Path, column: st
         own.execute(f"UPDATE results SET {column} = ?", (text,))
     with (
         opened(file) as store,
-        pytest.raises(ParameterError, match=r"sqlite has a row of another form: .*allowed"),
+        pytest.raises(ParameterError, match=r"own\.sqlite: .*allowed"),
     ):
+        list(store.rows())
+
+
+@pytest.mark.parametrize(
+    "text", ["{}", '{"status": "finest"}', "no JSON", "[" * 5000, '{"status": "failed", "colour": 1}']
+)
+def test_a_result_that_cannot_be_read_is_named_with_its_store(tmp_path: Path, text: str) -> None:
+    file = stored_in(tmp_path / "own.sqlite")
+    with sqlite3.connect(file) as own:
+        own.execute("UPDATE results SET result = ?", (text,))
+    with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .* cannot be read: .*; allowed"):
+        store.known([RUN])
+    with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .* cannot be read: .*; allowed"):
         list(store.rows())
