@@ -115,7 +115,7 @@ def _open(rows: pd.DataFrame, table: pd.DataFrame) -> pd.Series:
 def _ruled(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
     """Give, of every edge of the reference, the exact motion's, and what is known of amplitudes there."""
     rows = list(_ruled_rows(reference[reference.frequency_ratio.notna()], table, points))
-    return pd.DataFrame(rows, columns=["curve", "steps", "edge", *RULED]).astype({"steps": int, **RULED})
+    return pd.DataFrame(rows, columns=["curve", "steps", "edge", *RULED]).astype({"steps": int, "edge": str, **RULED})
 
 
 def _ruled_rows(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> Iterator[tuple[object, ...]]:
