@@ -20,7 +20,7 @@ from multibody_xval.scenarios.judge import (
     judged,
     resolution,
 )
-from multibody_xval.scenarios.result_tables import CURVE, is_reference
+from multibody_xval.scenarios.result_tables import CONFIG, CURVE, is_reference
 
 NOT_REFINED = "not refined"
 """Verdict on an edge whose bracket is still too wide."""
@@ -57,12 +57,13 @@ def judged_edges(table: pd.DataFrame) -> pd.DataFrame:
     per_amplitude = DB / rows.ruled_slope.abs()
     blur = _open(rows, table) * per_amplitude + rows.interpolation
     step = np.maximum(rows.scheme, rows.accuracy * per_amplitude)
-    shares = rows.shares_scheme.astype(bool)
+    shares = rows.shares_scheme
     allowed = (rows.exact_bar + step + blur).where(~shares, blur + rows.reference_open)
     rows = rows.assign(
         error=rows.frequency_ratio - rows.exact, expected=rows.reference.where(shares, rows.exact), allowed=allowed
     )
-    return rows.assign(verdict=_verdicts(rows, allowed / per_amplitude)).drop(columns=[*HELPERS])
+    rows = rows.assign(verdict=_verdicts(rows, allowed / per_amplitude)).drop(columns=[*HELPERS])
+    return rows.astype(dict.fromkeys([*CONFIG, "version", "edge", "verdict"], str))
 
 
 HELPERS = ("reference_open", "ruled_slope", "growth", "effect", "deviates", "reference_lost", "reference_absent")
@@ -94,7 +95,8 @@ def _of_curves(table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
     """Give, of every curve, what its judgement needs of its configuration, and whether any of its points deviates."""
     own = table.groupby(CURVE_OF, sort=False, dropna=False)[["shares_scheme", "judged", "accuracy"]].first()
     off = (points.verdict == DEVIATES).groupby([points[name] for name in CURVE_OF], sort=False, dropna=False).any()
-    return own.assign(deviates=off.reindex(own.index, fill_value=False)).reset_index()
+    own = own.astype({"shares_scheme": bool, "judged": bool, "accuracy": float})
+    return own.assign(deviates=off.reindex(own.index, fill_value=False).astype(bool)).reset_index()
 
 
 def _absent(reference: pd.DataFrame) -> pd.DataFrame:
@@ -108,7 +110,7 @@ def _open(rows: pd.DataFrame, table: pd.DataFrame) -> pd.Series:
     sides = []
     for side in ("before", "after"):
         beside = table.reindex(rows[side]).set_index(rows.index).assign(growth=rows.growth)
-        sides.append(resolution(beside))
+        sides.append(resolution(beside).astype(float))
     return np.maximum(*sides)
 
 
