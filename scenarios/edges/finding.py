@@ -154,10 +154,7 @@ def _absent(
         return lost.size, f"not periodic at {lost.size} points"
     if not deep.size:
         return 0, f"no attenuation below {DEPTH_DB:g} dB up to {eta[-1]:g}"
-    return (
-        0,
-        f"below {THRESHOLD_DB:g} dB from {eta[0]:g} on" if before else f"below {THRESHOLD_DB:g} dB up to {eta[-1]:g}",
-    )
+    return 0, f"below {THRESHOLD_DB:g} dB " + (f"from {eta[0]:g} on" if before else f"up to {eta[-1]:g}")
 
 
 def crossing(eta: NDArray[np.float64], level: NDArray[np.float64], row: int) -> Crossing:
