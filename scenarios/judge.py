@@ -5,7 +5,7 @@ Level and phase are one complex number, the transmittance T. An engine agrees wh
 - a preset that shares Euler's scheme is expected where the reference is at equal steps, and nothing is allowed but what
   neither can resolve: what residuals leave open, round-off, and contacts that give way;
 - all others are expected at the exact value, and their step may be off as much as Euler's is there, or as much as their
-  preset states to be accurate.
+  preset states to be accurate; so are all presets where contacts open, which are measured and not judged there.
 
 The error that readers see is always that to the exact value. Judging asks for no runs: `judged` is a function of a
 table.
@@ -66,7 +66,7 @@ def _distance(rows: pd.DataFrame) -> pd.Series:
 
 def _allowed(rows: pd.DataFrame) -> pd.Series:
     """Give how far from what is expected T may be, over U0."""
-    step = np.maximum(rows.scheme_error, rows.accuracy * rows.exact.abs())
+    step = np.maximum(rows.scheme_error, rows.accuracy * rows.exact.abs().clip(lower=FLOOR))
     other = rows.exact_bar + step + resolution(rows)
     repeats = rows.reference_residual.fillna(0) * MARGIN * rows.growth
     return other.where(~rows.shares_scheme, resolution(rows) + repeats)
