@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from multibody_xval.engines.interface.presets import LARGEST_ACCURACY
 from multibody_xval.scenarios.exact_values import MARGIN, exact_values, scheme_errors
 from multibody_xval.scenarios.model import Case, linear_limits
 from multibody_xval.scenarios.result_tables import is_exact
@@ -30,6 +31,10 @@ FLOOR, DB = 10 ** (FLOOR_DB / 20), 20 / math.log(10)
 COARSE_SHARE = 0.1
 """Part of what friction changes at all that may be allowed: with a tenth, friction that is missing altogether, or never
 lets go, is ten times what is allowed."""
+
+OTHER_SCHEMES = 2.0
+"""Times what is allowed that schemes other than Euler's may be off where its step alone errs by more than any accuracy
+that may be stated: beyond what is allowed, and up to this, the step is too large to say more."""
 
 MOST_MISSING = 0.25
 """Part of the numbers of a judged preset that may be missing, or of a named one that may fail."""
@@ -113,8 +118,11 @@ def _verdicts(rows: pd.DataFrame) -> np.ndarray:
         [friction_effect(*own) for own in zip(rows.case, rows.exact, strict=True)], rows.index, dtype=float
     )
     known = rows.distance.notna() & rows.allowed.notna()
+    beyond = rows.distance > rows.allowed
+    coarse = ~rows.shares_scheme & (rows.scheme_error > LARGEST_ACCURACY * rows.exact.abs().clip(lower=FLOOR))
+    open_still = beyond & coarse & (rows.distance <= OTHER_SCHEMES * rows.allowed)
     verdicts = np.select(
-        [~known, rows.distance > rows.allowed, rows.allowed > COARSE_SHARE * effect],
+        [~known, beyond & ~open_still, open_still | (rows.allowed > COARSE_SHARE * effect)],
         [UNKNOWN, DEVIATES, TOO_LARGE],
         AGREES,
     )
