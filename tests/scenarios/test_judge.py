@@ -187,3 +187,30 @@ def test_an_accuracy_is_that_of_an_amplitude_at_the_floor_where_the_motion_is_sm
     row = judged(table.assign(accuracy=0.01)).iloc[-1]
     assert row.verdict == verdict
     assert judged(table.assign(accuracy=0.0)).iloc[-1].verdict == DEVIATES
+
+
+def test_a_stated_accuracy_is_at_most_a_tenth_of_what_friction_changes() -> None:
+    """Well below the band friction changes 0.1 % of the amplitude: a hundredth of that would agree with no friction."""
+    case = Case(friction_ratio=0.31, frequency_ratio=0.3)
+    ruled = [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, STEPS)])]
+    exact = next(own.result for own in ruled if own.run.config.preset_name == "exact")
+    effect = judge.friction_effect(case, exact.transmittance)
+    assert effect < 0.01 * abs(exact.transmittance)
+    shares = {0.0: AGREES, 0.09: AGREES, 0.2: DEVIATES}
+    for share, verdict in shares.items():
+        own = replace(exact, transmittance=exact.transmittance + share * effect)
+        table = points([*ruled, Stored(Run(OTHER, case, STEPS), "1", own)])
+        assert judged(table.assign(accuracy=0.01)).iloc[-1].verdict == verdict
+
+
+@pytest.mark.parametrize(("times", "verdict"), [(0.9, AGREES), (1.5, TOO_LARGE), (2.5, DEVIATES)])
+def test_where_the_scheme_errs_much_another_scheme_may_err_twice_as_much_undecided(times, verdict) -> None:
+    """At this point Euler's step with 400 a period is 2.8 % off, more than any accuracy that a preset may state."""
+    case = Case(friction_ratio=0.101, frequency_ratio=1.402)
+    ruled = [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, STEPS)])]
+    table = judged(points([*ruled, Stored(Run(OTHER, case, STEPS), "1", ruled[0].result)]).assign(accuracy=0.0))
+    row = table[table.engine == "drake"].iloc[0]
+    assert row.scheme_error > 0.015 * abs(row.exact)
+    own = replace(ruled[0].result, transmittance=row.exact + times * row.allowed)
+    table = points([*ruled, Stored(Run(OTHER, case, STEPS), "1", own)]).assign(accuracy=0.0)
+    assert judged(table).iloc[-1].verdict == verdict
