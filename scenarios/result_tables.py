@@ -19,6 +19,10 @@ CURVE = [*CONFIG, "version", "curve", "steps"]
 """Columns that rows of one curve over the frequency ratio share; `curve` is the case without its frequency ratio."""
 
 
+CLOSED = 1.0
+"""Modulation up to which contacts stay closed."""
+
+
 def now(results: Mapping[Run, Result]) -> list[Stored]:
     """Give results with the versions of the engines of this environment."""
     return [Stored(run, identity(run.config)[0], result) for run, result in results.items()]
@@ -46,7 +50,8 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
         "transitions": len(result.transitions), "stick_velocity": result.stick_velocity,
-        "seconds": result.seconds, "reason": result.reason, **of_config(own, swings=bool(case.modulation)),
+        "seconds": result.seconds, "reason": result.reason,
+        **of_config(own, swings=bool(case.modulation), opens=case.modulation > CLOSED),
     }  # fmt: skip
 
 
@@ -56,15 +61,19 @@ def full_name(config: Config) -> str:
 
 
 @cache
-def of_config(config: Config, *, swings: bool) -> dict[str, Any]:
-    """Give what of a configuration decides how its numbers are compared, also where the normal force swings."""
+def of_config(config: Config, *, swings: bool, opens: bool = False) -> dict[str, Any]:
+    """Give what of a configuration decides how its numbers are compared, also where the normal force swings.
+
+    Where contacts open, no preset shares the scheme, and none is judged: engines let a contact land in one step or in
+    several, each in its own way, and what follows of the motion amplifies that.
+    """
     preset, able = config.preset, config.capabilities
     if swings:
         preset = preset.modulated()
     return {
         "config": config,
-        "shares_scheme": preset.shares_scheme,
-        "judged": "chain" in preset.judged,
+        "shares_scheme": preset.shares_scheme and not opens,
+        "judged": "chain" in preset.judged and not opens,
         "accuracy": preset.accuracy_of("transmittance"),
         "least_residual": able.residual,
         "round_off": TRAJECTORY_TOLERANCE[able.precision],
