@@ -52,7 +52,7 @@ class Means:
 def computed(
     runs: Sequence[Run], means: Means, what: str = "operating points", then: Sequence[tuple[str, Propose]] = ()
 ) -> list[Stored]:
-    """Give the results of runs, and of those that they lead to; those that are known are not run again.
+    """Give the results of runs, in their order, and of those that they lead to; what is known is not run again.
 
     Parameters
     ----------
@@ -77,11 +77,10 @@ def computed(
 
         def run(new: Sequence[Run]) -> None:
             steps.more(len(new))
-            found.update(
-                run_missing(
-                    new, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
-                )
+            results = run_missing(
+                new, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
             )
+            found.update((own, results[own]) for own in new)
 
         found: dict[Run, Result] = {}
         steps.begin()
