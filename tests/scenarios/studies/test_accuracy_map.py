@@ -15,8 +15,6 @@ from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.accuracy_map import (
     HEADINGS,
     MAP,
-    MAP_STEPS,
-    ORDER_STEPS,
     SIX,
     accuracies,
     map_runs,
