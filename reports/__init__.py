@@ -22,7 +22,7 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     ----------
     data
         The dataset of a sweep; or the name of a file: such a dataset as NetCDF (``.nc``), a sweep (``.toml``), whose
-        points are computed and kept in the folder, or a store (``.sqlite``), of whose latest sweep it is.
+        points are computed and kept in the folder, or a store (``.sqlite``), all of whose results are shown.
     folder
         Where the report is written; made if it is missing.
 
@@ -36,9 +36,9 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     ParameterError
         If the data are none of a sweep, or the folder cannot be written.
     """
-    from multibody_xval.reports.write import write_report  # drawing libraries are imported when something is drawn
+    from multibody_xval.reports.new_page.sources import written_report  # matplotlib is imported when something is drawn
 
-    return write_report(data, folder).page
+    return written_report(data, folder).page
 
 
 def band_edges(
@@ -46,31 +46,34 @@ def band_edges(
 ) -> "pd.DataFrame":
     """Find both edges of the attenuation band of every curve, by simulations between the points of the grid.
 
-    A grid whose points are further apart than 0.05 may hide that a curve crosses the threshold again.
-
     Parameters
     ----------
     data
         The dataset of a sweep, or a part of one, such as ``data.sel(friction_ratio=0.3)``.
     store, workers, time_limit
-        As for `sweep`. With the store of the sweep, ``report("results.sqlite", folder)`` has the edges too.
+        As for `sweep`.
 
     Returns
     -------
     pandas.DataFrame
-        One row an edge: ``engine``, ``formulation``, ``preset``, the values of its case, ``edge`` (lower or upper),
-        ``frequency_ratio`` η_r (NaN where there is no such edge, and ``absent`` says why), ``difference`` from the edge
-        of the reference in η_r, what is ``allowed`` of it, ``verdict``, ``outcome`` (whether the law of the preset
-        predicts a disagreement), ``reason``.
+        One row an edge: the axes of the sweep, such as ``friction_ratio``; ``edge`` (lower or upper);
+        ``frequency_ratio`` η_r, NaN where there is no such edge; ``error_bar``, how far from it the edge of the exact
+        motion may be. Where there are other configurations than the reference: ``configuration``, the ``exact`` edge,
+        the ``error``, what is ``allowed`` of it, and the ``verdict``. Last, the ``reason`` why there is no such edge.
 
     Raises
     ------
     ParameterError
         If the data are none of a sweep, or of another version of an engine than is installed.
     """
-    from multibody_xval.reports.dataset import edges_of
+    from multibody_xval.scenarios.compute import SECONDS_A_RUN
+    from multibody_xval.scenarios.edge_table import edge_table
+    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.store import checked_store
 
-    return edges_of(data, store, workers, time_limit)
+    file = None if store is None else checked_store(Path(store))
+    seconds = SECONDS_A_RUN if time_limit is None else time_limit
+    return edge_table(data, Means(store=file, workers=workers, seconds_a_run=seconds))
 
 
 def plot(data: "xr.Dataset", file: str | Path | None = None) -> "Figure":
@@ -93,6 +96,6 @@ def plot(data: "xr.Dataset", file: str | Path | None = None) -> "Figure":
     ParameterError
         If the data are none of a sweep or too many, or the file cannot be written.
     """
-    from multibody_xval.reports.dataset import figure_of
+    from multibody_xval.reports.curves import drawn_curves
 
-    return figure_of(data, file)
+    return drawn_curves(data, file)

@@ -1,22 +1,23 @@
 """A sweep as labelled arrays: judged points with units, options and versions, and the sweep itself; and back again."""
 
 import json
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
-from multibody_xval.scenarios.model import Case, Config
-from multibody_xval.scenarios.result_tables import file_columns, of_config
+from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Config, Status
+from multibody_xval.scenarios.result_tables import of_config
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_file import content_of, sweep_of
-from multibody_xval.scenarios.sweep_plan import FREQUENCY, Sweep
-from multibody_xval.scenarios.tables import csv_text
-from reference_lcp.errors import ParameterError
-from reference_lcp.output import write_whole
+from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS, Sweep
+from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.validation import FloatArray
 
 UNITS = {
     "transmittance_db": "dB", "phase_deg": "degree", "residual": "1", "amplification": "1", "periods": "1",
@@ -32,63 +33,167 @@ COMPLEX = ("ratio", "exact", "reference")
 
 TEXTS = ("status", "verdict", "expected", "exact_kind", "reason", "version")
 
+AXES = {
+    "friction_ratio": "friction bound over k_c U0, μ λ_N / (k_c U0)",
+    FREQUENCY: "ω / ω_r",
+    "cells": "number of cells",
+    "mass_ratio": "inner over outer mass",
+    "stiffness_ratio": "inner over chain stiffness",
+    "damping_ratio": "c_c / (2 sqrt(k_c m_o))",
+    "inner_damping_ratio": "c_i / (2 sqrt(k_i m_i))",
+    STEPS: "fewest steps per period",
+}
+"""What axes are, in words."""
+
 NO_POINT = "missing"
 """Status where a sweep has no point: adaptive curves have each their own frequencies."""
 
+ROUND_OFF = 1e-9
+"""Of fractions that are sums of durations."""
+
+WHOLE = "what multibody_xval.sweep gives, a part of it by data.sel(...), or a file of it"
+
 
 def dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
-    """Give the judged points of a sweep as labelled arrays: dimensions ``configuration`` and the axes of the sweep."""
+    """Give the judged points of a sweep as labelled arrays: dimensions ``configuration`` and the axes of the sweep.
+
+    Further dimensions: ``cell`` of ``stuck_fraction``, the part of the period that each contact sticks. Where the sweep
+    has no point, ``status`` is ``missing``.
+    """
     own = sweep.own_points(table)
-    names = own.config.map(str)
+    labels = {"configuration": [str(config) for config in sweep.configs], **_values(sweep, own)}
     parts = {f"{name}_{part}": getattr(np, part)(own[name]) for name in COMPLEX for part in ("real", "imag")}
-    stuck = own.stuck.map(lambda values: json.dumps(list(values)))
-    plain = own[[*UNITS, *TEXTS]].assign(configuration=names, stuck=stuck, **parts, **own[list(sweep.axes)])
-    data = plain.set_index(["configuration", *sweep.axes]).to_xarray()
-    data["status"] = data.status.fillna(NO_POINT)
-    for name in (*TEXTS, "stuck"):
-        data[name] = data[name].fillna("").astype(str)
-    for name, unit in UNITS.items():
-        data[name].attrs["units"] = unit
-    data["configuration"] = data.configuration.astype(str)
-    versions = {str(config): identity(config) for config in sweep.configs}
-    data.attrs = {"sweep": json.dumps(content_of(sweep)), "configurations": json.dumps(versions)}
+    plain = own[[*UNITS, *TEXTS, "stuck"]].assign(configuration=own.config.map(str), **parts, **own[list(sweep.axes)])
+    whole = pd.MultiIndex.from_product(labels.values(), names=labels)
+    plain = plain.set_index(list(labels)).reindex(whole)
+    stuck = plain.pop("stuck")
+    texts = plain[list(TEXTS)].astype(object).fillna("").astype(str).astype(object)
+    plain = plain.assign(**texts.assign(status=texts.status.where(texts.status != "", NO_POINT)))
+    data = plain.to_xarray().reindex(labels)
+    data["stuck_fraction"] = _by_cell(stuck, labels)
+    _describe(data, sweep)
     return data
 
 
-def sweep_in(data: xr.Dataset) -> Sweep:
-    """Give the sweep that a dataset holds.
+def _values(sweep: Sweep, own: pd.DataFrame) -> dict[str, list[float]]:
+    """Give the values of the axes; of adaptive frequencies, those of all points."""
+    values = {name: list(axis) for name, axis in sweep.axes.items()}
+    if sweep.grid is not None:
+        values[FREQUENCY] = sorted(set(own[FREQUENCY]))
+    return values
+
+
+def _by_cell(stuck: pd.Series, labels: Mapping[str, list[Any]]) -> xr.DataArray:
+    """Give the stuck fractions of all points along a dimension ``cell``; NaN where a chain is shorter."""
+    rows = [own if isinstance(own, tuple) else () for own in stuck]
+    cells = max(map(len, rows), default=0)
+    padded = np.full((len(rows), cells), np.nan)
+    for values, row in zip(padded, rows, strict=True):
+        values[: len(row)] = row
+    shape = [len(values) for values in labels.values()]
+    coordinates = {**labels, "cell": range(1, cells + 1)}
+    return xr.DataArray(padded.reshape(*shape, cells), coordinates, dims=[*labels, "cell"])
+
+
+def _describe(data: xr.Dataset, sweep: Sweep) -> None:
+    """Add units, descriptions, the sweep, and what its configurations are."""
+    units = {**UNITS, **{f"{name}_{part}": "1" for name in COMPLEX for part in ("real", "imag")}, "stuck_fraction": "1"}
+    for name, unit in {**units, **dict.fromkeys(sweep.axes, "1"), "modulation_phase": "rad"}.items():
+        if name in data.variables:
+            data[name].attrs["units"] = unit
+    for name in sweep.axes:
+        data[name].attrs["long_name"] = AXES.get(name, name.replace("_", " "))
+    known = {str(config): _identity(config) for config in sweep.configs}
+    data.attrs = {"sweep": json.dumps(content_of(sweep)), "configurations": json.dumps(known)}
+
+
+def _identity(config: Config) -> dict[str, str]:
+    """Give version and options of a configuration, and the digest of what computes it."""
+    version, options = identity(config)
+    return {"version": version, "options": options, "sources": digest(config.engine)}
+
+
+def sweep_in(data: Any) -> Sweep:
+    """Give the sweep that a dataset, or a part of it, was taken from; its engines need not be installed.
 
     Raises
     ------
     ParameterError
-        If the dataset is of something else.
+        If the data are of something else.
     """
-    if "sweep" not in data.attrs:
-        raise ParameterError("the data hold no sweep; allowed: what multibody_xval.sweep gives, or its file")
-    return sweep_of(json.loads(data.attrs["sweep"]))
+    if not isinstance(data, xr.Dataset):
+        raise ParameterError(f"data is a {type(data).__name__}; allowed: the dataset of a sweep")
+    try:
+        content = json.loads(data.attrs["sweep"])
+        return sweep_of(content, named=lambda names: [Config.parse(name) for name in names])
+    except KeyError:
+        raise ParameterError(f"the data have no attribute 'sweep'; allowed: {WHOLE}") from None
+    except (TypeError, ValueError, RecursionError) as problem:
+        raise ParameterError(f"attribute 'sweep' of the data: {problem}; allowed: as a sweep writes it") from None
 
 
-def judged_table(data: xr.Dataset) -> pd.DataFrame:
-    """Give the judged points of a dataset, as `dataset` took them; of a part of one, the points of that part."""
+def judged_table(data: Any) -> pd.DataFrame:
+    """Give the judged points of a dataset, as `dataset` took them; of a part of one, the points of that part.
+
+    Raises
+    ------
+    ParameterError
+        If the data are of something else than a sweep, or lack a part of it.
+    """
     sweep = sweep_in(data)
     names = ["configuration", *sweep.axes]
-    rows = data.expand_dims([name for name in names if name not in data.dims]).to_dataframe(dim_order=names)
-    rows = rows.reset_index()
-    rows = rows[rows.status != NO_POINT].reset_index(drop=True)
-    rows["stuck"] = rows.stuck.map(lambda text: tuple(json.loads(text)))
+    lacking = [name for name in (*names, *_VARIABLES) if name not in data.variables]
+    if lacking:
+        raise ParameterError(f"the data lack {', '.join(lacking)}; allowed: {WHOLE}")
+    whole = data[[*_VARIABLES]].expand_dims([name for name in names if name not in data.dims]).transpose(*names, ...)
+    if not set(whole.dims) <= {*names, "cell"}:
+        raise ParameterError(f"the data have the dimensions {', '.join(map(str, whole.dims))}; allowed: {names}")
+    _check_values(whole)
+    numbers = whole.drop_dims("cell", errors="ignore").drop_vars(["stuck_fraction", "cell"], errors="ignore")
+    rows = numbers.to_dataframe(dim_order=names).reset_index()
+    stuck = whole.stuck_fraction.values.reshape(len(rows), -1)
+    kept = (rows.status != NO_POINT).to_numpy()
+    rows = rows[kept].reset_index(drop=True).assign(stuck=pd.Series(map(_present, stuck[kept]), dtype=object))
     for name in COMPLEX:
         rows[name] = rows.pop(f"{name}_real") + 1j * rows.pop(f"{name}_imag")
-    configs = rows.configuration.map(Config.parse)
+    return _with_cases(rows, sweep)
+
+
+_NUMBERS = (*UNITS, *(f"{name}_{part}" for name in COMPLEX for part in ("real", "imag")), "stuck_fraction")
+_VARIABLES = (*_NUMBERS, *TEXTS)
+
+
+def _check_values(data: xr.Dataset) -> None:
+    """Refuse what no sweep has written."""
+    for name in _NUMBERS:
+        if data[name].dtype.kind not in "fiu":
+            raise ParameterError(f"{name} of the data is no number; allowed: numbers, NaN where there is none")
+    for status in map(str, np.unique(data.status.values.astype(str))):
+        checked_choice("status of the data", status, [*Status, NO_POINT])
+    if ((data.stuck_fraction < 0) | (data.stuck_fraction > 1 + ROUND_OFF)).any():
+        raise ParameterError("stuck_fraction of the data is outside its range; allowed: 0 to 1")
+
+
+def _present(stuck: FloatArray) -> tuple[float, ...]:
+    return tuple(stuck[~np.isnan(stuck)].tolist())
+
+
+def _with_cases(rows: pd.DataFrame, sweep: Sweep) -> pd.DataFrame:
+    """Add what a row says of its configuration and its case."""
+    configs = [Config.parse(str(name)) for name in rows.configuration]
     cases = [sweep.case_at({name: row[name] for name in sweep.axes}) for row in rows.to_dict("records")]
-    rows["case"] = pd.Series(cases, rows.index, dtype=object)
     described = [_described(*own) for own in zip(configs, cases, strict=True)]
-    return rows.drop(columns="configuration").assign(**pd.DataFrame(described, index=rows.index))
+    none = _described(REFERENCE, Case(friction_ratio=0.0, frequency_ratio=1.0))
+    columns = pd.DataFrame(described, index=rows.index, columns=list(none))
+    return columns.assign(**rows[[name for name in rows if name not in none]])
 
 
 def _described(config: Config, case: Case) -> dict[str, Any]:
-    """Give what a row says of its configuration."""
+    """Give what a row says of its configuration and its case."""
     names = {"engine": config.engine, "formulation": str(config.formulation), "preset": config.preset_name}
-    return {"configuration": ":".join(names.values()), **names, **of_config(config, swings=bool(case.modulation))}
+    place = {**{name: getattr(case, name) for name in CASE}, "case": case, "curve": replace(case, frequency_ratio=1.0)}
+    own = of_config(config, swings=bool(case.modulation))
+    return {"configuration": ":".join(names.values()), **names, **place, **own}
 
 
 def by_tolerance(table: pd.DataFrame, tolerance_db: float | None) -> pd.DataFrame:
@@ -97,14 +202,4 @@ def by_tolerance(table: pd.DataFrame, tolerance_db: float | None) -> pd.DataFram
         return table
     verdict = np.where(table.error_db.abs() <= tolerance_db, AGREES, DEVIATES)
     known = (table.status == "periodic") & table.error_db.notna()
-    return table.assign(verdict=np.where(known, verdict, table.verdict))
-
-
-def write(data: xr.Dataset, file: Path) -> None:
-    """Write a dataset as NetCDF (``.nc``), or its points, a row a run (``.csv``)."""
-    if file.suffix == ".nc":
-        # in memory: HDF5 ends the process on a full disk
-        write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
-    else:
-        table = judged_table(data)
-        write_whole(file, csv_text(file_columns(table.sort_values(["configuration", FREQUENCY]))))
+    return table.assign(verdict=np.where(known, verdict, table.verdict), expected="exact value")

@@ -1,7 +1,7 @@
 """The results of planned runs: from a store, and of what it lacks from worker processes."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import pandas as pd
 
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.pool import dask, local, run_missing
+from multibody_xval.scenarios.pool import dask, local, run_missing, without_processes
 from multibody_xval.scenarios.progress import shown
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.store import Stored, existing_store, opened
@@ -27,7 +27,8 @@ class Means:
     Raises
     ------
     ParameterError
-        If a number is outside its range, or both workers and a scheduler are given.
+        If a number is outside its range, both workers and a scheduler are given, or this system
+        runs no worker processes.
     """
 
     store: Path | None = None
@@ -47,10 +48,16 @@ class Means:
             checked_count("workers", self.workers, 1, MOST_WORKERS)
             if self.scheduler is not None:
                 raise ParameterError(f"workers = {self.workers} with a scheduler; allowed: one of the two")
+            if self.workers > 1 and (reason := without_processes()) is not None:
+                raise ParameterError(f"workers = {self.workers}; allowed here: 1, since {reason}")
 
 
 def computed(
-    runs: Sequence[Run], means: Means, what: str = "operating points", then: Sequence[tuple[str, Propose]] = ()
+    runs: Sequence[Run],
+    means: Means,
+    what: str = "operating points",
+    then: Sequence[tuple[str, Propose]] = (),
+    known: Mapping[Run, Result] | None = None,
 ) -> list[Stored]:
     """Give the results of runs, in their order, and of those that they lead to; what is known is not run again.
 
@@ -64,6 +71,8 @@ def computed(
         What the runs are, for the line of progress.
     then
         What follows, each with its name: asked again with the points so far until it proposes nothing.
+    known
+        Results that neither are run nor kept.
 
     Raises
     ------
@@ -73,12 +82,14 @@ def computed(
         If the store cannot be written; what is stored stays.
     """
     opened_pool = local(means.workers or os.cpu_count() or 1) if means.scheduler is None else dask(means.scheduler)
-    with opened(means.store) as store, shown([what, *(name for name, _ in then)]) as steps, opened_pool as pool:
+    with opened_pool as pool, opened(means.store) as store, shown([what, *(name for name, _ in then)]) as steps:
 
         def run(new: Sequence[Run]) -> None:
-            steps.more(len(new))
-            results = run_missing(
-                new, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
+            given = {run: known[run] for run in new if run in known} if known else {}
+            rest = [run for run in new if run not in given]
+            steps.more(len(rest))
+            results = given | run_missing(
+                rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
             )
             found.update((own, results[own]) for own in new)
 

@@ -10,23 +10,23 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import ValidationError
 
 from multibody_xval.engines.interface.registry import default_engine_names
 from multibody_xval.scenarios.catalogue.base import run_with_predictions
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.verdict_table import VerdictTable, finding_table
+from multibody_xval.scenarios.compute import SECONDS_A_RUN
+from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.runs import TIME_LIMIT
 from multibody_xval.scenarios.runs.dask_cluster import executor_for
 from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.parameters import first_error
 from multibody_xval.scenarios.runs.progress import ProgressBars
 from multibody_xval.scenarios.runs.store import opened_store
-from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
-from multibody_xval.scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
-from multibody_xval.scenarios.sweeps.spec_file import SweepFile
-from multibody_xval.scenarios.sweeps.sweep import Sweep, check_size
+from multibody_xval.scenarios.store import checked_store
+from multibody_xval.scenarios.sweep_file import sweep_of
+from multibody_xval.scenarios.sweep_plan import check_size
+from multibody_xval.scenarios.swept import swept
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
 from reference_lcp.validation import FloatArray
@@ -51,9 +51,9 @@ def sweep(
     tolerance_db: float | None = None,
     store: str | Path | None = None,
     workers: int | None = None,
-    time_limit: float = TIME_LIMIT,
+    time_limit: float = SECONDS_A_RUN,
     scheduler: str | None = None,
-    retry_blocked: bool = False,
+    retry_failed: bool = False,
     yes: bool = False,
     **unknown: object,
 ) -> xr.Dataset:
@@ -62,7 +62,7 @@ def sweep(
     Parameters
     ----------
     engines
-        Names ``ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]``, or ``all``; verdicts need ``reference`` among them.
+        Names ``ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]``, or ``all``.
     friction_ratio, frequency_ratio
         μ λ_N / (k_c U0) >= 0 and η_r = ω / ω_r > 0: a number, a list or array of them, or a tuple (first, last, how
         many). η_r may be an adaptive grid: ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}``.
@@ -71,14 +71,17 @@ def sweep(
     drive, amplitude
         ``"base"`` with U0 [m], or ``"force"`` on the outer mass of cell 1 with P0 [N].
     steps_per_period, tolerance_db
-        Fewest steps a period; the largest difference that counts as agreement [dB], derived at every point without.
-    store, workers, time_limit, scheduler, retry_blocked, yes
+        Fewest steps per period; the largest error that counts as agreement [dB], without it what the time step and the
+        accuracy of an engine explain.
+    store, workers, time_limit, scheduler, retry_failed, yes
         As the options of ``multibody-xval sweep``; without a store, no result is kept.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions ``variant`` and the axes; `report` makes a page of it.
+        Dimensions ``configuration`` and the axes. Among its variables: ``transmittance_db``, ``exact_db`` and
+        ``error_db``, ``phase_deg``, ``verdict``, ``status``, ``reason``, ``stuck_fraction`` by ``cell``. `plot`,
+        `band_edges` and `report` take it, or a part of it by ``data.sel(...)``.
 
     Raises
     ------
@@ -93,19 +96,20 @@ def sweep(
         if given is not None and not isinstance(given, Mapping):
             raise ParameterError(f"{name} = {shown(given)}; allowed: values by name")
     axes = {"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})}
-    planned = _validated({
+    content = {
         "engines": _names(engines), "steps_per_period": steps_per_period,
         "grid": {name: _axis(name, values) for name, values in axes.items()},
         "chain": {name: _numbers(value) for name, value in (chain or {}).items()},
         "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
-    })  # fmt: skip
+    }  # fmt: skip
+    planned = sweep_of(content, "what the documentation of multibody_xval.sweep lists")
     check_size(planned, yes=yes, how="yes=True")
-    file = None if store is None else checked_path("store", store)
-    with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
-        save_sweep(stored, planned)
-        evaluate_sweep(planned, stored, executor, verdicts=True, retry_blocked=retry_blocked)
-        return sweep_dataset(*stored_points(planned, stored), file)
+    file = None if store is None else checked_store(Path(store))
+    return swept(
+        planned,
+        Means(store=file, workers=workers, scheduler=scheduler, seconds_a_run=time_limit, retry_failed=retry_failed),
+    )
 
 
 def check(
@@ -127,7 +131,7 @@ def check(
     engines
         Names as for `sweep`; those that come with the suite without it.
     store, workers, time_limit, scheduler, retry_blocked
-        As for `sweep`.
+        As the options of ``multibody-xval run``.
 
     Returns
     -------
@@ -154,14 +158,6 @@ def check(
     ):
         found = {item: run_with_predictions(item, own, evaluator) for item, own in variants.items()}
         return VerdictTable(finding_table(found))
-
-
-def _validated(content: Mapping[str, Any]) -> Sweep:
-    """Check the arguments, as the content of a sweep file."""
-    try:
-        return SweepFile.model_validate(content).sweep.for_verdicts()
-    except ValidationError as problem:
-        raise ParameterError(first_error(problem, "what the documentation of multibody_xval.sweep lists")) from None
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:

@@ -4,13 +4,14 @@ import ctypes
 import multiprocessing
 import os
 import signal
+import sys
 import time
 import uuid
+import zlib
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager, suppress
-from multiprocessing import forkserver
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -23,7 +24,7 @@ from multibody_xval.scenarios.compute.batch import prepare, run_batch
 from multibody_xval.scenarios.compute.prctl import SET_CHILD_SUBREAPER, SET_NAME, SET_PARENT_DEATH_SIGNAL, prctl
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.store import Store, is_kept
-from reference_lcp.errors import RunError
+from reference_lcp.errors import ParameterError, shown
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
@@ -55,10 +56,14 @@ class LocalPool:
     """
 
     def __init__(self, workers: int):
+        from multiprocessing import forkserver  # which other systems lack
+
+        from multibody_xval.scenarios.compute.without_main import WithoutMain
+
         self.slots = workers
         self._pools: dict[str, ProcessPool] = {}
         self._names: dict[str, str] = {}
-        self._context = multiprocessing.get_context("forkserver")
+        self._context = WithoutMain()
         self._context.set_forkserver_preload([f"{compute.__name__}.{name}" for name in ("ends_with_parent", "warm")])
         forkserver.ensure_running()  # by this thread: it ends with that
         prctl(SET_CHILD_SUBREAPER, 1)
@@ -86,9 +91,39 @@ class LocalPool:
             pool.join(GRACE)
 
 
+class ThisProcess:
+    """Runs one job after the other in this process: one that crashes or hangs ends the command."""
+
+    slots = 1
+
+    def submit(self, job: Job) -> "Future[Any]":
+        """Run a job."""
+        ended: Future[Any] = Future()
+        try:
+            ended.set_result(job[0](*job[1]))
+        except Exception as problem:  # as it would come from another process
+            ended.set_exception(problem)
+        return ended
+
+    def give_up(self, serves: str) -> None:
+        """Leave it: nothing runs any more."""
+
+
+def without_processes() -> str | None:
+    """Say why this system runs no worker processes; ``None`` where it does."""
+    system: str = sys.platform
+    if system == "linux":
+        return None
+    return f"worker processes need Linux, and this is {system}; engines run in the process of the command"
+
+
 @contextmanager
-def local(workers: int) -> Iterator[LocalPool]:
+def local(workers: int) -> Iterator[Pool]:
     """Give worker processes of this machine; all are ended with it, and what they started."""
+    if (reason := without_processes()) is not None:
+        print(f"{reason}: one that crashes or hangs ends the command; what is stored stays", file=sys.stderr)
+        yield ThisProcess()
+        return
     pool = LocalPool(workers)
     try:
         yield pool
@@ -148,7 +183,10 @@ def dask(address: str) -> Iterator[DaskPool]:
     try:
         client = Client(address, timeout="15s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:
-        raise RunError(f"scheduler = {address!r} does not answer: {problem}") from None
+        reason = " ".join(str(problem).split())
+        raise ParameterError(
+            f"scheduler = {shown(address)} cannot be reached: {reason}; allowed: the address of one that runs"
+        ) from None
     with client:
         yield DaskPool(client)
 
@@ -214,13 +252,18 @@ def not_installed(config: Config) -> Result | None:
 
 
 def batches(runs: Iterable[Run]) -> list[list[Run]]:
-    """Group runs that one simulation may take together; the slowest kinds, engines with default options, first."""
+    """Group runs that one simulation may take together; the slowest kinds, engines with default options, first.
+
+    Any two are neighbours in a batch: an engine that takes one for the other is not to find the same friction there.
+    """
     groups: dict[tuple[Config, int, int], list[Run]] = defaultdict(list)
     for run in runs:
         groups[run.config, run.steps, run.case.cells].append(run)
-    order = sorted(groups, key=_quickness)
-    sizes = {kind: kind[0].batch_lanes for kind in order}
-    return [groups[kind][k : k + sizes[kind]] for kind in order for k in range(0, len(groups[kind]), sizes[kind])]
+    found = []
+    for kind in sorted(groups, key=_quickness):
+        size, mixed = kind[0].batch_lanes, sorted(groups[kind], key=lambda run: zlib.crc32(run.text.encode()))
+        found += [mixed[first : first + size] for first in range(0, len(mixed), size)]
+    return found
 
 
 def _quickness(kind: tuple[Config, int, int]) -> tuple[bool, bool, int]:

@@ -7,8 +7,8 @@ import numpy as np
 import scipy.linalg
 
 from multibody_xval.engines.interface.presets import Formulation
-from multibody_xval.engines.interface.registry import default_engine_names, engine
-from multibody_xval.engines.interface.variant import GENERAL, variants_named, variants_of
+from multibody_xval.engines.interface.registry import default_engine_names, engine, engine_names
+from multibody_xval.engines.interface.variant import ALL, GENERAL, variants_named, variants_of
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
 from reference_lcp.chain.linear_response import stuck_basis
@@ -26,7 +26,7 @@ PRESETS = ("default", *(name for name in GENERAL if name != "default"), "tuned")
 """Presets that a report compares, in the order in which it shows them."""
 
 ON_GRID = ("default", "tuned")
-"""Presets of joints that are measured on the whole grid."""
+"""Presets of joints that are measured on the whole grid, with those that have none of the names of `PRESETS`."""
 
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
@@ -55,11 +55,17 @@ def report_configs(names: Iterable[str] = ()) -> list[Config]:
         If a name is unknown, or its engine is not installed.
     """
     asked = list(names)
-    bare = [name for name in asked or default_engine_names() if ":" not in name and name != REFERENCE.engine]
-    if asked:
-        variants_named(bare)
-    compared = [own for name in bare for own in variants_of(name, optional=True) if own.preset_name in PRESETS]
+    bare = [name for name in asked if ":" not in name and name != ALL]
+    variants_named(bare)
+    engines = [*bare, *(engine_names() if ALL in asked else ()), *(() if asked else default_engine_names())]
+    compared = [own for name in engines if name != REFERENCE.engine for own in _compared(name)]
     return list(dict.fromkeys([*compared, *variants_named([name for name in asked if ":" in name])]))
+
+
+def _compared(name: str) -> list[Config]:
+    """Give the presets of an engine that a report compares: all of one that has none of these names."""
+    every = variants_of(name, optional=True)
+    return [own for own in every if own.preset_name in PRESETS] or every
 
 
 def report_runs(configs: Iterable[Config], *, quick: bool) -> list[Run]:
@@ -74,10 +80,12 @@ def report_runs(configs: Iterable[Config], *, quick: bool) -> list[Run]:
 
 def frictions(config: Config, *, quick: bool) -> Sequence[float]:
     """Give the friction ratios at which a configuration is measured over the frequency ratio."""
-    if config.formulation != Formulation.JOINT or config.preset_name not in ON_GRID or not config.preset.settles:
+    preset = config.unchanged.preset_name
+    measured = preset in ON_GRID or preset not in PRESETS
+    if config.formulation != Formulation.JOINT or not measured or not config.preset.settles:
         return ()
     if quick and config.engine in SLOW:
-        return QUICK_SLOW[config.preset_name]
+        return QUICK_SLOW.get(preset, QUICK_FRICTION_RATIOS)
     return QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
 
 

@@ -1,6 +1,7 @@
 """A sweep from a TOML file: what may stand in it, and errors that name the place."""
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -9,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 
 from multibody_xval.engines.interface.variant import variants_named
 from multibody_xval.scenarios.frequency_grid import MOST_VALUES, AdaptiveGrid, Decibel
+from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.sweep_plan import COUNTS, FREQUENCY, Sweep
 from reference_lcp.defaults import BASE_AMPLITUDE, CHAIN_STIFFNESS, FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_path, choices, shown
@@ -121,13 +123,26 @@ class _File(_Table):
     steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD, le=MOST_STEPS)] = MINIMUM_STEPS_PER_PERIOD
 
 
-def sweep_of(content: dict[str, Any], source: str = "what `multibody-xval example` shows") -> Sweep:
+def sweep_of(
+    content: dict[str, Any],
+    source: str = "what `multibody-xval example` shows",
+    named: Callable[[list[str]], list[Config]] = variants_named,
+) -> Sweep:
     """Check plain data as a sweep file holds them.
+
+    Parameters
+    ----------
+    content
+        What a sweep file holds.
+    source
+        Where keys are listed, for messages.
+    named
+        Gives the configurations of names; engines have to be installed without it.
 
     Raises
     ------
     ParameterError
-        If a key is unknown or missing, or a value outside its range; `source` says where keys are listed.
+        If a key is unknown or missing, or a value outside its range.
     """
     try:
         file = _File.model_validate(content)
@@ -138,7 +153,7 @@ def sweep_of(content: dict[str, Any], source: str = "what `multibody-xval exampl
         raise ParameterError(f"grid.{name} has an accuracy; allowed: of {FREQUENCY} only")
     unit = 1.0 if file.drive.kind == "base" else CHAIN_STIFFNESS
     return Sweep(
-        configs=tuple(dict.fromkeys(variants_named(file.engines))),
+        configs=tuple(dict.fromkeys(named(file.engines))),
         axes={name: _values(name, own) for name, own in file.grid.items()},
         chain={name: tuple(own) if isinstance(own, list) else _whole(name, own) for name, own in file.chain.items()},
         drive=file.drive.kind,

@@ -35,8 +35,11 @@ AXES = tuple(name for name in (*CASE, STEPS) if name not in DRIVE)
 CHAIN = tuple(name for name in AXES if name in DEFAULTS)
 """Everything that may stand under [chain]."""
 
-MOST_POINTS = 1_000_000
-"""Most points of a sweep: all are in memory."""
+MOST_POINTS, UNCONFIRMED_POINTS = 1_000_000, 100_000
+"""Most points of a sweep, which are in memory together, and of one that runs without a yes."""
+
+SECONDS_A_POINT = 0.1
+"""Of a processor that a steady state takes, at least."""
 
 
 class Place(NamedTuple):
@@ -87,7 +90,7 @@ class Sweep:
             _check_chain(name, value)
         checked_count(STEPS, self.steps_per_period, *COUNTS[STEPS])
         if self.points > MOST_POINTS:
-            raise ParameterError(f"the sweep has {self.points:,} points; allowed: <= {MOST_POINTS:,}")
+            raise ParameterError(f"{size_text(self)}; allowed: <= {MOST_POINTS:,} points")
         for cells in self.axes.get("cells", (self.chain.get("cells", DEFAULTS["cells"]),)):
             self._check_lists(int(cells))
 
@@ -208,3 +211,18 @@ def _check_value(key: str, name: str, value: Any) -> None:
     else:
         requirement, largest = SINGLE.get(name, (PER_CELL.get(name), LARGEST_PARAMETER))
         checked_array(key, value, requirement or "finite", largest=largest)
+
+
+def check_size(sweep: Sweep, *, yes: bool, how: str) -> None:
+    """Raise a `ParameterError` if a sweep is large, and no `yes` was said, as `how` tells."""
+    if sweep.points > UNCONFIRMED_POINTS and not yes:
+        raise ParameterError(f"{size_text(sweep)}; allowed: <= {UNCONFIRMED_POINTS:,} points, or more with {how}")
+
+
+def size_text(sweep: Sweep) -> str:
+    """Say how many points a sweep has, and for how long they keep a processor busy at least."""
+    seconds = sweep.points * SECONDS_A_POINT
+    duration = f"{seconds:.2g} s" if seconds < 60 else f"{seconds / 3600:,.3g} h"
+    if sweep.grid is not None:
+        return f"the sweep has {sweep.points:,} curves, {duration} of one processor's time or more"
+    return f"the sweep has {sweep.points:,} points, {duration} of one processor's time or more"

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import math
 import sys
-from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from multibody_xval.reports.cli.options import Work, check_outs, grouped, opened
-from multibody_xval.scenarios.sweeps import UNCONFIRMED_POINTS
-from reference_lcp.terminal import print_table, visible
+from multibody_xval.reports.cli.options import Computing, check_outs, grouped, keeping
+from reference_lcp.terminal import announce_compilation, print_table, visible
 
 if TYPE_CHECKING:
-    from multibody_xval.scenarios.sweeps.point import Point
-    from multibody_xval.scenarios.sweeps.run import SweepSummary
-    from multibody_xval.scenarios.sweeps.sweep import Sweep
+    import pandas as pd
+    import xarray as xr
+
+    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.sweep_plan import Sweep
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
-
-PARTS = (0.5, 0.99, 1.0)
-"""Parts of the points whose number of periods is printed: median, 99 % and all."""
 
 
 @app.command()
@@ -34,7 +29,7 @@ def example() -> None:
 
     Example: multibody-xval example > sweep.toml
     """
-    from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
+    from multibody_xval.scenarios.sweep_file import EXAMPLE
 
     print(EXAMPLE, end="")
 
@@ -49,13 +44,15 @@ def sweep(
     ] = Path("sweep.sqlite"),
     out: Annotated[
         Path | None,
-        typer.Option(help="Write all results of the sweep that are stored: NetCDF as .nc, a table as .csv."),
+        typer.Option(help="Write all results of the sweep: arrays with units, NetCDF, as .nc; a row a run as .csv."),
     ] = None,
     run: Annotated[
-        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run writes only stored results.")
+        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run shows only stored results.")
     ] = True,
-    yes: Annotated[bool, typer.Option("--yes", help=f"Agree to run more than {UNCONFIRMED_POINTS:,} points.")] = False,
-    work: Work,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Run a sweep of many points, which is refused without this.")
+    ] = False,
+    computing: Computing,
 ) -> None:
     """Run every combination of the parameters and engines that a file names.
 
@@ -64,69 +61,75 @@ def sweep(
 
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """
-    work.check(run=run)
-    from multibody_xval.scenarios.runs.store import existing_store
-    from multibody_xval.scenarios.sweeps.dataset import sweep_dataset, write_dataset
-    from multibody_xval.scenarios.sweeps.run import evaluate_sweep, save_sweep, stored_points
-    from multibody_xval.scenarios.sweeps.spec_file import read_sweep
-    from multibody_xval.scenarios.sweeps.sweep import check_size, size_text
+    computing.check(run=run)
+    from multibody_xval.scenarios.dataset import judged_table
+    from multibody_xval.scenarios.dataset_file import write_dataset
+    from multibody_xval.scenarios.judge import conclusion
+    from multibody_xval.scenarios.store import checked_store, existing_store
+    from multibody_xval.scenarios.sweep_file import read_sweep
+    from multibody_xval.scenarios.sweep_plan import check_size
 
+    means = computing.means(checked_store(store) if run else existing_store(store))
     planned = read_sweep(file)
-    whole = out is not None or planned.tolerance is not None  # all results are in memory together
-    if whole:
-        planned = planned.for_verdicts()
-    if run or whole:
-        check_size(planned, yes=yes and not whole, how="--yes, without --out and [tolerances]")
+    check_size(planned, yes=yes or not run, how="--yes")
     check_outs([out], (".nc", ".csv"), store, file)
-    executor = work.executor()
-    with opened(store if run else existing_store(store), keep_old=work.keep_old) as stored:
-        if run:
-            print(size_text(planned), file=sys.stderr)
-            save_sweep(stored, planned)
-            retry = work.retry_blocked
-            print_summary(planned, evaluate_sweep(planned, stored, executor, verdicts=whole, retry_blocked=retry))
-        if not whole:
-            return
-        judged, points = stored_points(planned, stored)
-        print_verdicts(judged, points)
-        if out is not None:
-            write_dataset(sweep_dataset(judged, points, store), out)
+    data = _dataset(planned, means, run=run)
+    table = judged_table(data)
+    print_counts(planned, table)
+    print_reasons(table)
+    if out is not None:
+        write_dataset(data, out)
+    print(visible(conclusion(table)))
 
 
-def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
-    """Print how the points of every variant ended, the periods that they took, and every reason once."""
-    from multibody_xval.scenarios.sweeps.dataset import STATUSES
+def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
+    """Give the results of a sweep: what the store lacks is run, or not."""
+    from multibody_xval.scenarios.sweep_plan import size_text
+    from multibody_xval.scenarios.swept import stored_sweep, swept
 
+    if not run:
+        assert means.store is not None
+        return stored_sweep(planned, means.store)
+    print(size_text(planned), file=sys.stderr)
+    announce_compilation()
+    with keeping(means.store):
+        return swept(planned, means)
+
+
+def print_counts(planned: Sweep, table: pd.DataFrame) -> None:
+    """Print what has become of the points of every configuration, with the largest error and where it is."""
+    from multibody_xval.scenarios.judge import VERDICTS
+
+    places = 0 if planned.grid is not None else planned.points // len(planned.configs)
     rows = []
-    for variant in sweep.variants:
-        row = {"engine:formulation:preset": str(variant)}
-        row |= {str(status): str(summary.statuses[variant, status]) for status in STATUSES[:-1]}
-        periods = [summary.quantile_of_periods(variant, part) for part in PARTS]
-        row["periods: median, 99 %, most"] = ", ".join("–" if number is None else str(number) for number in periods)
-        if sweep.frequencies is not None:
-            row["curves unresolved"] = str(summary.unresolved[variant])
-        rows.append(row)
-    print_table(list(rows[0]), [list(row.values()) for row in rows])
-    for (variant, reason), count in sorted(summary.reasons.most_common(), key=lambda item: item[0][0]):
-        print(visible(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}"))
+    for config in planned.configs:
+        own = table[table.config == config]
+        counts = own.verdict.value_counts()
+        size = own.error_db.abs()
+        rows.append({
+            "configuration": str(config),
+            **{verdict: str(counts.get(verdict, 0)) for verdict in VERDICTS},
+            "not run": str(max(places - len(own), 0)),
+            "largest error [dB]": f"{size.max():.3g}" if size.notna().any() else "–",
+            "at": _place(planned, own.loc[size.idxmax()]) if size.notna().any() else "–",
+            "periods: median, most": _periods(own.periods[own.status == "periodic"]),
+        })  # fmt: skip
+    shown = [name for name in rows[0] if any(row[name] != "0" for row in rows)]
+    print_table(shown, [[row[name] for name in shown] for row in rows])
 
 
-def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
-    """Print how every variant compares with the reference, if the file has a tolerance for it."""
-    from multibody_xval.scenarios.sweeps.run import compared_points
-    from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+def _place(planned: Sweep, row: pd.Series) -> str:
+    """Say where on the axes a point is."""
+    return ", ".join(f"{name.removesuffix('_ratio').replace('_', ' ')} {row[name]:.4g}" for name in planned.axes)
 
-    if sweep.tolerance is None:
-        return
-    axes = ", ".join([*(name.removesuffix("_ratio").replace("_", " ") for name in sweep.case_axes), "frequency"])
-    rows = []
-    for variant, own in compared_points(sweep, points).items():
-        counts = Counter(point.comparison.verdict for point in own)
-        known = [point for point in own if not math.isnan(point.difference(TRANSMITTANCE))]
-        worst = max(known, key=lambda point: abs(point.difference(TRANSMITTANCE)), default=None)
-        largest = ["–", "–"]
-        if worst is not None:
-            size = abs(worst.difference(TRANSMITTANCE))
-            largest = [f"{size:.3g}", f"{worst.case.numbers}, {worst.frequency_ratio:.4g}"]
-        rows.append([str(variant), *(str(counts[verdict]) for verdict in Verdict), *largest])
-    print_table(["engine:formulation:preset", *map(str, Verdict), "largest [dB]", f"at {axes}"], rows)
+
+def _periods(periods: pd.Series) -> str:
+    return f"{periods.median():.0f}, {periods.max():.0f}" if len(periods) else "–"
+
+
+def print_reasons(table: pd.DataFrame) -> None:
+    """Print every reason why a configuration has no steady state once."""
+    rest = table[table.status != "periodic"]
+    reasons = rest.reason.where(rest.reason != "", rest.status)
+    for (config, reason), count in rest.groupby(["config", reasons], sort=False).size().items():
+        print(visible(f"{config}: {count} point{'s' if count > 1 else ''}: {reason}"))

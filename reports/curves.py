@@ -1,0 +1,130 @@
+"""Transmittance of a dataset over the frequency ratio, for print: a panel a case, or a curve a case of one engine."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from multibody_xval.scenarios.dataset import judged_table, sweep_in
+from multibody_xval.scenarios.edges import THRESHOLD_DB
+from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.sweep_plan import FREQUENCY
+from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
+from reference_lcp.studies.plot import checked_picture_format
+
+COLUMN, PAGE_WIDTH, PANEL_HEIGHT = 3.5, 7.2, 2.0
+"""Width of one column of a journal and of two, and height of a row of panels [inch]."""
+
+MOST_CASES = 24
+"""Cases that one figure shows."""
+
+LOWEST_DB = -80.0
+"""Lowest transmittance that is drawn: beyond, the motion is less than the ten-thousandth part of the base's."""
+
+INK, SOFT, LINE = "#1b1f24", "#57606a", "#d5dae0"
+
+COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+"""Black, and Okabe and Ito's palette, which colour-blind readers can distinguish."""
+
+DASHES = ((), (5.0, 1.5), (1.0, 1.0), (4.0, 1.0, 1.0, 1.0), (8.0, 2.0), (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+"""Lengths of dashes and gaps over the width of the line."""
+
+PRINT: dict[Any, Any] = {
+    **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize", "figure.labelsize"), 8.0),
+    **dict.fromkeys(("legend.fontsize", "xtick.labelsize", "ytick.labelsize"), 7.0),
+    **dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"), INK),
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
+    "axes.titlepad": 3.0, "lines.linewidth": 1.1, "axes.grid": True, "axes.axisbelow": True, "grid.color": LINE,
+    "grid.linewidth": 0.5, "savefig.dpi": 300.0, "pdf.fonttype": 42, "svg.hashsalt": "multibody-xval",
+}  # fmt: skip
+"""Style of figures: 8 points in a column's width, thin lines, text that can be searched."""
+
+
+def drawn_curves(data: xr.Dataset, file: str | Path | None) -> Figure:
+    """Draw the transmittance of a dataset; see `multibody_xval.plot`."""
+    picture = None if file is None else checked_picture_format(checked_output_file("file", checked_path("file", file)))
+    table = judged_table(data)
+    axes = [name for name in sweep_in(data).axes if name != FREQUENCY]
+    with mpl.rc_context(PRINT):
+        figure = _drawn(table, axes)
+        if picture is not None:
+            with replacing(picture) as part:
+                figure.savefig(part)
+    return shown_in_notebooks(figure)
+
+
+def _drawn(table: pd.DataFrame, axes: list[str]) -> Figure:
+    """Draw a panel a case with a curve a configuration, or one panel with a curve a case."""
+    cases = table[axes].drop_duplicates()
+    configs = list(dict.fromkeys(table.config))
+    if not 1 <= len(cases) <= MOST_CASES:
+        allowed = f"1 to {MOST_CASES}, such as data.sel(...)"
+        raise ParameterError(f"the data have {len(cases)} cases; allowed: {allowed}")
+    titles = [_title(row) for row in cases.to_dict("records")]
+    alone = len(configs) == 1
+    figure, panels = _panels([configs[0].title] if alone else titles)
+    low, high = _limits(table)
+    for panel in panels:
+        panel.axhline(THRESHOLD_DB, color=SOFT, linewidth=0.6)
+        panel.set(ylim=(low, high))
+    for place, config, own in _curves(table, cases, configs):
+        style = place if alone else configs.index(config)
+        colour, dashes = COLOURS[style % len(COLOURS)], DASHES[style % len(DASHES)]
+        gaps = own.isna().any() or len(own) == 1  # no line shows a point between two of them
+        look = {"color": colour, "linestyle": (0, dashes) if dashes else "-", "marker": "." if gaps else ""}
+        panels[0 if alone else place].plot(own.index, own, label=titles[place] if alone else config.title, **look)
+    _legend(figure, panels)
+    return figure
+
+
+def _curves(table: pd.DataFrame, cases: pd.DataFrame, configs: list[Config]) -> Iterator[tuple[int, Config, pd.Series]]:
+    """Give every curve with the number of its case: its levels [dB] by η_r, NaN where there is no steady state."""
+    level = table.transmittance_db.where(table.status == "periodic")
+    for place, (_, case) in enumerate(cases.iterrows()):
+        here = (table[list(cases)] == case).all(axis=1)
+        for config in configs:
+            own = here & (table.config == config)
+            yield place, config, pd.Series(level[own].to_numpy(), table[FREQUENCY][own]).sort_index()
+
+
+def _title(case: dict[Any, Any]) -> str:
+    return ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in case.items())
+
+
+def _panels(titles: list[str]) -> tuple[Figure, list[Axes]]:
+    """Give a figure with a panel a title, in one column or two."""
+    columns = min(len(titles), 2)
+    rows = -(-len(titles) // columns)
+    size = (PAGE_WIDTH if columns > 1 else COLUMN, 0.9 + PANEL_HEIGHT * rows)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    for panel, title in zip(grid, titles, strict=False):
+        panel.set_title(title)
+    for panel in grid[::columns]:
+        panel.set_ylabel("transmittance [dB]")
+    for panel in grid[len(titles) :]:
+        panel.set_visible(False)
+    figure.supxlabel("frequency ratio $η_r$ = ω/$ω_r$ [-]")
+    return figure, list(grid[: len(titles)])
+
+
+def _limits(table: pd.DataFrame) -> tuple[float, float]:
+    """Give the lowest and the highest transmittance that is drawn."""
+    levels = table.transmittance_db[table.status == "periodic"].to_numpy()
+    known = np.append(levels[np.isfinite(levels)], THRESHOLD_DB)
+    return max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5
+
+
+def _legend(figure: Figure, panels: list[Axes]) -> None:
+    """Name every curve once, above all panels."""
+    handles, labels = panels[0].get_legend_handles_labels()
+    columns = 4 if figure.get_figwidth() > COLUMN else 2
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), columns) or 1)
