@@ -59,7 +59,7 @@ def computed(
     then: Sequence[tuple[str, Propose]] = (),
     known: Mapping[Run, Result] | None = None,
 ) -> list[Stored]:
-    """Give the results of runs, and of those that they lead to; those that are known are not run again.
+    """Give the results of runs, in their order, and of those that they lead to; what is known is not run again.
 
     Parameters
     ----------
@@ -88,12 +88,10 @@ def computed(
             given = {run: known[run] for run in new if run in known} if known else {}
             rest = [run for run in new if run not in given]
             steps.more(len(rest))
-            found.update(given)
-            found.update(
-                run_missing(
-                    rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
-                )
+            results = given | run_missing(
+                rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
             )
+            found.update((own, results[own]) for own in new)
 
         found: dict[Run, Result] = {}
         steps.begin()
