@@ -87,11 +87,16 @@ def computed(
         def run(new: Sequence[Run]) -> None:
             given = {run: known[run] for run in new if run in known} if known else {}
             rest = [run for run in new if run not in given]
-            steps.more(len(rest))
             found.update(given)
             found.update(
                 run_missing(
-                    rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
+                    rest,
+                    store,
+                    pool,
+                    steps.ended,
+                    known=lambda own: steps.more(len(rest) - len(own)),
+                    seconds_a_run=means.seconds_a_run,
+                    retry_failed=means.retry_failed,
                 )
             )
 
