@@ -87,10 +87,10 @@ def computed(
         def run(new: Sequence[Run]) -> None:
             given = {run: known[run] for run in new if run in known} if known else {}
             rest = [run for run in new if run not in given]
-            steps.more(len(rest))
             results = given | run_missing(
-                rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
-            )
+                rest, store, pool, steps.ended, known=lambda own: steps.more(len(rest) - len(own)),
+                seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed,
+            )  # fmt: skip
             found.update((own, results[own]) for own in new)
 
         found: dict[Run, Result] = {}

@@ -12,8 +12,9 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager, suppress
+from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -25,6 +26,9 @@ from multibody_xval.scenarios.compute.prctl import SET_CHILD_SUBREAPER, SET_NAME
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.store import Store, is_kept
 from reference_lcp.errors import ParameterError, shown
+
+if TYPE_CHECKING:
+    from multiprocessing.context import ForkServerContext
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
@@ -56,17 +60,22 @@ class LocalPool:
     """
 
     def __init__(self, workers: int):
+        self.slots = workers
+        self._pools: dict[str, ProcessPool] = {}
+        self._names: dict[str, str] = {}
+
+    @cached_property
+    def _context(self) -> "ForkServerContext":
+        """Start the process from which workers are forked, as soon as there is something to run."""
         from multiprocessing import forkserver  # which other systems lack
 
         from multibody_xval.scenarios.compute.without_main import WithoutMain
 
-        self.slots = workers
-        self._pools: dict[str, ProcessPool] = {}
-        self._names: dict[str, str] = {}
-        self._context = WithoutMain()
-        self._context.set_forkserver_preload([f"{compute.__name__}.{name}" for name in ("ends_with_parent", "warm")])
+        context = WithoutMain()
+        context.set_forkserver_preload([f"{compute.__name__}.{name}" for name in ("ends_with_parent", "warm")])
         forkserver.ensure_running()  # by this thread: it ends with that
         prctl(SET_CHILD_SUBREAPER, 1)
+        return context
 
     def submit(self, job: Job) -> "Future[Any]":
         """Start a job in a process that serves its engine alone."""
@@ -89,6 +98,7 @@ class LocalPool:
             _end(name)
         for pool in self._pools.values():
             pool.join(GRACE)
+        prctl(SET_CHILD_SUBREAPER, 0)
 
 
 class ThisProcess:
@@ -139,10 +149,13 @@ MARK = "MULTIBODY_XVAL_POOL"
 
 
 def _begin(name: str) -> None:
-    """Begin a worker: Ctrl-C is the main process's, which ends workers; one thread a process."""
+    """Begin a worker: Ctrl-C is the main process's, which ends workers; what engines print is lost; one thread each."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     prctl(SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     prctl(SET_NAME, ctypes.c_char_p(name.encode()))
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(nowhere, stream)
     os.environ |= {MARK: name, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
@@ -207,7 +220,7 @@ _KEPT: list[LocalPool] = []
 """The pool of a worker of dask."""
 
 Ended = Callable[[dict[Run, Result]], Any]
-"""Takes results that have just been computed, or found in the store."""
+"""Takes results."""
 
 
 def run_missing(
@@ -216,6 +229,7 @@ def run_missing(
     pool: Pool,
     ended: Ended = lambda _results: None,
     *,
+    known: Ended = lambda _results: None,
     seconds_a_run: float = SECONDS_A_RUN,
     retry_failed: bool = False,
 ) -> dict[Run, Result]:
@@ -227,8 +241,8 @@ def run_missing(
     ----------
     runs, store, pool
         What is asked for, where results are kept, and what computes those that are not there.
-    ended
-        Is told of results as they come.
+    ended, known
+        Are told of results as they come, and before of those that need no run.
     seconds_a_run
         Time limit of a run [s]; what an engine needs to be imported and compiled is not part of it.
     retry_failed
@@ -237,7 +251,7 @@ def run_missing(
     runs = list(dict.fromkeys(runs))
     found = {run: own for run, own in store.known(runs).items() if is_kept(own, retry_failed=retry_failed)}
     found |= {run: own for run in runs if run not in found and (own := not_installed(run.config)) is not None}
-    ended(found)
+    known(found)
     for results in completed(batches(run for run in runs if run not in found), pool, seconds_a_run):
         store.add(results)
         found |= results
@@ -252,23 +266,24 @@ def not_installed(config: Config) -> Result | None:
 
 
 def batches(runs: Iterable[Run]) -> list[list[Run]]:
-    """Group runs that one simulation may take together; the slowest kinds, engines with default options, first.
+    """Group runs that one simulation may take together, in the order in which they begin.
 
-    Any two are neighbours in a batch: an engine that takes one for the other is not to find the same friction there.
+    The reference is first, which has results within a second; then the slowest, engines with default options. Any two
+    are neighbours in a batch: an engine that takes one for the other is not to find the same friction there.
     """
     groups: dict[tuple[Config, int, int], list[Run]] = defaultdict(list)
     for run in runs:
         groups[run.config, run.steps, run.case.cells].append(run)
     found = []
-    for kind in sorted(groups, key=_quickness):
+    for kind in sorted(groups, key=_order):
         size, mixed = kind[0].batch_lanes, sorted(groups[kind], key=lambda run: zlib.crc32(run.text.encode()))
         found += [mixed[first : first + size] for first in range(0, len(mixed), size)]
     return found
 
 
-def _quickness(kind: tuple[Config, int, int]) -> tuple[bool, bool, int]:
+def _order(kind: tuple[Config, int, int]) -> tuple[bool, bool, bool, int]:
     config, steps, _ = kind
-    return config.engine == REFERENCE.engine, config.preset_name == "tuned", steps
+    return config != REFERENCE, config.engine == REFERENCE.engine, config.preset_name == "tuned", steps
 
 
 class Attempt(NamedTuple):

@@ -76,6 +76,7 @@ class Store:
             self._file.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._file.execute(f"PRAGMA user_version = {FORMAT}")
         self._file.execute("PRAGMA journal_mode = WAL")
+        self._file.execute("PRAGMA wal_autocheckpoint = 1")  # a copy of the file alone has all but what is being added
         self._file.execute("PRAGMA synchronous = NORMAL")
         self._file.execute(SCHEMA)
 

@@ -70,6 +70,7 @@ def test_a_run_that_ends_its_process_fails_alone(pool, name, reason) -> None:
 @pytest.mark.parametrize("name", ["faulty-flood", "faulty-changes", "faulty-sound"])
 def test_what_an_engine_prints_or_changes_does_no_harm(pool, name, capfd) -> None:
     assert {own.status for own in ran(name, pool).values()} == {Status.PERIODIC}
+    assert not any(capfd.readouterr())
 
 
 def test_garbage_in_the_pipe_of_a_pool_ends_its_engine_alone(pool, monkeypatch) -> None:
