@@ -101,6 +101,7 @@ def _drawn(axes: Axes, panel: Panel) -> None:
     axes.set_facecolor("none")
     lines = textwrap.wrap(panel.title, round(LETTERS * panel.width / WIDTH))
     axes.set_title("\n".join(lines), loc="left")
-    axes.figure.subplots_adjust(left=0.52 / panel.width, right=1 - 0.08 / panel.width,
-                                top=1 - (0.1 + 0.15 * len(lines)) / panel.height, bottom=0.42 / panel.height)  # fmt: skip
+    top = 1 - (0.1 + 0.15 * len(lines)) / panel.height
+    sides = {"left": 0.52 / panel.width, "right": 1 - 0.08 / panel.width}
+    axes.figure.subplots_adjust(**sides, top=top, bottom=0.42 / panel.height)
     panel.draw(axes)
