@@ -1,12 +1,15 @@
 """The way of one number from the file of a sweep to the page of its report, as the code goes it.
 
-``python docs/way.py docs/_static/way.svg`` runs a sweep of two points twice, and notes each function of the suite that
-gives the transmittance of one of them, and each type of the suite that holds it. It draws the functions in their order.
+``python docs/way.py docs/_static/way.svg`` writes the report of a sweep of two points, in one process, and notes each
+function of the suite that gives the transmittance of one of them, as a complex number or in dB, and each type of the
+suite that holds it. It draws the functions in their order.
 """
 
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, is_dataclass
 from itertools import groupby
 from operator import itemgetter
@@ -18,10 +21,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from multibody_xval.reports.data.collect import Scope
-from multibody_xval.reports.write import write_sweep_report
-from multibody_xval.scenarios.runs.executor import InProcessExecutor
-from multibody_xval.scenarios.sweeps.spec_file import read_sweep
+from multibody_xval.reports.new_page.write import write_page
+from multibody_xval.scenarios import edges, evaluate
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.pool import Job
+from multibody_xval.scenarios.sweep_file import read_sweep
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("reference_lcp", "multibody_xval")
@@ -40,15 +46,15 @@ friction_ratio = [0.3]
 frequency_ratio = [0.9, 1.1]
 """
 
-POINTS = Scope((), (0.3,), (0.9, 1.1), (), checked=0)
-"""The points of the sweep alone, with what their verdicts need."""
+OWN = Config("mujoco")
+"""Whose number is followed, at the first frequency ratio."""
 
 
 @dataclass
 class Way:
     """The functions that give the number, and the types that hold it, in the order of their first time."""
 
-    number: float
+    number: complex
     functions: dict[str, None] = field(default_factory=dict)
     containers: dict[str, None] = field(default_factory=dict)
     _without: dict[int, Any] = field(default_factory=dict)
@@ -66,10 +72,10 @@ class Way:
 
     def _holds(self, value: Any, depth: int, within: tuple[str, ...]) -> bool:
         """Say whether a value is the number or holds it, and note the types of the suite around it."""
-        if isinstance(value, float):
-            found = value == self.number
+        if isinstance(value, complex | float):
+            found = value in (self.number, 20 * np.log10(abs(self.number)))
         elif isinstance(value, str):
-            found = repr(self.number) in value
+            found = repr(self.number.real) in value
         elif depth == 0 or id(value) in self._without:
             found = False
         else:
@@ -88,7 +94,7 @@ def parts(value: Any) -> Iterable[Any]:
     """Give what a container holds: of arrays and tables numbers, of records their fields."""
     match value:
         case np.ndarray():
-            return value.ravel().tolist() if value.size < MOST_NUMBERS and value.dtype.kind in "fO" else ()
+            return value.ravel().tolist() if value.size < MOST_NUMBERS and value.dtype.kind in "fcO" else ()
         case pd.DataFrame():
             return [cell for column in value for cell in value[column].tolist()]
         case xr.Dataset():
@@ -101,23 +107,40 @@ def parts(value: Any) -> Iterable[Any]:
     return [getattr(value, name, None) for name in names] if type(value).__module__.split(".")[0] in PACKAGES else ()
 
 
+class InProcess:
+    """A pool that does its jobs at once, in this process."""
+
+    slots = 1
+
+    def submit(self, job: Job) -> "Future[Any]":
+        """Do a job."""
+        done: Future[Any] = Future()
+        done.set_result(job[0](*job[1]))
+        return done
+
+    def give_up(self, serves: str) -> None:
+        """Nothing is ever on its way."""
+
+
+@contextmanager
+def in_process(_: int) -> Iterator[InProcess]:
+    """Give a pool of this process, in the place of worker processes."""
+    yield InProcess()
+
+
 def walked() -> Way:
-    """Run the sweep, and again with an eye on the number."""
+    """Write the report of the sweep, with an eye on the number."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "sweep.toml").write_text(SWEEP, encoding="utf-8")
-        sweep = read_sweep(folder / "sweep.toml").with_reference()
-
-        def write(into: str) -> None:
-            write_sweep_report(sweep, folder / into, "docs/way.py", executor=InProcessExecutor(), scope=POINTS)
-
-        write("first")
-        with xr.open_dataset(folder / "first" / "report.nc") as data:
-            chosen = data.transmittance_db.sel(variant="mujoco", drop=True)
-            way = Way(float(chosen.values.ravel()[0]))
+        sweep = read_sweep(folder / "sweep.toml")
+        runs = sweep.runs()
+        own = next(run for run in runs if run.config == OWN)
+        way = Way(run_batch([own])[0].transmittance)
         sys.setprofile(way.look)
         try:
-            write("second")
+            found = computed(runs, Means(store=folder / "results.sqlite"), then=[("band edges", edges.propose)])
+            write_page(found, folder / "report", "docs/way.py")
         finally:
             sys.setprofile(None)
     return way
@@ -151,6 +174,7 @@ def counted(way: Way) -> tuple[str, str]:
 
 
 if __name__ == "__main__":
+    evaluate.local = in_process  # type: ignore[assignment]
     found = walked()
     print(*found.functions, *counted(found), sep="\n")
     Path(sys.argv[1]).write_text(drawing(found), encoding="utf-8")

@@ -41,16 +41,19 @@ VERDICTS = (AGREES, DEVIATES, TOO_LARGE, "not periodic", "failed", "unsupported"
 
 
 @np.errstate(invalid="ignore", divide="ignore")
-def judged(table: pd.DataFrame) -> pd.DataFrame:
+def judged(table: pd.DataFrame, ruler: pd.DataFrame | None = None) -> pd.DataFrame:
     """Add exact value, error, what is expected and allowed, and the verdict to every row but those of the exact motion.
+
+    The reference and the exact motion that they are judged by are those of another table, `ruler`, where one is given.
 
     Added columns: ``exact_db``, ``exact_deg``, ``exact_kind``; the error to the exact value as ``error_db``,
     ``error_deg`` and ``error_percent`` (of the complex distance); ``expected``: exact value, or reference at equal
     steps; ``distance`` from that and ``allowed``, both over U0; ``verdict``, one of `VERDICTS`. Rows keep their order.
     """
     rows = table[~is_exact(table)].reset_index(drop=True)
-    rows = rows.merge(exact_values(table), on="case", how="left")
-    rows = rows.merge(scheme_errors(table), on=["case", "steps"], how="left")
+    by = table if ruler is None else ruler
+    rows = rows.merge(exact_values(by), on="case", how="left")
+    rows = rows.merge(scheme_errors(by), on=["case", "steps"], how="left")
     rows = rows.assign(distance=_distance(rows), allowed=_allowed(rows), expected=_expected(rows))
     return rows.assign(**_errors(rows), verdict=_verdicts(rows))
 

@@ -7,6 +7,7 @@ import signal
 import sys
 import time
 import uuid
+import zlib
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
@@ -251,13 +252,18 @@ def not_installed(config: Config) -> Result | None:
 
 
 def batches(runs: Iterable[Run]) -> list[list[Run]]:
-    """Group runs that one simulation may take together; the slowest kinds, engines with default options, first."""
+    """Group runs that one simulation may take together; the slowest kinds, engines with default options, first.
+
+    Any two are neighbours in a batch: an engine that takes one for the other is not to find the same friction there.
+    """
     groups: dict[tuple[Config, int, int], list[Run]] = defaultdict(list)
     for run in runs:
         groups[run.config, run.steps, run.case.cells].append(run)
-    order = sorted(groups, key=_quickness)
-    sizes = {kind: kind[0].batch_lanes for kind in order}
-    return [groups[kind][k : k + sizes[kind]] for kind in order for k in range(0, len(groups[kind]), sizes[kind])]
+    found = []
+    for kind in sorted(groups, key=_quickness):
+        size, mixed = kind[0].batch_lanes, sorted(groups[kind], key=lambda run: zlib.crc32(run.text.encode()))
+        found += [mixed[first : first + size] for first in range(0, len(mixed), size)]
+    return found
 
 
 def _quickness(kind: tuple[Config, int, int]) -> tuple[bool, bool, int]:

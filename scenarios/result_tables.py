@@ -130,6 +130,11 @@ def is_exact(table: pd.DataFrame) -> pd.Series:
     return (table.engine == EXACT.engine) & (table.preset == EXACT.preset_name)
 
 
+def coarsest(table: pd.DataFrame) -> pd.DataFrame:
+    """Give the rows of every configuration and case at the fewest steps per period that are there."""
+    return table[table.steps == table.groupby([table.config, table.case], sort=False).steps.transform("min")]
+
+
 def file_columns(table: pd.DataFrame) -> pd.DataFrame:
     """Give a table as files have it: plain values, stuck fractions as numbers with spaces between."""
     shown = table.drop(columns=[name for name in INTERNAL if name in table])

@@ -111,6 +111,11 @@ class Store:
         for run, version, result in self._read(query):
             yield Stored(Run.from_text(run), version, Result.from_json(result))
 
+    def options(self) -> dict[str, str]:
+        """Give the options of every configuration by its name, as JSON; of several versions, those of the last."""
+        rows = self._read("SELECT run, options FROM results ORDER BY rowid")
+        return {json.loads(run)["config"]: options for run, options in rows}
+
     def _read(self, query: str, values: Sequence[str] = ()) -> list[tuple[str, ...]]:
         return _used(self.path, lambda: self._file.execute(query, values).fetchall())
 

@@ -1,5 +1,6 @@
 """The one way to a steady state: from that of Euler's scheme, by accelerated periods, certified by a plain one."""
 
+import cmath
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,8 +15,6 @@ from reference_lcp.observables.stick_slip import (
     creep_velocity,
     largest_gap,
     open_fraction,
-    stuck_fraction,
-    transitions,
 )
 from reference_lcp.observables.transmittance import complex_transmittance
 from reference_lcp.one_call import SteadyState
@@ -38,35 +37,27 @@ def steady_states(runs: Sequence[Run]) -> list[Result]:
     """Find the steady states of runs that share configuration, steps and number of cells."""
     config, steps = runs[0].config, runs[0].steps
     limit = most_periods(config, [run.case for run in runs])
-    orbits, travels = _found(config, [run.case.lane(steps) for run in runs], steps, limit)
-    return [_read(config, orbit, own) for orbit, own in zip(orbits, travels, strict=True)]
+    return [_read(config, *found) for found in _found(config, [run.case.lane(steps) for run in runs], steps, limit)]
 
 
 def _found(
     config: Config, lanes: Sequence[Lane], steps: int, limit: int
-) -> tuple[list[PeriodicOrbit], list[tuple[float, ...] | None]]:
-    """Search the periodic orbit of every lane; of the exact motion also how far contacts slip after each transition."""
+) -> list[tuple[PeriodicOrbit, SteadyState | None]]:
+    """Search the periodic orbit of every lane; of the exact motion also what its events say between the steps."""
     simulation, tolerance = config.build(lanes), config.capabilities.residual
     try:
         if isinstance(simulation, SteadyStateSolver):
             states = simulation.steady_states(steps)
             for lane, state in zip(lanes, states, strict=True):
                 check_trajectory(state.orbit.trajectory, lane, 0, steps)
-            travels = [_travels(state) for state in states]
-            return [state.orbit for state in states], travels
-        nothing: list[tuple[float, ...] | None] = [None] * len(lanes)
+            return [(state.orbit, state) for state in states]
         if config.engine == REFERENCE.engine:
-            return periodic_orbits(simulation, steps, tolerance=tolerance), nothing
-        return beside_euler(CheckedSimulation(simulation), steps, tolerance, limit), nothing
+            orbits = periodic_orbits(simulation, steps, tolerance=tolerance)
+        else:
+            orbits = beside_euler(CheckedSimulation(simulation), steps, tolerance, limit)
+        return [(orbit, None) for orbit in orbits]
     finally:
         simulation.close()
-
-
-def _travels(state: SteadyState) -> tuple[float, ...] | None:
-    """Give distances over the displacement scale."""
-    lane = state.orbit.lane
-    scale = lane.drive.displacement_scale(lane.chain)
-    return None if state.travels is None else tuple((state.travels / scale).tolist())
 
 
 def most_periods(config: Config, cases: Sequence[Case]) -> int:
@@ -86,26 +77,32 @@ def beside_euler(simulation: Simulation, steps: int, tolerance: float, limit: in
     return searched(simulation, start, steps, tolerance, limit, LONGEST_MULTIPLE, newton)
 
 
-def _read(config: Config, orbit: PeriodicOrbit, travels: tuple[float, ...] | None) -> Result:
-    """Read the numbers of a period; one that has diverged has none."""
+def _read(config: Config, orbit: PeriodicOrbit, known: SteadyState | None) -> Result:
+    """Read the numbers of a period, by its steps where nothing more is known; one that has diverged has none."""
     if orbit.status is OrbitStatus.DIVERGED or not np.isfinite(orbit.residual):
         return failed(f"the motion diverges, or is not finite, in period {orbit.periods} of the search")
     margin, lane = config.preset.stick_margin, orbit.lane
     scale = lane.drive.displacement_scale(lane.chain)
     period = lane.time_step * orbit.trajectory.steps
     swings = lane.preload is not None
+    state = known or SteadyState.of(orbit, margin)
     return Result(
         status=Status.PERIODIC if orbit.converged else Status.NOT_PERIODIC,
-        transmittance=complex_transmittance(orbit),
+        transmittance=complex_transmittance(orbit) if known is None else _ratio(known),
         residual=orbit.residual,
         amplification=residual_amplification(orbit) if config == REFERENCE else float("nan"),
         periods=orbit.periods,
         multiple=orbit.multiple,
-        stuck=tuple(stuck_fraction(orbit, margin).tolist()),
-        transitions=tuple((own.cell, own.time / period, str(own.kind)) for own in transitions(orbit, margin)),
+        stuck=tuple(state.stuck_fraction.tolist()),
+        transitions=tuple((own.cell, own.time / period, str(own.kind)) for own in state.transitions),
         stick_velocity=float(np.max(creep_velocity(orbit, margin)) * period / (2 * np.pi * scale)),
         open_fraction=tuple(open_fraction(orbit).tolist()) if swings else (),
         largest_gap=tuple((largest_gap(orbit) / scale).tolist()) if swings else (),
-        series={} if travels is None else {"travels": travels},
+        series={} if state.travels is None else {"travels": tuple((state.travels / scale).tolist())},
         reason=orbit.reason,
     )
+
+
+def _ratio(state: SteadyState) -> complex:
+    """Give T, of the exact motion from its events and not from its steps."""
+    return cmath.rect(10 ** (state.transmittance_db / 20), state.phase)

@@ -4,6 +4,8 @@
 two, and goes on where it was stopped; ``--engine NAME`` and ``--part NAME`` choose. Compare two folders with
 ``python -m tests.golden.compare BEFORE NOW``.
 
+Steady states and edges are kept in FILE, blocks and scenes in a file beside it.
+
 ``points.csv`` has the operating points: points of the usual grids, points off them, long and lightly damped chains,
 normal forces that swing or open the contacts. The other files are
 
@@ -19,21 +21,26 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.interface.variant import variants_of
+from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
 from multibody_xval.scenarios.catalogue.verdict_table import finding_table
+from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.report_plan import grid
+from multibody_xval.scenarios.result_tables import points as table_of
 from multibody_xval.scenarios.runs.dask_cluster import executor_for
 from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Modulation
-from multibody_xval.scenarios.runs.result import UNREPRESENTABLE, Result, ResultStatus
+from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
 from multibody_xval.scenarios.runs.store import opened_store
 from multibody_xval.scenarios.runs.task import SteadyStateTask
-from multibody_xval.scenarios.studies.figure3 import QUICK_FRICTION_RATIOS, figure3, quick_frequency_ratios
-from multibody_xval.scenarios.sweeps.edges import refined_edges
-from multibody_xval.scenarios.sweeps.refinement import for_the_band, refined
+from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.verdicts.proven import proven_level
 from reference_lcp.one_call import steady_state
 from reference_lcp.steady.richardson import amplitude_in_db
@@ -44,7 +51,7 @@ POINTS = FOLDER / "points.csv"
 PARTS = ("steady", "scenarios", "edges", "reference")
 
 TIME_LIMIT = 300.0
-"""Of one batch [s]: long chains of an engine that never settles take a minute."""
+"""Of one run [s]: long chains of an engine that never settles take a minute."""
 
 HEADLINE = "headline"
 """Begins the names of the points of the README's table, deep in the band."""
@@ -75,76 +82,85 @@ def points() -> dict[str, dict[str, str]]:
         return {row["point"]: row for row in csv.DictReader(file)}
 
 
-def task(config: Variant, point: Mapping[str, str]) -> SteadyStateTask:
-    """Give the run of a configuration at an operating point."""
-    names = ("mass_ratio", "stiffness_ratio", "damping_ratio")
-    profile = [float(part) for part in point["friction_profile"].split()]
-    ratios: dict[str, object] = {name: float(point[name]) for name in names}
+def headline() -> list[str]:
+    """Give the points of the README's table."""
+    return [own for own in points() if own.startswith(HEADLINE)]
+
+
+def case_at(point: Mapping[str, str]) -> Case:
+    """Give the case of an operating point."""
+    profile = tuple(float(part) for part in point["friction_profile"].split())
+    numbers = ("mass_ratio", "stiffness_ratio", "damping_ratio", "friction_ratio", "frequency_ratio")
+    values: dict[str, Any] = {name: float(point[name]) for name in numbers}
     if profile:
-        ratios["friction_profile"] = tuple(profile)
-    modulation = None
+        values["friction_profile"] = profile
     if point["modulation"]:
-        values = float(point["modulation"]), int(point["multiple"]), float(point["phase"])
-        modulation = Modulation(modulation=values[0], multiple=values[1], phase=values[2])
-    kind = point["excitation"]
-    return SteadyStateTask(
-        variant=config,
-        friction_ratio=float(point["friction_ratio"]),
-        frequency_ratio=float(point["frequency_ratio"]),
-        ratios=ChainRatios(cells=int(point["cells"]), **ratios),  # type: ignore[arg-type]
-        steps_per_period=int(point["steps_per_period"]),
-        excitation=Excitation(kind=kind, amplitude=DEFAULT_AMPLITUDE[kind]),
-        modulation=modulation,
-    )
+        values["modulation"], values["modulation_phase"] = float(point["modulation"]), float(point["phase"])
+        values["modulation_multiple"] = int(point["multiple"])
+    return Case(cells=int(point["cells"]), drive=point["excitation"], **values)
 
 
-def configurations(name: str) -> list[Variant]:
+def run_at(config: Config, point: str) -> Run:
+    """Give the run of a configuration at an operating point."""
+    own = points()[point]
+    return Run(config, case_at(own), int(own["steps_per_period"]))
+
+
+def configurations(name: str) -> list[Config]:
     """Give every preset of an engine that can be used here."""
     return [own for own in variants_of(name, optional=True) if own.unavailable_reason is None]
 
 
-def steady_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
+def chosen_points(settled: int, every: int) -> list[str]:
+    """Give the points at which a preset is recorded that settles at so many of the headline's, see `MOSTLY`."""
+    first = headline()
+    if settled >= MOSTLY * len(first):
+        return [*first, *[own for own in points() if own not in first][::every]]
+    return first if settled else first[:1]
+
+
+def settled(table: pd.DataFrame) -> dict[Config, int]:
+    """Give at how many of the headline's points every configuration of a table has a steady state."""
+    runs = {(case_at(points()[own]), int(points()[own]["steps_per_period"])) for own in headline()}
+    rows = table[[own in runs for own in zip(table.case, table.steps, strict=True)]]
+    return (rows.status == "periodic").groupby(rows.config, sort=False).sum().to_dict()
+
+
+def steady_rows(name: str, means: Means, every: int = 1) -> Iterator[Row]:
     """Give the steady states of every preset of an engine; one that hardly ever settles has few rows, see `MOSTLY`."""
-    amplification = _amplifications(evaluator)
+    first = [run_at(own, point) for own in configurations(name) for point in headline()]
+
+    def rest(table: pd.DataFrame) -> list[Run]:
+        return [run_at(own, point) for own, count in settled(table).items() for point in chosen_points(count, every)]
+
+    of_reference = [run_at(REFERENCE, point) for point in points()]
+    results = results_of(computed([*of_reference, *first], means, f"{name}, first points", [("other points", rest)]))
+    growth = {point: results[run_at(REFERENCE, point)].amplification for point in points()}
     for config in configurations(name):
-        chosen = points()
-        first = {own: point for own, point in chosen.items() if own.startswith(HEADLINE)}
-        results = evaluator.evaluate([task(config, point) for point in first.values()])
-        settled = sum(result.converged for result in results)
-        if settled < MOSTLY * len(first):
-            chosen = first if settled else dict([next(iter(first.items()))])
-        results = evaluator.evaluate([task(config, point) for point in chosen.values()])
-        for point, result in zip(chosen, results, strict=True):
-            yield {"config": str(config), "point": point, **steady_numbers(result, amplification[point])}
+        count = sum(results[run_at(config, point)].status is Status.PERIODIC for point in headline())
+        for point in chosen_points(count, every):
+            numbers = steady_numbers(results[run_at(config, point)], growth[point])
+            yield {"config": str(config), "point": point, **numbers}
 
 
-@cache
-def _amplifications(evaluator: Evaluator) -> dict[str, float]:
-    """Give how much farther from its steady state a motion may be than its residual says, by operating point."""
-    results = evaluator.evaluate([task(Variant("reference"), point) for point in points().values()])
-    return {point: result.amplification for point, result in zip(points(), results, strict=True)}
+def results_of(stored: Iterable[Stored]) -> dict[Run, Result]:
+    """Give results by their runs."""
+    return {row.run: row.result for row in stored}
 
 
 def steady_numbers(result: Result, amplification: float) -> Row:
     """Give the numbers of one steady state; ``open_db`` is what its residual leaves open of the level."""
-    if not result.converged:
-        return {"status": _status(result)}
-    left = amplitude_in_db(result.residual * amplification, result.transmittance_db)
+    if result.status is not Status.PERIODIC:
+        return {"status": str(result.status)}
+    left = amplitude_in_db(result.residual * amplification, result.level_db)
     return {
         "status": "periodic",
-        "level_db": f"{result.transmittance_db:.9g}",
-        "phase_deg": f"{math.degrees(result.phase):.7g}",
+        "level_db": f"{result.level_db:.9g}",
+        "phase_deg": f"{result.phase_deg:.7g}",
         "open_db": f"{left:.1e}",
-        "stuck": " ".join(f"{part:.4g}" for part in result.stuck_fraction),
+        "stuck": " ".join(f"{part:.4g}" for part in result.stuck),
         "transitions": len(result.transitions),
     }
-
-
-def _status(result: Result) -> str:
-    if result.status is ResultStatus.PERIOD_LIMIT:
-        return "not periodic"
-    unsupported = result.status is ResultStatus.BLOCKED and result.reason.startswith(UNREPRESENTABLE)
-    return "unsupported" if unsupported else "failed"
 
 
 def scenario_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
@@ -161,45 +177,40 @@ def scenario_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
         if configs:
             evaluator.stage(f"{name}, {scenario.name}")
             for row in finding_table({scenario: scenario.run(configs, evaluator)}).itertuples():
-                config = Variant(row.engine, row.formulation, row.preset)
+                config = Config(row.engine, row.formulation, row.preset)
                 labels = {"scenario": row.scenario, "case": row.case, "config": str(config), "quantity": row.metric}
                 yield {**labels, "unit": row.unit, "value": "" if math.isnan(row.value) else f"{row.value:.9g}"}
 
 
-def _scene_configurations(scenario: SceneScenario, name: str) -> list[Variant]:
+def _scene_configurations(scenario: SceneScenario, name: str) -> list[Config]:
     """Give the presets of an engine that have such scenes."""
     if engine(name).scene_gap(scenario.formulation):
         return []
     return [own for own in scenario.variants([name]) if own.formulation == scenario.formulation]
 
 
-def edge_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
+def edge_rows(name: str, means: Means) -> Iterator[Row]:
     """Give both edges of the band at the friction ratios of the quick report, of joints, tuned and by default."""
-    for config in configurations(name):
-        if config.formulation == "joint" and config.preset_name in GOLDEN_EDGES and _settles(config, evaluator):
-            sweep = figure3([config], QUICK_FRICTION_RATIOS, quick_frequency_ratios(ChainRatios()))
-            own = [point for point in sweep.grid_points() if point[0] == config]
-            crossings = refined_edges(sweep, refined(sweep, own, for_the_band(sweep), evaluator), evaluator).crossings
-            for (_, case, edge), crossing in crossings.items():
-                labels = {"config": str(config), "friction_ratio": f"{case.friction_ratio:g}", "edge": str(edge)}
-                numbers = {"frequency_ratio": f"{crossing.frequency_ratio:.9g}", "width": f"{crossing.width:.1e}"}
-                yield {**labels, **numbers}
-
-
-def _settles(config: Variant, evaluator: Evaluator) -> bool:
-    """Whether a preset has a steady state at one of the first points."""
-    first = [point for own, point in points().items() if own.startswith(HEADLINE)]
-    return any(result.converged for result in evaluator.evaluate([task(config, point) for point in first]))
+    joints = [own for own in configurations(name) if own.formulation == "joint" and own.preset_name in GOLDEN_EDGES]
+    first = [run_at(own, point) for own in joints for point in headline()]
+    counts = settled(table_of(computed(first, means, f"{name}, first points")))
+    settling = [own for own in joints if counts[own]]
+    runs = [Run(own, case, case.steps()) for own in dict.fromkeys([REFERENCE, *settling]) for case in grid(quick=True)]
+    stored = computed(runs, means, f"{name}, grid", [("edges", edges.propose)])
+    for own in edges.edges(table_of(stored)).itertuples():
+        config = Config(own.engine, own.formulation, own.preset)
+        if config in settling:
+            labels = {"config": str(config), "friction_ratio": f"{own.curve.friction_ratio:g}", "edge": own.edge}
+            yield {**labels, "frequency_ratio": f"{own.frequency_ratio:.9g}", "width": f"{own.width:.1e}"}
 
 
 def reference_rows() -> Iterator[Row]:
     """Give what the reference says at every operating point with a constant normal force, with its error bar."""
     for name, point in points().items():
         if not point["modulation"]:
-            own = task(Variant("reference"), point)
-            chain, drive = own.setting()
-            state = steady_state(chain, drive, steps_per_period=own.steps_per_period, with_exact_value=True)
-            proven = proven_level(own)
+            run = run_at(REFERENCE, name)
+            state = steady_state(*run.case.setting, steps_per_period=run.steps, with_exact_value=True)
+            proven = proven_level(proven_task(point))
             yield {
                 "point": name,
                 "level_db": f"{state.transmittance_db:.12g}",
@@ -210,6 +221,23 @@ def reference_rows() -> Iterator[Row]:
                 "stuck": " ".join(f"{part:.6g}" for part in state.stuck_fraction),
                 "transitions": len(state.transitions),
             }
+
+
+def proven_task(point: Mapping[str, str]) -> SteadyStateTask:
+    """Give what the table of proven levels knows an operating point by."""
+    profile = [float(part) for part in point["friction_profile"].split()]
+    ratios: dict[str, Any] = {name: float(point[name]) for name in ("mass_ratio", "stiffness_ratio", "damping_ratio")}
+    if profile:
+        ratios["friction_profile"] = tuple(profile)
+    kind = point["excitation"]
+    return SteadyStateTask(
+        variant=REFERENCE,
+        friction_ratio=float(point["friction_ratio"]),
+        frequency_ratio=float(point["frequency_ratio"]),
+        ratios=ChainRatios(cells=int(point["cells"]), **ratios),
+        steps_per_period=int(point["steps_per_period"]),
+        excitation=Excitation(kind=kind, amplitude=DEFAULT_AMPLITUDE[kind]),
+    )
 
 
 def write(file: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
@@ -223,20 +251,22 @@ def write(file: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
             table.writerows(known)
 
 
-def record(folder: Path, names: Sequence[str], parts: Sequence[str], evaluator: Evaluator) -> None:
+def record(folder: Path, names: Sequence[str], parts: Sequence[str], means: Means, every: int) -> None:
     """Write the files of these engines."""
     usable = [name for name in names if engine(name).unavailable_reason() is None]
     if "reference" in parts:
         write(folder / "reference.csv", REFERENCE_COLUMNS, reference_rows())
     if "edges" in parts:
-        rows = [row for name in usable for row in edge_rows(name, evaluator)]
+        rows = [row for name in usable for row in edge_rows(name, means)]
         write(folder / "edges.csv", EDGE_COLUMNS, rows)
     for name in usable:
         if "steady" in parts:
-            evaluator.stage(f"{name}, steady states")
-            write(folder / "steady" / f"{name}.csv", STEADY_COLUMNS, steady_rows(name, evaluator))
+            write(folder / "steady" / f"{name}.csv", STEADY_COLUMNS, steady_rows(name, means, every))
         if "scenarios" in parts and name != "reference":
-            write(folder / "scenarios" / f"{name}.csv", NUMBER_COLUMNS, scenario_rows(name, evaluator))
+            assert means.store is not None
+            beside = means.store.with_name(f"{means.store.stem}-scenarios.sqlite")
+            with opened_store(beside) as store, Evaluator(store, executor_for(None, TIME_LIMIT)) as evaluator:
+                write(folder / "scenarios" / f"{name}.csv", NUMBER_COLUMNS, scenario_rows(name, evaluator))
 
 
 def main() -> None:
@@ -246,12 +276,11 @@ def main() -> None:
     parser.add_argument("--store", type=Path, required=True)
     parser.add_argument("--engine", action="append")
     parser.add_argument("--part", action="append", choices=PARTS)
+    parser.add_argument("--workers", type=int)
+    parser.add_argument("--every", type=int, default=1, help="record one point of so many, and the headline's five")
     given = parser.parse_args()
-    with (
-        opened_store(given.store) as store,
-        Evaluator(store, executor_for(None, TIME_LIMIT)) as evaluator,
-    ):
-        record(given.folder, given.engine or engine_names(), given.part or PARTS, evaluator)
+    means = Means(store=given.store, workers=given.workers, seconds_a_run=TIME_LIMIT)
+    record(given.folder, given.engine or engine_names(), given.part or PARTS, means, given.every)
 
 
 if __name__ == "__main__":

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.runs.executor import run_batch
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.model import REFERENCE, Config
 from tests.golden import compare
-from tests.golden.record import FOLDER, points, steady_numbers, task
+from tests.golden.record import FOLDER, points, run_at, steady_numbers
 
 SAMPLE = 3
 """Steady states of each engine a day."""
@@ -45,8 +45,7 @@ def test_steady_states_are_those_recorded(name: str):
     if missing:
         pytest.skip(missing)
     for config, point in sample(name):
-        variant = Variant.parse(config)
-        own, of_reference = (run_batch([task(each, points()[point])])[0] for each in (variant, Variant("reference")))
+        own, of_reference = (run_batch([run_at(each, point)])[0] for each in (Config.parse(config), REFERENCE))
         now = {key: str(value) for key, value in steady_numbers(own, of_reference.amplification).items()}
         assert compare.steady(RECORDED[config, point], now) == "", (config, point)
 

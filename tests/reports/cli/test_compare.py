@@ -9,13 +9,16 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from multibody_xval.reports.export.changes import Regression, changes_markdown
+from multibody_xval.scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
+from multibody_xval.scenarios.verdicts.stored import StoredResult
+from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 
 from multibody_xval.engines.interface import variant
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.reports.export.changes import Regression, changes_markdown
 from multibody_xval.scenarios.runs import task
 from multibody_xval.scenarios.runs.result import Result
 from multibody_xval.scenarios.runs.steady import run_steady_states
@@ -23,10 +26,7 @@ from multibody_xval.scenarios.runs.store import ResultStore
 from multibody_xval.scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
 from multibody_xval.scenarios.runs.transient_task import Block, BlockTask
 from multibody_xval.scenarios.verdicts.proven import proven_level
-from multibody_xval.scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
 from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
-from multibody_xval.scenarios.verdicts.stored import StoredResult
-from multibody_xval.scenarios.verdicts.thresholds import Thresholds
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.errors import ExitCode

@@ -7,6 +7,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from multibody_xval.scenarios.verdicts.stored import read_all
 
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
@@ -16,7 +17,6 @@ from multibody_xval.scenarios.runs.store import ResultStore
 from multibody_xval.scenarios.sweeps.dataset import SWEEP
 from multibody_xval.scenarios.sweeps.run import saved_sweeps
 from multibody_xval.scenarios.sweeps.sweep import Sweep
-from multibody_xval.scenarios.verdicts.stored import read_all
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command

@@ -1,0 +1,168 @@
+"""Copies of Euler's scheme with one fault each are refused, and the sound copy agrees: through pool, ruler and command.
+
+With ``-s`` the table of all faults is printed: at how many points each is found.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from multibody_xval.engines.interface.registry import registered_names
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.edges import judged_edges, propose
+from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.exact_values import ruler
+from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures, judged
+from multibody_xval.scenarios.model import Case, Config, Run
+from multibody_xval.scenarios.result_tables import points
+from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
+from tests.faulty.faults import FAULTS
+
+PLACES = ((0.17, 0.73), (0.3, 0.47), (0.42, 1.24), (0.9, 1.03), (0.23, 0.94), (0.61, 0.83), (0.12, 0.61))
+"""Friction and frequency ratios off the usual grids, where contacts stick and slip."""
+
+UNEQUAL = Case(friction_ratio=0.3, frequency_ratio=1.07, friction_profile=(1.0, 0.5, 2.0, 1.5, 0.7, 1.2, 0.9))
+
+CASES = [*(Case(friction_ratio=friction, frequency_ratio=frequency) for friction, frequency in PLACES), UNEQUAL]
+
+STEPS = 400
+
+SHARED, OTHER = "tuned", "other"
+"""Presets of every engine of the family: one says that it shares the scheme, one is judged beside the exact motion."""
+
+NOT_IN_TRANSMITTANCE = {
+    "push": "a constant force moves a chain of linear springs aside, and nothing else",
+    "drift": "springs hold what is moved in every step: it is aside, and moves as it should",
+    "half": "recorded friction is not part of the transmittance",
+}
+"""Faults that leave the fundamental of the last mass as it is: clauses of the contract find them, no command does."""
+
+FOUND = [name for name in FAULTS if name not in ("sound", *NOT_IN_TRANSMITTANCE)]
+
+ENDS: Mapping[str, str] = {
+    **dict.fromkeys(("noise", "single"), "not periodic"),
+    **dict.fromkeys(("nan", "shape", "complex", "whole", "clock"), "failed"),
+}
+"""What becomes of every point, where that is not a steady state that deviates."""
+
+SEEN_IN_ONE_CASE = ("alike", "reversed")
+"""Faults that change nothing where all cells are alike."""
+
+
+def config(name: str, preset: str = SHARED) -> Config:
+    return Config(f"wrong-{name}", preset_name=preset)
+
+
+@pytest.fixture(scope="module")
+def table(faulty_engines) -> pd.DataFrame:
+    """Judged points of all engines; as the presets of one have the same steps, the other's are copied."""
+    runs = [Run(config(name), case, STEPS) for name in FAULTS for case in CASES]
+    stored = computed([*runs, *ruler((case, STEPS) for case in CASES)], Means(workers=2))
+    copies = [
+        own._replace(run=replace(own.run, config=replace(own.run.config, preset_name=OTHER)))
+        for own in stored
+        if own.run.config.engine.startswith("wrong-")
+    ]
+    found = judged(points([*stored, *copies]))
+    print(shown(found))
+    return found
+
+
+def shown(table: pd.DataFrame) -> str:
+    """Give the number of points at which each fault is found, beside the reference and beside the exact motion."""
+    own = table[table.engine.str.startswith("wrong-")]
+    found = (own.verdict != AGREES).groupby([own.engine, own.preset]).sum().unstack()
+    largest = (own.distance / own.allowed).groupby([own.engine, own.preset]).max().unstack()
+    largest.columns = [f"{name}: distance over allowed" for name in largest]
+    return pd.concat([found, largest], axis=1).to_string(float_format="{:.3g}".format)
+
+
+def of(table: pd.DataFrame, name: str, preset: str) -> pd.DataFrame:
+    return table[table.config == config(name, preset)]
+
+
+def test_every_fault_is_an_engine() -> None:
+    assert sorted(name for name in registered_names() if name.startswith("wrong-")) == sorted(
+        f"wrong-{name}" for name in FAULTS
+    )
+
+
+def test_the_sound_copy_is_at_a_hundredth_of_what_is_allowed(table) -> None:
+    own = of(table, "sound", SHARED)
+    assert own.verdict.tolist() == [AGREES] * len(CASES)
+    assert (own.distance / own.allowed).max() < 0.01
+    assert failures(table[table.engine == "wrong-sound"]) == []
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_a_fault_is_found_at_equal_steps(table, name: str) -> None:
+    own = of(table, name, SHARED)
+    assert len(failures(own)) == 1
+    wrong = own[own.case == UNEQUAL] if name in SEEN_IN_ONE_CASE else own
+    allowed = {ENDS[name]} if name in ENDS else {DEVIATES, "not periodic"}
+    assert set(wrong.verdict) <= allowed
+    assert name in ENDS or (wrong.verdict == DEVIATES).mean() > 0.75
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_a_fault_is_found_beside_the_exact_motion_where_it_is_larger_than_the_error_of_a_step(table, name) -> None:
+    """One of eight points is enough; how many see it, the table says."""
+    assert len(failures(of(table, name, OTHER))) == 1
+
+
+@pytest.mark.parametrize("name", NOT_IN_TRANSMITTANCE)
+def test_what_leaves_the_fundamental_as_it_is_agrees(table, name: str) -> None:
+    assert set(of(table, name, SHARED).verdict) == {AGREES}
+
+
+@pytest.mark.slow  # 40 points of an engine, and the exact motion at each edge
+def test_edges_of_a_band_show_a_bound_that_is_off_by_a_hundredth() -> None:
+    grid = [Case(friction_ratio=0.3, frequency_ratio=round(0.5 + 0.05 * k, 6)) for k in range(17)]
+    engines = {"sound": AGREES, "bound": DEVIATES}
+    runs = [Run(config(name), case, STEPS) for name in engines for case in grid]
+    stored = computed([*runs, *ruler((case, STEPS) for case in grid)], Means(workers=2), then=[("edges", propose)])
+    edges = judged_edges(points(stored))
+    own = edges[edges.engine.str.startswith("wrong-")]
+    assert own.groupby("engine").verdict.unique().map(list).to_dict() == {
+        f"wrong-{name}": [verdict] for name, verdict in engines.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory) -> Path:
+    """A results file that the commands of this module share: the ruler is computed once."""
+    return tmp_path_factory.mktemp("commands") / "results.sqlite"
+
+
+def compared(before: Config, now: Config, store: Path) -> int:
+    return run_command(app, ["compare", f"--engine={before}", f"--engine={now}", f"--store={store}", "--workers=2"])
+
+
+def test_compare_finds_nothing_between_presets_with_the_same_steps(store) -> None:
+    assert compared(config("sound"), config("sound", OTHER), store) == ExitCode.DONE
+
+
+CLOSER = ("lag",)
+"""Faults by which a step is closer to the exact motion than Euler's is: `compare` calls them improved."""
+
+COMPARED = [name for name in FOUND if name not in (*SEEN_IN_ONE_CASE, *CLOSER)]
+
+QUICK = ("bound", "nan")
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in COMPARED]
+)
+def test_compare_fails_where_an_engine_has_become_wrong(store, name: str) -> None:
+    assert compared(config("sound"), config(name), store) == ExitCode.FAILED
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CLOSER)
+def test_compare_calls_improved_what_is_closer_to_the_exact_motion(store, name: str, capsys) -> None:
+    assert compared(config("sound"), config(name), store) == ExitCode.DONE
+    assert "improved" in capsys.readouterr().out
