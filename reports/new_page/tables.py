@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from multibody_xval.scenarios.claims import OPEN, STATED
+from multibody_xval.scenarios.conclusions import conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import VERDICTS
 from multibody_xval.scenarios.model import Case, Config, Status, value_text
@@ -140,9 +142,16 @@ def edge_table(edges: pd.DataFrame) -> pd.DataFrame:
     )
     names = [
         "title", "options", "configuration", "place", "steps", "edge", FREQUENCY, "exact", "exact_bar", "error",
-        "allowed", "judged", "verdict",
+        "allowed", "judged", "verdict", "absent",
     ]  # fmt: skip
     return labelled(own)[names].reset_index(drop=True)
+
+
+def claim_table(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
+    """Give what is decided of the paper's claims, a row a configuration; empty where none is."""
+    found = conclusions(points, edges)
+    decided = (found[list(STATED)] != OPEN).any(axis=1)
+    return found.loc[decided, ["configuration", "version", *STATED, "sentence"]]
 
 
 def engines(stored: Iterable[tuple[Config, str]]) -> pd.DataFrame:

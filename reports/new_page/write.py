@@ -78,14 +78,15 @@ def write_page(
     """
     every = points(stored)
     rows = tables.labelled(judge(every))
-    edges = tables.edge_table(judged_edges(every))
+    found = judged_edges(every)
+    edges = tables.edge_table(found)
     shown = tables.planned(every, rows)
     case = tables.shown_case(shown)
     phases = pd.DataFrame() if case is None else _labelled_phases(tables.mode_table(stored, case), case)
     ruled = set(zip(shown.config, shown.case, shown.steps, strict=True))
     own = [row for row in stored if (row.run.config, row.run.case, row.run.steps) in ruled]
     data = {
-        "edges": edges, "transitions": transitions(own), "phases": phases,
+        "edges": edges, "claims": tables.claim_table(every, found), "transitions": transitions(own), "phases": phases,
         "engines": tables.engines((run.config, version) for run, version, _ in stored),
     }  # fmt: skip
     return _written(folder, rows, shown, data, command, left_out, named, case)
