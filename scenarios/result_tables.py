@@ -1,7 +1,7 @@
 """Tables of results: one row a run, plain columns."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import Any
 
@@ -45,7 +45,7 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
     return {
         "configuration": full_name(own),
         "engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version,
-        **asdict(case), "case": case, "curve": _curve(case), "steps": run.steps,
+        **_values(case), "case": case, "curve": _curve(case), "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
@@ -105,9 +105,10 @@ INTERNAL = [
 def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
     """Give one row a change between stick and slip: its ``cell``, ``time`` over the period and new ``mode``."""
     rows = [
-        {**_label(run, version), "cell": cell, "time": time, "mode": mode}
+        {**label, "cell": cell, "time": time, "mode": mode}
         for run, version, result in stored
-        if result.status is Status.PERIODIC
+        if result.status is Status.PERIODIC and result.transitions
+        for label in [_label(run, version)]
         for cell, time, mode in result.transitions
     ]
     return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", "cell", "time", "mode"])
@@ -121,7 +122,11 @@ def _curve(case: Case) -> Case:
 def _label(run: Run, version: str) -> dict[str, Any]:
     own = run.config
     names = {"engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version}
-    return {**names, **asdict(run.case), "steps": run.steps}
+    return {**names, **_values(run.case), "steps": run.steps}
+
+
+def _values(case: Case) -> dict[str, Any]:
+    return {name: getattr(case, name) for name in CASE}
 
 
 def rows_of(table: pd.DataFrame, *names: str) -> Iterator[tuple[Any, ...]]:

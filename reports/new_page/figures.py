@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from multibody_xval.reports.new_page.svg import Panel
 from multibody_xval.reports.new_page.tables import FREQUENCY, TITLES
 from multibody_xval.scenarios.judge import FLOOR_DB
-from multibody_xval.scenarios.model import CASE, Case, Status
+from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
 from multibody_xval.scenarios.result_tables import is_reference
 
 COLOURS = {"default options": "#d55e00", "recipe": "#009e73", "tuned to the chain": "#0072b2"}
@@ -18,7 +18,7 @@ MARKERS = {"default options": "o", "recipe": "s", "tuned to the chain": "."}
 OTHER = ("#cc79a7", "x")
 """Colour and mark of other presets."""
 
-REFERENCE = "0.55"
+LINE = "0.55"
 MODES = {"stick": "#b9bfc6", "forward slip": "#0072b2", "backward slip": "#e69f00", "slip": "#56b4e9", "open": "#000"}
 
 MOST_PLACES, MOST_PANELS = 4, 48
@@ -37,7 +37,7 @@ def transmittance(rows: pd.DataFrame) -> list[Panel]:
     steady = rows[rows.status == Status.PERIODIC]
     reference = dict(list(steady[is_reference(steady)].groupby(["place", "steps"])))
     panels = []
-    for title, own in rows[~is_reference(rows)].groupby("title", sort=False):
+    for title, own in rows[~is_reference(rows)].groupby("title"):
         for key in _spread(own):
             at = own[(own.place == key[0]) & (own.steps == key[1])]
             draw = partial(_draw_level, at, reference.get(key))
@@ -72,7 +72,7 @@ def _level_text(rows: pd.DataFrame) -> str:
 
 def _draw_level(rows: pd.DataFrame, reference: pd.DataFrame | None, axes: Axes) -> None:
     if reference is not None:
-        axes.plot(reference[FREQUENCY], reference.level, color=REFERENCE, lw=1.4, zorder=1)
+        axes.plot(reference[FREQUENCY], reference.level, color=LINE, lw=1.4, zorder=1)
     for options, own in _by_options(rows):
         colour, marker = look(options)
         steady = own.status == Status.PERIODIC
@@ -98,8 +98,7 @@ def errors(rows: pd.DataFrame) -> list[Panel]:
     known = rows[rows.error_percent.notna() & ~is_reference(rows)]
     top = 2 * known.error_percent.max() if len(known) else 100.0
     return [
-        Panel(str(title), _level_text(own), partial(_draw_errors, own, top))
-        for title, own in known.groupby("title", sort=False)
+        Panel(str(title), _level_text(own), partial(_draw_errors, own, top)) for title, own in known.groupby("title")
     ][:MOST_PANELS]
 
 
@@ -144,7 +143,9 @@ def modes(table: pd.DataFrame) -> list[Panel]:
         stuck = own[own["mode"] == "stick"].groupby("cell").length.sum()
         share = stuck.sum() / own.cell.nunique()
         text = f"On average, contacts stick {100 * share:.0f} % of the period."
-        name = "Exact motion" if options == "exact" else f"{title}, {options}"
+        name = f"{title}, {options}"
+        if own.configuration.iloc[0].startswith(REFERENCE.engine):
+            name = "Exact motion" if options == "exact" else "Reference"
         panels.append(Panel(name, text, partial(_draw_modes, own), 1.9))
     return panels
 

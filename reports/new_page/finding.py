@@ -5,7 +5,6 @@ from collections.abc import Callable
 import pandas as pd
 
 from multibody_xval.reports.new_page.tables import TITLES
-from multibody_xval.scenarios.edges import DEVIATES as EDGE_DEVIATES
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures
 
 NAMED_AT_MOST = 4
@@ -75,7 +74,7 @@ def reasons_to_fail(
     if not edges.empty:
         own = edges[edges.judged.fillna(False).astype(bool)]
         for name, found in own.groupby("configuration", sort=False):
-            off = found[found.verdict == EDGE_DEVIATES]
+            off = found[found.verdict == DEVIATES]
             if len(off):
                 worst = (off.frequency_ratio - off.exact).abs().max()
                 lines.append(

@@ -3,6 +3,7 @@
 import io
 import math
 import re
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -20,8 +21,8 @@ STYLE = {
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"], "svg.hashsalt": "multibody-xval",
 }  # fmt: skip
 
-WIDTH, COLUMNS = 3.4, 3
-"""Of a panel [inch], and panels in a row of a PDF."""
+WIDTH, LETTERS, COLUMNS = 3.4, 48, 3
+"""Of a panel [inch], of a line of its title, and panels in a row of a PDF."""
 
 COUNTERS = re.compile(r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplotlib\.axis|legend|PathCollection|'
                       r'PolyCollection|LineCollection)_\d+"')  # fmt: skip
@@ -98,7 +99,9 @@ def _figure(width: float, height: float) -> Figure:
 
 def _drawn(axes: Axes, panel: Panel) -> None:
     axes.set_facecolor("none")
-    axes.set_title(panel.title, loc="left")
-    axes.figure.subplots_adjust(left=0.52 / panel.width, right=1 - 0.08 / panel.width,
-                                top=1 - 0.25 / panel.height, bottom=0.42 / panel.height)  # fmt: skip
+    lines = textwrap.wrap(panel.title, round(LETTERS * panel.width / WIDTH))
+    axes.set_title("\n".join(lines), loc="left")
+    top = 1 - (0.1 + 0.15 * len(lines)) / panel.height
+    sides = {"left": 0.52 / panel.width, "right": 1 - 0.08 / panel.width}
+    axes.figure.subplots_adjust(**sides, top=top, bottom=0.42 / panel.height)
     panel.draw(axes)

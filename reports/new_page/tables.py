@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from multibody_xval.scenarios.claims import OPEN, STATED
+from multibody_xval.scenarios.conclusions import conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import VERDICTS
 from multibody_xval.scenarios.model import Case, Config, Status, value_text
@@ -82,7 +84,7 @@ def largest_errors(rows: pd.DataFrame) -> pd.DataFrame:
     ``largest_percent``, ``largest_db``, ``largest_deg``, ``worst_case`` and ``status``, the commonest.
     """
     own = rows.assign(db=rows.error_db.abs(), deg=rows.error_deg.abs(), periodic=rows.status == Status.PERIODIC)
-    groups = own.groupby(["title", "options", "configuration"], sort=False)
+    groups = own.groupby(["title", "options", "configuration"])
     found = groups.agg(
         points=("status", "size"), periodic=("periodic", "sum"), median_percent=("error_percent", "median"),
         largest_percent=("error_percent", "max"), largest_db=("db", "max"), largest_deg=("deg", "max"),
@@ -95,6 +97,16 @@ def largest_errors(rows: pd.DataFrame) -> pd.DataFrame:
     return found.assign(worst_case=found.configuration.map(cases).fillna(""))
 
 
+def worst_first(worst: pd.DataFrame) -> pd.DataFrame:
+    """Sort engines and formulations, the largest error with default options first."""
+    default = worst[worst.options == TITLES["default"]].set_index("title").largest_db
+    return (
+        worst.assign(order=-worst.title.map(default))
+        .sort_values(["order", "title"], kind="stable")
+        .drop(columns="order")
+    )
+
+
 def error_text(error_db: float, points: int, periodic: int, status: str) -> str:
     """Give an error for people, with how many points have one where that is not all of them."""
     if not periodic:
@@ -104,20 +116,18 @@ def error_text(error_db: float, points: int, periodic: int, status: str) -> str:
 
 
 def headline(worst: pd.DataFrame) -> pd.DataFrame:
-    """Give the largest errors in dB: a row an engine and formulation, a column a preset; the worst default first."""
+    """Give the largest errors in dB: a row an engine and formulation, a column a preset."""
     numbers = zip(worst.largest_db, worst.points, worst.periodic, worst.status, strict=True)
     texts = worst.assign(text=[error_text(*own) for own in numbers])
     wide = texts.pivot_table(index="title", columns="options", values="text", aggfunc="first", sort=False)
     usual = [TITLES[name] for name in PRESETS]
     wide = wide.reindex(columns=[*usual, *(name for name in wide if name not in usual)])
-    order = worst[worst.options == TITLES["default"]].set_index("title").largest_db.reindex(wide.index)
-    wide = wide.loc[order.sort_values(ascending=False, na_position="last", kind="stable").index]
     return wide.dropna(axis=1, how="all").fillna("–").reset_index().rename_axis(columns=None)
 
 
 def verdict_counts(rows: pd.DataFrame) -> pd.DataFrame:
     """Count the verdicts of every configuration; `judged` says whether they decide the exit code."""
-    counts = rows.groupby(["configuration", "judged"], sort=False).verdict.value_counts().unstack(fill_value=0)
+    counts = rows.groupby(["configuration", "judged"]).verdict.value_counts().unstack(fill_value=0)
     counts = counts.reindex(columns=[name for name in VERDICTS if name in counts]).reset_index()
     return counts.assign(judged=counts.judged.map({True: "yes", False: "no"})).rename_axis(columns=None)
 
@@ -132,9 +142,16 @@ def edge_table(edges: pd.DataFrame) -> pd.DataFrame:
     )
     names = [
         "title", "options", "configuration", "place", "steps", "edge", FREQUENCY, "exact", "exact_bar", "error",
-        "allowed", "judged", "verdict",
+        "allowed", "judged", "verdict", "absent",
     ]  # fmt: skip
     return labelled(own)[names].reset_index(drop=True)
+
+
+def claim_table(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
+    """Give what is decided of the paper's claims, a row a configuration; empty where none is."""
+    found = conclusions(points, edges)
+    decided = (found[list(STATED)] != OPEN).any(axis=1)
+    return found.loc[decided, ["configuration", "version", *STATED, "sentence"]]
 
 
 def engines(stored: Iterable[tuple[Config, str]]) -> pd.DataFrame:

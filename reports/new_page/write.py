@@ -78,12 +78,15 @@ def write_page(
     """
     every = points(stored)
     rows = tables.labelled(judge(every))
-    edges = tables.edge_table(judged_edges(every))
+    found = judged_edges(every)
+    edges = tables.edge_table(found)
     shown = tables.planned(every, rows)
     case = tables.shown_case(shown)
     phases = pd.DataFrame() if case is None else _labelled_phases(tables.mode_table(stored, case), case)
+    ruled = set(zip(shown.config, shown.case, shown.steps, strict=True))
+    own = [row for row in stored if (row.run.config, row.run.case, row.run.steps) in ruled]
     data = {
-        "edges": edges, "transitions": transitions(stored), "phases": phases,
+        "edges": edges, "claims": tables.claim_table(every, found), "transitions": transitions(own), "phases": phases,
         "engines": tables.engines((run.config, version) for run, version, _ in stored),
     }  # fmt: skip
     return _written(folder, rows, shown, data, command, left_out, named, case)
@@ -113,7 +116,7 @@ def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
     )
     finest = own.groupby("configuration").steps.transform("max" if last != "exact" else "min")
     chosen = tables.labelled(own[kept & (own.steps == finest)])
-    order = chosen.config.map(lambda config: (config.engine != REFERENCE.engine, config.preset_name))
+    order = chosen.config.map(lambda config: (config.engine != REFERENCE.engine, str(config)))
     return chosen.assign(order=order).sort_values("order", kind="stable").drop(columns=["case", "config", "order"])
 
 
@@ -124,7 +127,7 @@ def _written(
     """Make the tables and figures of `shown`, the planned points of all `rows`, and write them."""
     engines = tables.engines_only(shown)
     at_headline = tables.at_headline(engines)
-    first = tables.largest_errors(engines if at_headline.empty else at_headline)
+    first = tables.worst_first(tables.largest_errors(engines if at_headline.empty else at_headline))
     grid = tables.on_grid(shown)
     edges = data.get("edges", pd.DataFrame())
     own_edges = edges[~edges.configuration.str.startswith(f"{REFERENCE.engine}:")] if len(edges) else edges
