@@ -7,7 +7,6 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from multibody_xval.scenarios.verdicts.stored import read_all
 
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
