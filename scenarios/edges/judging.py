@@ -113,11 +113,11 @@ def _presence(reference: pd.DataFrame) -> pd.DataFrame:
 
 def _open(rows: pd.DataFrame, table: pd.DataFrame) -> pd.Series:
     """Give what residual, round-off and contacts that give way leave open of the amplitudes beside each edge."""
-    sides = []
-    for side in ("before", "after"):
-        beside = table.reindex(rows[side]).set_index(rows.index).assign(growth=rows.growth)
-        sides.append(resolution(beside).astype(float))
-    return np.maximum(*sides)
+    first, last = (
+        resolution(table.reindex(rows[side]).set_index(rows.index).assign(growth=rows.growth)).astype(float)
+        for side in ("before", "after")
+    )
+    return pd.concat([first, last], axis=1).max(axis=1, skipna=False)
 
 
 def _ruled(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
