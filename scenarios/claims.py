@@ -66,7 +66,8 @@ def bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     ``upper`` (inf where the grid has none) edge, ``last`` frequency of the grid, all in η_r, ``share`` of `RANGE`, and
     ``stuck`` (fraction at `RESONATOR`, mean of the cells; NaN where it is not known).
     """
-    places = edges.assign(place=edges.frequency_ratio.where(refined(edges)))
+    absent = (edges.before < 0) & ((edges.edge == "upper") | (edges.lost == 0))
+    places = edges.assign(place=edges.frequency_ratio.where(refined(edges)))[~absent]
     known = {own[:-1]: own[-1] for own in rows_of(places, *CURVE, "edge", "place")}
     rows = []
     own = coarsest(of_paper(points[~is_exact(points)]))

@@ -59,7 +59,7 @@ def figure3(
     computing.check(run=run)
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     configs = compared(engines)
-    from multibody_xval.reports.new_page.study_figures import transmittance
+    from multibody_xval.reports.figures.studies import transmittance
     from multibody_xval.scenarios.claims import claim_cases, curve_cases, of_paper
     from multibody_xval.scenarios.edges import judged_edges, propose
     from multibody_xval.scenarios.evaluate import computed, stored_results
@@ -166,7 +166,7 @@ def work_precision(
     asked = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in steps or ()})
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     configs = compared(engines)
-    from multibody_xval.reports.new_page.study_figures import costs
+    from multibody_xval.reports.figures.studies import costs
     from multibody_xval.scenarios.evaluate import computed
     from multibody_xval.scenarios.judge import judged
     from multibody_xval.scenarios.result_tables import points
@@ -210,7 +210,7 @@ class _End:
 
     def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
         """Write what was shown as Markdown, every number as CSV, and the figure."""
-        from multibody_xval.reports.new_page.study_figures import figure_file
+        from multibody_xval.reports.figures.studies import figure_file
         from multibody_xval.scenarios.tables import csv_text
 
         for out in outs:
