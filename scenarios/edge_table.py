@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -11,8 +12,9 @@ from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.exact_values import ruler
+from multibody_xval.scenarios.judge import UNKNOWN
 from multibody_xval.scenarios.model import REFERENCE, Result, Run, Status
-from multibody_xval.scenarios.result_tables import CONFIG, points, rows_of
+from multibody_xval.scenarios.result_tables import CONFIG, is_exact, points, rows_of
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS
 from reference_lcp.errors import ParameterError
@@ -117,7 +119,11 @@ def _edges(rows: pd.DataFrame, asked: pd.DataFrame, axes: list[str]) -> pd.DataF
     curves = asked.drop_duplicates(CURVE)[list(dict.fromkeys(["config", *CURVE, *axes]))]
     both = curves.merge(pd.DataFrame({"edge": edges.EDGES}), how="cross")
     found = edges.judged_edges(rows)[[*CURVE, "edge", *NUMBERS, "verdict", "absent"]]
-    return both.merge(found, on=[*CURVE, "edge"], how="left").rename(columns={"absent": "reason"})
+    rows = both.merge(found, on=[*CURVE, "edge"], how="left").rename(columns={"absent": "reason"})
+    few = f"fewer than {edges.FEWEST_POINTS} points: too few to say"
+    of_exact = "the exact motion's edges are in the column exact of other configurations"
+    reason = rows.reason.fillna(pd.Series(np.where(is_exact(rows), of_exact, few), rows.index))
+    return rows.assign(reason=reason, verdict=rows.verdict.fillna(UNKNOWN))
 
 
 def _shown(found: pd.DataFrame, axes: list[str]) -> pd.DataFrame:
