@@ -1,12 +1,13 @@
 """The workers of a dask cluster, each of which runs what it gets in processes of its own machine."""
 
 import multiprocessing
+import time
 from collections.abc import Iterator
-from concurrent.futures import Future
+from concurrent.futures import BrokenExecutor, Future, wait
 from contextlib import contextmanager
 from typing import Any
 
-from multibody_xval.scenarios.processes import GRACE, Job, LocalPool
+from multibody_xval.scenarios.processes import GRACE, LOOK_SECONDS, Job, LocalPool
 from reference_lcp.errors import ParameterError, shown
 
 CONNECT_SECONDS = 15
@@ -54,11 +55,13 @@ def isolated(job: Job) -> Any:
     if not _KEPT:
         multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]  # dask's has children
         _KEPT.append(LocalPool(1))
-    try:
-        return _KEPT[0].submit(job).result(job[2] + GRACE)
-    except TimeoutError:
-        _KEPT[0].give_up(job[3])
-        raise
+    pool, end = _KEPT[0], time.monotonic() + job[2] + GRACE
+    future = pool.submit(job)
+    while not wait([future], timeout=LOOK_SECONDS).done:
+        if time.monotonic() > end or pool.is_lost(job[3]):
+            pool.give_up(job[3])
+            raise BrokenExecutor
+    return future.result()
 
 
 _KEPT: list[LocalPool] = []

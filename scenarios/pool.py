@@ -14,14 +14,11 @@ from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.compute.batch import prepare, run_batch
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
-from multibody_xval.scenarios.processes import EXITED, GRACE, Job, Pool
+from multibody_xval.scenarios.processes import EXITED, GRACE, LOOK_SECONDS, Job, Pool
 from multibody_xval.scenarios.store import Store, is_kept
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
-
-LOOK_SECONDS = 1.0
-"""How often it is looked whether processes are lost."""
 
 Ended = Callable[[dict[Run, Result]], Any]
 """Takes results."""

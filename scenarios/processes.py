@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 GRACE = 20.0
 """Seconds after a limit at which a pool that has not ended the run itself is given up: its pipe is stuck or garbled."""
 
+LOOK_SECONDS = 1.0
+"""How often it is looked whether processes are lost."""
+
 MOST_PROCESSES = 64
 """Workers that may wait for jobs of their engine, beside those that compute."""
 
