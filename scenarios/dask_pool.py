@@ -4,21 +4,29 @@ import multiprocessing
 import time
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from multibody_xval.scenarios.processes import GRACE, LOOK_SECONDS, Job, LocalPool
-from reference_lcp.errors import ParameterError, shown
+from reference_lcp.errors import ParameterError, RunError, shown
 
 CONNECT_SECONDS = 15
 """How long a scheduler may take to answer."""
+
+AWAY_SECONDS = 30.0
+"""How long a cluster may be without workers, such as one that a nanny starts again."""
+
+CLOSE_SECONDS = 2
+"""How long a lost cluster may take to be left."""
 
 
 class DaskPool:
     """The workers of a dask cluster."""
 
-    def __init__(self, client: Any):
+    def __init__(self, address: str, client: Any):
+        self._address, self._client = address, client
         self._executor = client.get_executor(pure=False, retries=0)
+        self._seen = time.monotonic()
         self.slots = max(1, len(client.scheduler_info()["workers"]))
 
     def submit(self, job: Job) -> "Future[Any]":
@@ -27,11 +35,23 @@ class DaskPool:
         return future
 
     def is_lost(self, serves: str) -> bool:
-        """Never: workers see that themselves."""
-        return False
+        """Whether the scheduler is gone, or all of its workers are."""
+        if self._client.status != "running":
+            return True
+        if self._client.scheduler_info()["workers"]:
+            self._seen = time.monotonic()
+        return time.monotonic() - self._seen > AWAY_SECONDS
 
     def give_up(self, serves: str) -> None:
-        """Leave it: workers end what passes its limit themselves."""
+        """Leave what passes its limit to workers, which end it; without them nothing is computed any more.
+
+        Raises
+        ------
+        RunError
+            If the cluster is lost.
+        """
+        if self.is_lost(serves):
+            raise RunError(f"the cluster of scheduler = {shown(self._address)} is lost; what is stored stays")
 
 
 @contextmanager
@@ -46,8 +66,11 @@ def dask(address: str) -> Iterator[DaskPool]:
         raise ParameterError(
             f"scheduler = {shown(address)} cannot be reached: {reason}; allowed: the address of one that runs"
         ) from None
-    with client:
-        yield DaskPool(client)
+    try:
+        yield DaskPool(address, client)
+    finally:
+        with suppress(Exception):  # of a cluster that is lost
+            client.close(timeout=CLOSE_SECONDS)  # type: ignore[no-untyped-call]
 
 
 def isolated(job: Job) -> Any:

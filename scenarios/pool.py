@@ -171,6 +171,9 @@ def _ended(running: dict[Future[Any], Running], pool: Pool) -> Iterator[tuple[Ru
         now = time.monotonic()
         lost = {own.serves for own in running.values() if own.deadline <= now or pool.is_lost(own.serves)}
     for future in done:
+        if future.cancelled():
+            lost.add(running[future].serves)
+            continue
         problem = future.exception()
         yield running.pop(future), future.result() if problem is None else problem
     for serves in lost:

@@ -5,13 +5,16 @@ import json
 import re
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
-from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, RunError
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.slow  # processes that start and end
@@ -70,3 +73,15 @@ def test_nobody_at_the_address_is_a_line(monkeypatch) -> None:
     monkeypatch.setattr("multibody_xval.scenarios.dask_pool.CONNECT_SECONDS", 1)
     with pytest.raises(ParameterError, match=r"scheduler = 'tcp://127.0.0.1:9' cannot be reached"):
         computed(runs_of("mujoco", 0.9), Means(scheduler="tcp://127.0.0.1:9"))
+
+
+def test_a_scheduler_that_dies_ends_the_command_in_a_line_and_keeps_what_is_stored(cluster, tmp_path: Path) -> None:
+    address, scheduler = cluster
+    store, many = tmp_path / "results.sqlite", [0.3 + number / 4000 for number in range(4000)]
+    killed = threading.Timer(8.0, scheduler.kill)
+    killed.start()
+    begin = time.monotonic()
+    with pytest.raises(RunError, match="is lost; what is stored stays"):
+        computed(runs_of(REFERENCE.engine, *many), Means(scheduler=address, store=store))
+    assert time.monotonic() - begin < 60
+    assert len(stored_results(store)) > 0
