@@ -22,7 +22,7 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     ----------
     data
         The dataset of a sweep; or the name of a file: such a dataset as NetCDF (``.nc``), a sweep (``.toml``), whose
-        points are computed and kept in the folder, or a store (``.sqlite``), of whose latest sweep it is.
+        points are computed and kept in the folder, or a store (``.sqlite``), all of whose results are shown.
     folder
         Where the report is written; made if it is missing.
 
@@ -36,9 +36,9 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     ParameterError
         If the data are none of a sweep, or the folder cannot be written.
     """
-    from multibody_xval.reports.write import write_report  # drawing libraries are imported when something is drawn
+    from multibody_xval.reports.new_page.sources import written_report  # matplotlib is imported when something is drawn
 
-    return write_report(data, folder).page
+    return written_report(data, folder).page
 
 
 def band_edges(

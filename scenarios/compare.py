@@ -1,42 +1,78 @@
-"""What two tables of judged points have in common, and where the second is closer to the exact motion or farther."""
+"""What two stores or two configurations have in common, and where the second is closer to the exact motion."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from multibody_xval.scenarios.evaluate import Means, computed
-from multibody_xval.scenarios.judge import FLOOR, judged, resolution
-from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.changes import (
+    CHANGES,
+    IMPROVED,
+    LEAST_DB,
+    MISSING,
+    NEW,
+    NOT_RUN,
+    REGRESSED,
+    UNKNOWN,
+    compared,
+)
+from multibody_xval.scenarios.evaluate import Means, computed, stored_results
+from multibody_xval.scenarios.model import REFERENCE, Config
 from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
-from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.result_tables import full_name, points
+from multibody_xval.scenarios.store import existing_store, identity, opened
 from reference_lcp.errors import ParameterError
+from reference_lcp.validation import LARGEST_DECIBEL, checked_scalar
 
-IMPROVED, REGRESSED, UNCHANGED, MISSING, UNKNOWN = "improved", "regressed", "unchanged", "missing", "unknown"
-
-CHANGES = (REGRESSED, MISSING, IMPROVED, UNCHANGED, UNKNOWN)
-"""What a point may have become, the worst first; unknown where it has changed and there is no exact value."""
-
-LEAST_PERCENT = 0.01
-"""Change of the error that counts as none [% of amplitude]: a thousandth of a decibel, far below any step."""
-
-RANKS = {"periodic": 0, "not periodic": 1, "failed": 2, "unsupported": 3}
-"""How little a run says."""
-
-_NUMBERS = [
-    "status",
-    "reason",
-    "transmittance_db",
-    "phase_deg",
-    "ratio",
-    "error_db",
-    "error_deg",
-    "error_percent",
-    "open",
-]
+RUN = ["config", "case", "steps"]
 
 
-def changes_between(before: str, now: str, means: Means) -> pd.DataFrame:
+def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> pd.DataFrame:
+    """Compare the results of two stores point by point, by their errors to the exact motion.
+
+    Points are matched by configuration, case and steps per period; versions and options of engines may differ, and of
+    several versions in one store the last counts. The reference and the exact motion of either store judge both.
+
+    Parameters
+    ----------
+    first, second
+        Files that `sweep` or `report` has written: before, and now.
+    db
+        Largest change that does not count [dB of amplitude]; one of the phase counts as the change of amplitude that is
+        as large.
+
+    Returns
+    -------
+    DataFrame
+        One row a point: ``configuration``, columns of the case, ``steps``, ``change`` (regressed, missing, unknown,
+        improved, new or unchanged), ``what`` (what has changed, in words; empty where nothing has), and the numbers of
+        both with the endings ``_before`` and ``_now``, such as ``error_percent_before``.
+
+    Raises
+    ------
+    ParameterError
+        If a file is no store, the stores have no point in common, or `db` is outside its range.
+    """
+    checked_db(db)
+    before, now = (_points_of(Path(file)) for file in (first, second))
+    _check_common(before, now, f"{first} and {second}")
+    both = pd.concat([before, now], ignore_index=True)
+    ruler = both[both.status == "periodic"].drop_duplicates(RUN)
+    rows = compared(before, now, ruler, db)
+    alone, of_reference = (
+        rows[["status_before", "status_now"]].eq(NOT_RUN).any(axis=1),
+        _is_reference(rows.configuration),
+    )
+    return rows[~(alone & of_reference)].sort_values(
+        "configuration", key=_is_reference, kind="stable", ignore_index=True
+    )
+
+
+def _is_reference(names: pd.Series) -> pd.Series:
+    return names == full_name(REFERENCE)
+
+
+def changes_between(before: str, now: str, means: Means, db: float = LEAST_DB) -> pd.DataFrame:
     """Compute two configurations, or the presets of two engines, at 24 points, and compare them.
 
     Raises
@@ -44,72 +80,81 @@ def changes_between(before: str, now: str, means: Means) -> pd.DataFrame:
     ParameterError
         If a name is unknown, an engine not installed, or the two have no formulation and preset in common.
     """
+    checked_db(db)
     found = pairs(compared_configs(before), compared_configs(now))
     if not found:
         raise ParameterError(f"{before} and {now} have no formulation and preset in common; allowed: two that have")
     configs = [config for pair in found for config in pair]
-    table = judged(points(computed(runs_at(configs, guard_cases()), means, f"{before} and {now}")))
-    changes = [
-        compared(table[table.config == one], table[table.config == other], f"{one} -> {other}") for one, other in found
+    table = points(computed(runs_at(configs, guard_cases()), means, f"{before} and {now}"))
+    table["options"] = [identity(config)[1] for config in table.config]
+    sides = [
+        pd.concat(
+            [table[table.config == pair[k]].assign(configuration=" -> ".join(map(full_name, pair))) for pair in found]
+        )
+        for k in (0, 1)
     ]
-    return pd.concat(changes, ignore_index=True)
+    return compared(*sides, table, db)
 
 
-def compared(before: pd.DataFrame, now: pd.DataFrame, pair: str) -> pd.DataFrame:
-    """Join two tables of `judge.judged` points on the case and the number of steps.
-
-    Returns
-    -------
-    DataFrame
-        One row a case: ``pair``, ``case``, ``steps``, the numbers of both with the endings ``_before`` and ``_now``,
-        and ``change``, one of `CHANGES`, by the error to the exact value.
-    """
-    one, other = (_opened(table)[["case", "steps", *_NUMBERS]] for table in (before, now))
-    rows = one.merge(other, on=["case", "steps"], how="inner", suffixes=("_before", "_now"))
-    return rows.assign(pair=pair, change=_changes(rows))
+def checked_db(db: float) -> float:
+    """Give the largest change that does not count [dB], if it may be one."""
+    return checked_scalar("db", db, "> 0", LARGEST_DECIBEL)
 
 
-def _opened(table: pd.DataFrame) -> pd.DataFrame:
-    """Add what each point leaves open of its error: what repeats, rounding and contacts that give way leave [%]."""
-    return table.assign(open=100 * resolution(table) / table.exact.abs().clip(lower=FLOOR))
+def _points_of(file: Path) -> pd.DataFrame:
+    """Give the points of a store, of several versions of an engine the last, with options."""
+    found = {row.run: row for row in stored_results(file)}
+    with opened(existing_store(file)) as store:
+        options = store.options()
+    table = points(found.values())
+    return table.assign(options=[options[str(config)] for config in table.config])
 
 
-def _changes(rows: pd.DataFrame) -> np.ndarray:
-    """Say what has become of each row."""
-    worse = rows.status_now.map(RANKS) - rows.status_before.map(RANKS)
-    left = (rows.open_before + rows.open_now).clip(lower=LEAST_PERCENT).fillna(LEAST_PERCENT)
-    moved = 100 * (rows.ratio_now - rows.ratio_before).abs() / rows.ratio_before.abs() > left
-    farther = rows.error_percent_now - rows.error_percent_before
-    return np.select(
-        [worse > 0, worse < 0, rows.status_now != "periodic", ~moved, farther.isna(), farther > left, farther < -left],
-        [MISSING, IMPROVED, UNCHANGED, UNCHANGED, UNKNOWN, REGRESSED, IMPROVED],
-        UNCHANGED,
-    )
+def _check_common(before: pd.DataFrame, now: pd.DataFrame, stores: str) -> None:
+    """Refuse stores that have no point in common; those of the reference are in every store."""
+    sets = [set(zip(*(table[name] for name in RUN), strict=True)) for table in (before, now)]
+    engines = [{run for run in own if run[0].engine != REFERENCE.engine} for own in sets]
+    if not set.intersection(*(engines if any(engines) else sets)):
+        raise ParameterError(
+            f"{stores} have no point in common; allowed: stores with the same configurations, cases and steps per "
+            "period (two configurations are compared by compare --engine A --engine B)"
+        )
 
 
 def summary(changes: pd.DataFrame) -> pd.DataFrame:
-    """Count what has become of points, a row a pair, with the largest error before and now [% of amplitude]."""
-    counts = changes.groupby("pair", sort=False).change.value_counts().unstack(fill_value=0)
-    worst = changes.groupby("pair", sort=False)[["error_percent_before", "error_percent_now"]].max()
+    """Count what has become of points, a row a configuration, with the largest error before and now [%].
+
+    Columns of what has become of none are left out, but ``regressed``.
+    """
+    own = changes.groupby("configuration", sort=False)
+    counts = own.change.value_counts().unstack(fill_value=0).reindex(columns=list(CHANGES), fill_value=0)
+    counts = counts.loc[:, counts.any() | (counts.columns == REGRESSED)]
+    worst = own[["error_percent_before", "error_percent_now"]].max()
     worst.columns = ["error before [%]", "error now [%]"]
-    known = [name for name in CHANGES if name in counts]
-    size = changes.groupby("pair", sort=False).size().rename("points")
-    return pd.concat([size, counts[known], worst], axis=1).reset_index()
+    return pd.concat([own.size().rename("points"), counts, worst], axis=1).reset_index()
 
 
-def fails(changes: pd.DataFrame) -> bool:
-    """Whether anything has become worse, or has changed where no exact value says where to."""
-    return bool(changes.change.isin([REGRESSED, MISSING, UNKNOWN]).any())
+def fails(changes: pd.DataFrame, *, strict: bool = False) -> bool:
+    """Whether anything is worse, or has changed where no exact value says where to; strictly, whether anything has."""
+    any_change = (changes.what != "") & (changes.change != NEW)
+    return bool((changes.change.isin([REGRESSED, MISSING, UNKNOWN]) | (strict & any_change)).any())
 
 
 def conclusion(changes: pd.DataFrame, before: str, now: str) -> str:
     """Say in one sentence what has come out."""
-    counts = changes.change.value_counts()
-    parts = [f"{counts[name]} {name}" for name in CHANGES if counts.get(name, 0)]
-    better = int(counts.get(IMPROVED, 0)) - sum(int(counts.get(name, 0)) for name in (REGRESSED, MISSING))
-    closer = f"{now} is closer to the exact motion" if better > 0 else f"{before} is closer to the exact motion"
-    verdict = "both are as far from the exact motion" if better == 0 else closer
-    return f"{len(changes)} points, from {before} to {now}: {', '.join(parts)}: {verdict}."
+    counts = {name: int((changes.change == name).sum()) for name in CHANGES}
+    parts = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    better, worse = counts[IMPROVED], counts[REGRESSED] + counts[MISSING]
+    if better > worse:
+        verdict = f"{now} is closer to the exact motion"
+    elif better < worse:
+        verdict = f"{before} is closer to the exact motion"
+    elif counts[UNKNOWN]:
+        verdict = "no exact value says which of the two is closer to the exact motion"
+    else:
+        verdict = "both are as close to the exact motion"
+    points_text = f"{len(changes)} point" + "s" * (len(changes) != 1)
+    return f"{points_text}, from {before} to {now}: {parts}: {verdict}."
 
 
 def pairs(before: Sequence[Config], now: Sequence[Config]) -> list[tuple[Config, Config]]:

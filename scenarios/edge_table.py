@@ -12,15 +12,13 @@ from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import REFERENCE, Result, Run, Status
-from multibody_xval.scenarios.result_tables import CONFIG, is_exact, points, rows_of
+from multibody_xval.scenarios.result_tables import CONFIG, points, rows_of
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS
 from reference_lcp.errors import ParameterError
 
 CURVE = [*CONFIG, "curve", "steps"]
 """Columns by which the edges of a curve are found."""
-
-EDGES = ("lower", "upper")
 
 COMPARED = ["configuration", "exact", "error", "allowed", "verdict"]
 """Columns where there is another configuration than the reference."""
@@ -117,31 +115,9 @@ def _result(row: dict[str, Any]) -> Result:
 def _edges(rows: pd.DataFrame, asked: pd.DataFrame, axes: list[str]) -> pd.DataFrame:
     """Give both edges of every curve that is asked for, and why it has none."""
     curves = asked.drop_duplicates(CURVE)[list(dict.fromkeys(["config", *CURVE, *axes]))]
-    both = curves.merge(pd.DataFrame({"edge": EDGES}), how="cross")
-    found = pd.DataFrame(columns=[*CURVE, "edge", *NUMBERS, "verdict"])
-    if not edges.edges(rows).empty:
-        found = edges.judged_edges(rows)[list(found)]
-    merged = both.merge(found.astype({"steps": int}), on=[*CURVE, "edge"], how="left")
-    merged = merged.astype(dict.fromkeys(NUMBERS, float))
-    there = merged[FREQUENCY].notna()
-    reasons = merged[~there].apply(lambda own: _reason(rows, own), axis=1, result_type="reduce").astype(object)
-    verdict = merged.verdict.where(there, edges.NONE)
-    return merged.assign(reason=reasons.reindex(merged.index, fill_value=""), verdict=verdict)
-
-
-def _reason(rows: pd.DataFrame, own: pd.Series) -> str:
-    """Say why a curve has no such edge."""
-    curve = rows[(rows.config == own["config"]) & (rows.curve == own["curve"]) & (rows.steps == own["steps"])]
-    steady = curve[curve.status == "periodic"]
-    if is_exact(curve).any():
-        return "the exact motion's edges are in the column exact of other configurations"
-    if steady.empty:
-        ends = ", ".join(f"{count} {status}" for status, count in curve.status.value_counts().items())
-        return f"no point is periodic: {ends}"
-    if steady.transmittance_db.min() >= edges.DEPTH_DB:
-        return f"no point is below {edges.DEPTH_DB:g} dB"
-    side = "before" if own["edge"] == "lower" else "behind"
-    return f"no point {side} the band is above {edges.THRESHOLD_DB:g} dB"
+    both = curves.merge(pd.DataFrame({"edge": edges.EDGES}), how="cross")
+    found = edges.judged_edges(rows)[[*CURVE, "edge", *NUMBERS, "verdict", "absent"]]
+    return both.merge(found, on=[*CURVE, "edge"], how="left").rename(columns={"absent": "reason"})
 
 
 def _shown(found: pd.DataFrame, axes: list[str]) -> pd.DataFrame:

@@ -61,7 +61,7 @@ def computed(
     then: Sequence[tuple[str, Propose]] = (),
     known: Mapping[Run, Result] | None = None,
 ) -> list[Stored]:
-    """Give the results of runs, and of those that they lead to; those that are known are not run again.
+    """Give the results of runs, in their order, and of those that they lead to; what is known is not run again.
 
     Parameters
     ----------
@@ -89,18 +89,11 @@ def computed(
         def run(new: Sequence[Run]) -> None:
             given = {run: known[run] for run in new if run in known} if known else {}
             rest = [run for run in new if run not in given]
-            found.update(given)
-            found.update(
-                run_missing(
-                    rest,
-                    store,
-                    pool,
-                    steps.ended,
-                    known=lambda own: steps.more(len(rest) - len(own)),
-                    seconds_a_run=means.seconds_a_run,
-                    retry_failed=means.retry_failed,
-                )
-            )
+            results = given | run_missing(
+                rest, store, pool, steps.ended, known=lambda own: steps.more(len(rest) - len(own)),
+                seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed,
+            )  # fmt: skip
+            found.update((own, results[own]) for own in new)
 
         found: dict[Run, Result] = {}
         steps.begin()

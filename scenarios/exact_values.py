@@ -66,6 +66,14 @@ def ruler(places: Iterable[tuple[Case, int]]) -> list[Run]:
     return [*ladder, *exact]
 
 
+def has_ruler(table: pd.DataFrame) -> pd.Series:
+    """Tell which rows are at a case and a number of steps at which the ruler was run; those that edges add are not."""
+    run = set(rows_of(table[is_reference(table)], "case", "steps"))
+    rows = rows_of(table, "case", "steps")
+    found = [all((case, steps * factor) in run for factor in LADDER) for case, steps in rows]
+    return pd.Series(found, table.index, dtype=bool)
+
+
 def needs_exact_motion(case: Case) -> bool:
     """Whether the exact motion of a case is computed: it is not proven, short enough, under constant normal forces."""
     return case not in proven() and case.cells <= MOST_EXACT_CELLS and not case.modulation

@@ -7,8 +7,8 @@ import numpy as np
 import scipy.linalg
 
 from multibody_xval.engines.interface.presets import Formulation
-from multibody_xval.engines.interface.registry import default_engine_names, engine
-from multibody_xval.engines.interface.variant import GENERAL, variants_named, variants_of
+from multibody_xval.engines.interface.registry import default_engine_names, engine, engine_names
+from multibody_xval.engines.interface.variant import ALL, GENERAL, variants_named, variants_of
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
 from reference_lcp.chain.linear_response import stuck_basis
@@ -26,7 +26,7 @@ PRESETS = ("default", *(name for name in GENERAL if name != "default"), "tuned")
 """Presets that a report compares, in the order in which it shows them."""
 
 ON_GRID = ("default", "tuned")
-"""Presets of joints that are measured on the whole grid."""
+"""Presets of joints that are measured on the whole grid, with those that have none of the names of `PRESETS`."""
 
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
@@ -34,8 +34,11 @@ QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
 QUICK_SLOW: dict[str, tuple[float, ...]] = {"tuned": (0.3,), "default": ()}
 """Friction ratios of engines in `SLOW` in the quick report, by preset."""
 
+QUICK_ONCE = (Formulation.CONTACT, "default")
+"""Of theirs, what is measured at one of the headline's points alone there: a third of the whole quick report."""
+
 SLOW = ("exudyn-regularised", "exudyn-bristle")
-"""Engines that take a hundred times as long as others."""
+"""Engines that take a hundred times as long as others: on the grid they are measured where claims and edges need it."""
 
 FREQUENCY_RATIOS = tuple(np.round(np.r_[0.1:0.5:0.1, 0.5:1.6:0.05, 1.6:3.05:0.1], 4).tolist())
 QUICK_FREQUENCY_RATIOS = (
@@ -55,11 +58,17 @@ def report_configs(names: Iterable[str] = ()) -> list[Config]:
         If a name is unknown, or its engine is not installed.
     """
     asked = list(names)
-    bare = [name for name in asked or default_engine_names() if ":" not in name and name != REFERENCE.engine]
-    if asked:
-        variants_named(bare)
-    compared = [own for name in bare for own in variants_of(name, optional=True) if own.preset_name in PRESETS]
+    bare = [name for name in asked if ":" not in name and name != ALL]
+    variants_named(bare)
+    engines = [*bare, *(engine_names() if ALL in asked else ()), *(() if asked else default_engine_names())]
+    compared = [own for name in engines if name != REFERENCE.engine for own in _compared(name)]
     return list(dict.fromkeys([*compared, *variants_named([name for name in asked if ":" in name])]))
+
+
+def _compared(name: str) -> list[Config]:
+    """Give the presets of an engine that a report compares: all of one that has none of these names."""
+    every = variants_of(name, optional=True)
+    return [own for own in every if own.preset_name in PRESETS] or every
 
 
 def report_runs(configs: Iterable[Config], *, quick: bool) -> list[Run]:
@@ -67,17 +76,33 @@ def report_runs(configs: Iterable[Config], *, quick: bool) -> list[Run]:
     configs = list(dict.fromkeys(configs))
     runs = runs_at([REFERENCE], grid(quick))
     for own in configs:
-        runs += runs_at([own], HEADLINE if own.preset.settles else HEADLINE[:1], HEADLINE_STEPS)
-        runs += runs_at([own], [case for case in grid(quick) if case.friction_ratio in frictions(own, quick=quick)])
+        runs += runs_at([own], headline_cases(own, quick=quick), HEADLINE_STEPS)
+        runs += runs_at([own], grid_cases(own, quick=quick))
     return list(dict.fromkeys(runs))
+
+
+def headline_cases(config: Config, *, quick: bool) -> Sequence[Case]:
+    """Give the headline's points at which a configuration is measured."""
+    once = quick and config.engine in SLOW and (config.formulation, config.unchanged.preset_name) == QUICK_ONCE
+    return HEADLINE[:1] if once or not config.preset.settles else HEADLINE
+
+
+def grid_cases(config: Config, *, quick: bool) -> list[Case]:
+    """Give the cases of the grid at which a configuration is measured."""
+    own = [case for case in grid(quick) if case.friction_ratio in frictions(config, quick=quick)]
+    if quick or config.engine not in SLOW:
+        return own
+    return [case for case in own if case.frequency_ratio in claim_frequency_ratios()]
 
 
 def frictions(config: Config, *, quick: bool) -> Sequence[float]:
     """Give the friction ratios at which a configuration is measured over the frequency ratio."""
-    if config.formulation != Formulation.JOINT or config.preset_name not in ON_GRID or not config.preset.settles:
+    preset = config.unchanged.preset_name
+    measured = preset in ON_GRID or preset not in PRESETS
+    if config.formulation != Formulation.JOINT or not measured or not config.preset.settles:
         return ()
     if quick and config.engine in SLOW:
-        return QUICK_SLOW[config.preset_name]
+        return QUICK_SLOW.get(preset, QUICK_FRICTION_RATIOS)
     return QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
 
 
@@ -87,6 +112,13 @@ def grid(quick: bool) -> tuple[Case, ...]:
     ratios = QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
     etas = QUICK_FREQUENCY_RATIOS if quick else sorted({*FREQUENCY_RATIOS, *resonances()})
     return tuple(Case(friction_ratio=own, frequency_ratio=eta) for own in ratios for eta in etas)
+
+
+@cache
+def claim_frequency_ratios() -> tuple[float, ...]:
+    """Give the fewest frequencies on which the edges of all friction ratios are found, with all resonances."""
+    even = (0.3, 0.65, 0.8, 0.9, 1.0, 1.1, 1.2, 1.6, 2.1, 2.5, 3.0)
+    return tuple(sorted({*even, *(eta for eta in resonances() if eta > even[0])}))
 
 
 @cache
@@ -106,21 +138,22 @@ def left_out(configs: Iterable[Config], *, quick: bool) -> str:
     configs = list(configs)
     never = [str(own) for own in configs if not own.preset.settles]
     sentences = []
+    slow = " and ".join(dict.fromkeys(engine(own.engine).capabilities.title for own in configs if own.engine in SLOW))
     if quick:
-        parts = [f"friction ratios {_listed(set(FRICTION_RATIOS) - set(QUICK_FRICTION_RATIOS))}", *_slow(configs)]
+        parts = [f"friction ratios {_listed(set(FRICTION_RATIOS) - set(QUICK_FRICTION_RATIOS))}"]
+        if slow:
+            kept = _listed(QUICK_SLOW["tuned"])
+            parts.append(f"{slow}: friction ratios other than {kept}, and most points with default options")
         sentences.append(f"Left out of the quick report: {'; '.join(parts)}; all of it: {REPORT}.")
+    elif slow:
+        count = len(claim_frequency_ratios())
+        sentences.append(
+            f"{slow}: the {count} frequency ratios of {len(set(FREQUENCY_RATIOS) | set(resonances()))} "
+            f"that claims and band edges need; others: multibody-xval sweep."
+        )
     if never:
         sentences.append(f"At one point alone, since they hardly ever settle: {', '.join(never)}.")
     return " ".join(sentences)
-
-
-def _slow(configs: Iterable[Config]) -> list[str]:
-    """Say what is left out of the engines that take longest."""
-    titles = dict.fromkeys(engine(own.engine).capabilities.title for own in configs if own.engine in SLOW)
-    if not titles:
-        return []
-    kept = _listed(QUICK_SLOW["tuned"])
-    return [f"{' and '.join(titles)}: friction ratios other than {kept}, and default options on the grid"]
 
 
 def _listed(values: Iterable[float]) -> str:

@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeVar
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import Config, Result, Run, Status
-from reference_lcp.errors import ParameterError, RunError, checked_path
+from reference_lcp.errors import ParameterError, RunError, checked_path, shown
 
 SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
@@ -103,14 +103,29 @@ class Store:
         for first in range(0, len(wanted), LOOKUP):
             some = wanted[first : first + LOOKUP]
             query = f"SELECT key, result FROM results WHERE key IN ({', '.join('?' * len(some))})"
-            found |= {keys[name]: Result.from_json(text) for name, text in self._read(query, some)}
+            found |= {keys[name]: self._readable(Result.from_json, text) for name, text in self._read(query, some)}
         return found
 
     def rows(self) -> Iterator[Stored]:
         """Give every result, whatever engine and version it is of."""
         query = "SELECT run, version, result FROM results ORDER BY rowid"
         for run, version, result in self._read(query):
-            yield Stored(Run.from_text(run), version, Result.from_json(result))
+            yield Stored(self._readable(Run.from_text, run), version, self._readable(Result.from_json, result))
+
+    def _readable(self, read: Callable[[str], _Value], text: str) -> _Value:
+        """Read a text of the file, which anybody may have written."""
+        try:
+            return read(text)
+        except ParameterError as problem:
+            raise ParameterError(f"store {self.path}: {problem}") from None
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as problem:
+            what = f"{shown(text)} cannot be read: {type(problem).__name__}: {problem}"
+            raise ParameterError(f"store {self.path}: {what}; allowed: what this suite writes") from None
+
+    def options(self) -> dict[str, str]:
+        """Give the options of every configuration by its name, as JSON; of several versions, those of the last."""
+        rows = self._read("SELECT run, options FROM results ORDER BY rowid")
+        return {json.loads(run)["config"]: options for run, options in rows}
 
     def _read(self, query: str, values: Sequence[str] = ()) -> list[tuple[str, ...]]:
         return _used(self.path, lambda: self._file.execute(query, values).fetchall())

@@ -30,6 +30,19 @@ def _kept_templates():
         yield
 
 
+@pytest.fixture(scope="module")
+def here():
+    """Run everything in this process: starting workers takes longer than their work."""
+    from contextlib import nullcontext
+
+    from multibody_xval.scenarios import evaluate
+    from multibody_xval.scenarios.pool import ThisProcess
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(evaluate, "local", lambda _workers: nullcontext(ThisProcess()))
+        yield
+
+
 @pytest.fixture(scope="session")
 def install(tmp_path_factory: pytest.TempPathFactory):
     """Install a package of `tests`, once in a session."""

@@ -1,26 +1,23 @@
-"""``multibody-xval compare``: the changes from one store to another, for people and for CI."""
+"""``multibody-xval compare``: what is better or worse from one store, or configuration, to another."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import Store, Work, Workers, check_outs, keeping
-from multibody_xval.scenarios.verdicts.thresholds import Thresholds
+from multibody_xval.reports.cli.options import Store, Workers, check_outs, keeping
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table, visible
+from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from multibody_xval.reports.export.changes import Regression
-    from multibody_xval.scenarios.runs.result import Result
-    from multibody_xval.scenarios.runs.task import Task
+    from multibody_xval.reports.changes import Comparison
 
 Pair = Annotated[
     list[str] | None,
@@ -58,110 +55,73 @@ def compare(
     store: Store = None,
     workers: Workers = None,
     decibel: Annotated[
-        float, typer.Option("--db", help="Largest change of transmittance in dB that does not count.")
-    ] = Thresholds.transmittance_db,
-    stuck_fraction: Annotated[
-        float, typer.Option(help="Largest change of a contact's stuck fraction that does not count.")
-    ] = Thresholds.stuck_fraction,
-    transition: Annotated[
-        float, typer.Option(help="Largest change of the time of a transition, over the period, that does not count.")
-    ] = Thresholds.transition,
-    motion: Annotated[
         float,
-        typer.Option(help="Largest change of a transient motion that does not count, over its displacement scale."),
-    ] = Thresholds.motion,
+        typer.Option("--db", help="Largest change that does not count, in dB of the transmittance: 0.001 to 1000."),
+    ] = 0.001,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Every change fails, also one that is closer to the truth.")
+        bool, typer.Option("--strict", help="Every change fails, also one that is closer to the exact motion.")
     ] = False,
-    exact: Annotated[
-        bool,
-        typer.Option(
-            help="Compute the exact motion of changed points; --no-exact takes the truth only from the stores."
-        ),
-    ] = True,
     out: Outs = None,
 ) -> None:
     """Compare two stores point by point, or two configurations: versions of an engine, sets of options, engines.
 
-    Points are matched by their tasks. Versions and options may differ; their differences are printed. Each changed
-    point has improved, regressed, or is as far from the truth as before. The truth is the proven level, the
-    exact motion, or the converged reference of either store; for a transient motion, also the reference with finer
-    steps. A point that was blocked before cannot fail.
-    Exit code 0: nothing has changed for the worse; 1: a point has regressed, is missing, blocked now, no longer
-    finite, or changed where the truth is not known; 2: wrong input, no point in common, or results of different
-    formats; 3: --out could not be written at the end; 130: interrupted.
+    Points are matched by configuration, case and steps per period; the versions and options of engines may differ, and
+    are printed. Each point is improved, regressed or unchanged by its error to the exact motion: that of the
+    transmittance, and of the part of the period that contacts stick. It is missing where there is no steady state any
+    more, and unknown where it has changed and neither store has the exact motion.
+    Exit code 0: nothing is worse; 1: a point has regressed, is missing, or its change is unknown; 2: wrong input, or no
+    point in common; 3: results or --out could not be written; 130: interrupted.
 
     Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """
-    outs = check_outs(out, ENDINGS, first, second)
-    if pair or first is None or second is None:
-        _compare_pair(pair or [], [own for own in (first, second) if own is not None], store, workers, outs)
-    from multibody_xval.reports.export.changes import CHANGE_FORMATS, Regression
-    from multibody_xval.scenarios.verdicts.regression import compare_stores
+    names, stores = pair or [], [own for own in (first, second) if own is not None]
+    outs = check_outs(out, ENDINGS, *stores, store)
+    _check(names, stores, {"--store": store, "--workers": workers})
+    with keeping(store):
+        changes = _changes(names, stores, store, workers, decibel)
+    from multibody_xval.reports.changes import WRITTEN, Comparison
 
-    thresholds = Thresholds(decibel, stuck_fraction, transition, motion)
-    comparison = compare_stores(first, second, thresholds, _computed if exact else None)
-    regression = Regression(comparison, str(first), str(second), thresholds, strict)
-    _print(regression)
+    comparison = Comparison(changes, *(names or map(str, stores)), decibel, strict)
+    _print(comparison)
     for written in outs:
-        write_whole(written, CHANGE_FORMATS[written.suffix](regression))
-    raise typer.Exit(ExitCode.FAILED if regression.failing else ExitCode.DONE)
+        write_whole(written, WRITTEN[written.suffix](comparison))
+    raise typer.Exit(ExitCode.FAILED if comparison.fails else ExitCode.DONE)
 
 
-def _compare_pair(
-    names: Sequence[str], stores: Sequence[Path], store: Path | None, workers: int | None, outs: Sequence[Path]
-) -> NoReturn:
-    """Compare two configurations, or the presets of two engines, and end the command."""
-    if len(names) != 2 or stores:
+def _check(names: Sequence[str], stores: Sequence[Path], computing: dict[str, object]) -> None:
+    """Refuse anything but two stores or two configurations, and options of what is not done."""
+    if sorted((len(names), len(stores))) != [0, 2]:
         given = f"{len(stores)} stores and {len(names)} --engine"
         raise ParameterError(f"{given}; allowed: two stores, or two --engine and no store")
-    from multibody_xval.scenarios.compare import changes_between, conclusion, fails, summary
+    for option, value in computing.items():
+        if stores and value is not None:
+            raise ParameterError(
+                f"{option} = {value} with two stores, of which nothing is computed; allowed: without it"
+            )
+
+
+def _changes(
+    names: Sequence[str], stores: Sequence[Path], store: Path | None, workers: int | None, decibel: float
+) -> pd.DataFrame:
+    """Compare two stores, or compute two configurations."""
+    from multibody_xval.scenarios.compare import changes_between, compare
     from multibody_xval.scenarios.evaluate import Means
-    from multibody_xval.scenarios.result_tables import file_columns
 
-    with keeping(store):
-        changes = changes_between(names[0], names[1], Means(store=store, workers=workers))
-    table = summary(changes)
-    print_table(
-        [str(name) for name in table], [[_shown(value) for value in row] for row in table.itertuples(index=False)]
-    )
-    print(visible(conclusion(changes, *names)))
-    for written in outs:
-        write_whole(written, WRITTEN[written.suffix](table if written.suffix == ".md" else file_columns(changes)))
-    raise typer.Exit(ExitCode.FAILED if fails(changes) else ExitCode.DONE)
+    if stores:
+        return compare(*stores, db=decibel)
+    return changes_between(*names, Means(store=store, workers=workers), decibel)
 
 
-def _shown(value: object) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
+def _print(comparison: Comparison) -> None:
+    from multibody_xval.reports.changes import changed_points, identities, overview
+    from multibody_xval.scenarios.tables import print_table
 
-
-WRITTEN: dict[str, Callable[[pd.DataFrame], str]] = {
-    ".md": lambda table: f"{table.to_markdown(index=False)}\n",
-    ".json": lambda table: table.to_json(orient="records", indent=1),
-    ".csv": lambda table: table.to_csv(index=False),
-}
-"""How the changes of a pair are written: a summary for people, every point for programs."""
-
-
-def _computed(tasks: Sequence[Task]) -> list[Result]:
-    """Compute exact motions, which are not kept."""
-    from multibody_xval.scenarios.verdicts.steady_case import EXACT
-
-    with Work().evaluator(None, [EXACT]) as evaluator:
-        return evaluator.evaluate(tasks)
-
-
-def _print(regression: Regression) -> None:
-    from multibody_xval.reports.export.changes import PRINTED_COLUMNS, counted_by_variant, identities
-    from multibody_xval.scenarios import tables
-
-    for line in (*counted_by_variant(regression.comparison), *identities(regression.comparison)):
+    for line in identities(comparison.changes):
         print(visible(line))
-    shown = regression.comparison.beyond[:MOST_ROWS]
-    for variant in dict.fromkeys(change.variant for change in shown):
-        own = [change for change in shown if change.variant == variant]
-        tables.print_table(tables.text_table(PRINTED_COLUMNS, own), title=variant)
-    left = len(regression.comparison.beyond) - len(shown)
-    if left:
-        print(f"{left} more changed points; --out writes all of them")
-    print(visible(regression.summary))
+    print_table(overview(comparison.changes))
+    changed = changed_points(comparison.changes)
+    for name, own in changed[:MOST_ROWS].groupby("configuration", sort=False):
+        print_table(own.drop(columns="configuration"), title=str(name))
+    if len(changed) > MOST_ROWS:
+        print(f"{len(changed) - MOST_ROWS} more changed points; --out writes all of them")
+    print(visible(comparison.conclusion))

@@ -1,10 +1,11 @@
-"""``multibody-xval report``: run or read a sweep, and write the page about it."""
+"""``multibody-xval report``: run or read results, and write the page about them."""
 
 from __future__ import annotations
 
 import gc
 import shlex
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
@@ -12,18 +13,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Work, grouped, keeping
+from multibody_xval.reports.cli.options import NAME_METAVAR, Computing, Engines, Settings, grouped, keeping
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.terminal import announce_compilation, print_table, visible
+from reference_lcp.terminal import announce_compilation, visible
 
 if TYPE_CHECKING:
-    from multibody_xval.reports.write import Written
+    from multibody_xval.reports.new_page.write import Written
 
 RARE_COLLECTIONS = (200_000, 20, 100)
-"""Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
-the time of a report of 20,000 points with the default threshold of 700 objects."""
+"""Thresholds of Python's collector of cycles: with the usual 700 objects it takes an eighth of a report's time."""
 
-FOLDER = typer.Option(help="Folder of the page and its files; made if it is missing.")
+PROGRAM = ("multibody-xval", "report")
 
 app = typer.Typer(name="multibody-xval report", add_completion=False, pretty_exceptions_enable=False)
 
@@ -33,14 +33,15 @@ class Shown:
     """What a page shows."""
 
     quick: Annotated[
-        bool, typer.Option("--quick", help="Take a small grid: the whole report takes a minute and a half.")
+        bool, typer.Option("--quick", help="Take few friction and frequency ratios: the whole report takes a minute.")
     ] = False
     chosen: Annotated[
         list[str] | None,
         typer.Option(
             "--engine",
             metavar=NAME_METAVAR,
-            help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
+            help="An engine, with its default, recommended and tuned presets; or one preset of it. `all`: every "
+            "engine. May be repeated. Without it: the engines that come with the suite.",
             autocompletion=complete_variant,
         ),
     ] = None
@@ -51,124 +52,93 @@ class Shown:
     data: Annotated[
         Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
     ] = None
-    proof: Annotated[
-        bool,
-        typer.Option(
-            "--proof",
-            help="Prove the truth of points that the suite's table of proven levels does not have, some seconds each.",
-        ),
-    ] = False
+
+    @property
+    def names(self) -> list[str]:
+        """The chosen engines, with changed options."""
+        return Engines(self.chosen, self.settings).names
+
+    @property
+    def words(self) -> list[str]:
+        """Give the options as they are written."""
+        files = [
+            word for name in ("sweep", "data") if (file := getattr(self, name)) for word in (f"--{name}", str(file))
+        ]
+        return [*["--quick"] * self.quick, *(f"--engine={name}" for name in self.names), *files]
+
+    def check(self, stores: Sequence[Path], *, run: bool) -> None:
+        """Refuse options that do not go together."""
+        if self.data is not None and (self.sweep or self.names or self.quick or stores or not run):
+            raise ParameterError("--data holds its sweep; allowed next to it: --out alone")
+        if self.sweep is not None and (self.names or self.quick):
+            raise ParameterError("--sweep names engines and grid; allowed next to it: neither --engine nor --quick")
+        if not run and (self.quick or self.sweep):
+            raise ParameterError("--no-run shows what stores hold; allowed next to it: neither --quick nor --sweep")
+        if run and len(stores) > 1:
+            raise ParameterError(f"--store is given {len(stores)} times; allowed: once, or several times with --no-run")
 
 
 @app.command()
 @grouped
 def report(
     *,
-    out: Annotated[Path, FOLDER] = Path("report"),
+    out: Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")] = Path(
+        "report"
+    ),
     shown: Shown,
     store: Annotated[
-        Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")
+        list[Path] | None,
+        typer.Option(
+            help="File that stores every result; without it, results.sqlite in --out. With --no-run it may be "
+            "repeated: results of several environments make one page."
+        ),
     ] = None,
     run: Annotated[
-        bool,
-        typer.Option(
-            "--run/--no-run", help="Run missing points; --no-run shows only stored results, and names missing ones."
-        ),
+        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run shows stored results alone.")
     ] = True,
-    verbose: Annotated[bool, typer.Option("--verbose", help="Print all engines, and verdicts by variant.")] = False,
-    work: Work,
+    computing: Computing,
 ) -> None:
-    """Compare every engine with the reference on the frictional chain, and write a page about it.
+    """Compare engines with the exact motion of a chain with dry friction, and write a page about it.
 
-    Without --engine and --sweep, joints are compared on the whole grid: tuned ones, and default ones that a law
-    predicts everywhere. Contacts and other defaults are shown at a few points, without a verdict, and never change the
-    exit code.
+    Without --engine and --sweep: the engines that come with the suite, with default options, recipe, and tuned to the
+    chain. Results are stored: a second report takes seconds, and an interrupted one continues.
 
-    Results are stored: a second run takes seconds, and an interrupted run continues.
-    Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
-    disagreement is unmodelled, too few points of a variant are certified, or its engine fails; 2: wrong input;
-    3: results or the page could not be written; 130: interrupted.
+    Exit code 0: the page is written, and no judged number deviates; 1: the page is written, and a judged number or band
+    edge deviates, more than a quarter of a judged preset's numbers are missing, or more than a quarter of a named
+    preset's runs fail; 2: wrong input; 3: results or the page could not be written; 130: interrupted.
 
-    Example: multibody-xval report --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
+    Example: multibody-xval report --quick --engine mujoco --engine pybullet:joint:default
     """
-    work.check(run=run)
-    names = Engines(shown.chosen, shown.settings).names
+    computing.check(run=run)
+    stores = store or []
+    shown.check(stores, run=run)
+    gc.set_threshold(*RARE_COLLECTIONS)
     started = monotonic()
-    written = _written(shown, names, out, store, work, run=run)
-    _print_end(written, monotonic() - started, verbose=verbose)
-    if written.report.failures:
+    written = _written(shown, out, stores, computing, run=run)
+    for line in written.failures:
+        print(visible(line))
+    print(visible(f"{written.finding} ({monotonic() - started:.0f} s; {written.page})"))
+    if written.failures:
         raise typer.Exit(ExitCode.FAILED)
 
 
-MOST_ROWS = 9
-"""Engines in the table at the end, the farthest from the truth first; one line more names how many are left out."""
+def _written(shown: Shown, out: Path, stores: list[Path], computing: Computing, *, run: bool) -> Written:
+    """Write the page of a dataset, of stores, of a sweep, or of the runs of a report."""
+    from multibody_xval.reports.new_page import sources
 
-
-def _print_end(written: Written, seconds: float, *, verbose: bool) -> None:
-    """Print what each engine comes to, why the comparison fails, and the line that says whether it does."""
-    from multibody_xval.reports.data.options import TITLES
-    from multibody_xval.scenarios import tables
-    from multibody_xval.scenarios.catalogue.verdict_table import verdict_table
-    from multibody_xval.scenarios.verdicts.finding import engine_failures
-
-    report = written.report
-    if verbose and report.result.findings:
-        tables.print_table(verdict_table(report.result.findings))
-    rows = [(row.variant.title, " → ".join(row.texts)) for row in report.headlines]
-    shown = rows if verbose else rows[:MOST_ROWS]
-    if rows:
-        print_table(("largest error [dB]", " → ".join(TITLES.values())), shown)
-    if len(shown) < len(rows):
-        print(f"and {len(rows) - len(shown)} more, with --verbose")
-    for line in (*engine_failures(report.result.findings), *report.failures):
-        print(visible(line))
-    print(visible(f"{report.status}; {seconds:.0f} s; {written.page}"))
-
-
-def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work: Work, *, run: bool) -> Written:
-    """Write the report of a dataset, of which nothing is run, or of a sweep."""
-    gc.set_threshold(*RARE_COLLECTIONS)
-    _check_proof(shown, run=run)
+    command = shlex.join([*PROGRAM, *shown.words, *(word for file in stores for word in ("--store", str(file)))])
     if shown.data is not None:
-        return _dataset_written(shown, names, out, shown.data)
-    executor = work.executor()
-    if run and not (store or out).exists():
-        executor.warm_up()  # while this process imports and plans
-    from multibody_xval.reports.plan import planned_report
-    from multibody_xval.reports.write import STORE, check_folder, write_sweep_report
-    from multibody_xval.scenarios.runs.store import existing_store
-
-    kept = store or out / STORE
-    planned = planned_report(names, shown.sweep, quick=shown.quick, stored_in=None if run else kept)
-    announce_compilation()
+        return sources.dataset_page(shown.data, out, command)
     if not run:
-        existing_store(kept)
-    check_folder("--out", out, [kept, shown.sweep])
-    with keeping(kept):
-        return write_sweep_report(
-            planned.sweep, out, planned.command + " --proof" * shown.proof,
-            store=kept, run=run, scope=replace(planned.scope, proof=shown.proof), executor=executor,
-            retry_blocked=work.retry_blocked, keep_old=work.keep_old,
-        )  # fmt: skip
+        return sources.stored_page(stores or [out / sources.STORE], out, f"{command} --no-run", shown.names)
+    announce_compilation()
+    store = stores[0] if stores else None
+    with keeping(store or out / sources.STORE):
+        if shown.sweep is None:
+            return sources.planned_page(shown.names, out, command, computing.means, store, quick=shown.quick)
+        from multibody_xval.scenarios.sweep_file import read_sweep
+        from multibody_xval.scenarios.sweep_plan import check_size
 
-
-def _dataset_written(shown: Shown, names: list[str], out: Path, file: Path) -> Written:
-    from multibody_xval.reports.plan import PROGRAM
-    from multibody_xval.reports.write import write_dataset_report
-    from multibody_xval.scenarios.sweeps.dataset_reader import read_dataset
-
-    if shown.sweep or names or shown.quick:
-        raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-    return write_dataset_report(read_dataset(file), out, shlex.join([*PROGRAM, "--data", str(file)]), file)
-
-
-def _check_proof(shown: Shown, *, run: bool) -> None:
-    """Refuse proofs where nothing is computed, or without the package that they need."""
-    from reference_lcp.defaults import PROOF_TIME_LIMIT, PROVEN_DIGITS
-    from reference_lcp.exact.proof.prove import check_request
-
-    if not shown.proof:
-        return
-    if shown.data is not None or not run:
-        raise ParameterError("--proof computes; allowed with it: neither --data nor --no-run")
-    check_request(PROVEN_DIGITS, PROOF_TIME_LIMIT)
+        sweep = read_sweep(shown.sweep)
+        check_size(sweep, yes=False, how="multibody-xval sweep --yes")
+        return sources.sweep_page(sweep, out, command, computing.means, store, shown.sweep)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,13 +83,11 @@ def sweep(
 
 def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
     """Give the results of a sweep: what the store lacks is run, or not."""
-    from multibody_xval.scenarios.sweep_plan import size_text
     from multibody_xval.scenarios.swept import stored_sweep, swept
 
     if not run:
         assert means.store is not None
         return stored_sweep(planned, means.store)
-    print(size_text(planned), file=sys.stderr)
     announce_compilation()
     with keeping(means.store):
         return swept(planned, means)
@@ -98,7 +95,7 @@ def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
 
 def print_counts(planned: Sweep, table: pd.DataFrame) -> None:
     """Print what has become of the points of every configuration, with the largest error and where it is."""
-    from multibody_xval.scenarios.judge import VERDICTS
+    from multibody_xval.scenarios.judge import AGREES, DEVIATES, VERDICTS
 
     places = 0 if planned.grid is not None else planned.points // len(planned.configs)
     rows = []
@@ -114,7 +111,7 @@ def print_counts(planned: Sweep, table: pd.DataFrame) -> None:
             "at": _place(planned, own.loc[size.idxmax()]) if size.notna().any() else "–",
             "periods: median, most": _periods(own.periods[own.status == "periodic"]),
         })  # fmt: skip
-    shown = [name for name in rows[0] if any(row[name] != "0" for row in rows)]
+    shown = [name for name in rows[0] if name in (AGREES, DEVIATES) or any(row[name] != "0" for row in rows)]
     print_table(shown, [[row[name] for name in shown] for row in rows])
 
 

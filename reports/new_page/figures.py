@@ -1,109 +1,157 @@
-"""Figures of the page: functions of tables, drawn by matplotlib."""
+"""Figures of the page: functions of tables that give panels."""
 
-import io
-import math
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
+from multibody_xval.reports.new_page.svg import Panel
+from multibody_xval.reports.new_page.tables import FREQUENCY, TITLES
 from multibody_xval.scenarios.judge import FLOOR_DB
+from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
 from multibody_xval.scenarios.result_tables import is_reference
 
-COLOURS = {"default": "#d55e00", "recommended": "#e69f00", "tuned": "#0072b2"}
-TITLES = {"default": "default options", "recommended": "recipe", "tuned": "tuned to the chain"}
-MARKERS = {"default": "o", "recommended": "s", "tuned": "."}
-MODES = {"stick": "#bbbbbb", "forward slip": "#0072b2", "backward slip": "#d55e00"}
-COLUMNS = 2
+COLOURS = {"default options": "#d55e00", "recipe": "#009e73", "tuned to the chain": "#0072b2"}
+MARKERS = {"default options": "o", "recipe": "s", "tuned to the chain": "."}
+OTHER = ("#cc79a7", "x")
+"""Colour and mark of other presets."""
+
+LINE = "0.55"
+MODES = {"stick": "#b9bfc6", "forward slip": "#0072b2", "backward slip": "#e69f00", "slip": "#56b4e9", "open": "#000"}
+
+MOST_PLACES, MOST_PANELS = 4, 48
+"""Panels of an engine, and of a figure on the page: tables have all."""
+
+PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+"""Of logarithmic axes, without powers of ten, which take longer to set than all else of a figure."""
+
+LEAST_PERCENT, LEAST_DB, LEAST_EDGE = 1e-4, 1e-4, 1e-7
+"""Errors below are drawn as these."""
 
 
-def svg(figure: Figure, title: str) -> str:
-    """Give a figure as an element of a page, with a title that is read aloud."""
-    text = io.StringIO()
-    figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None, "Title": title})
-    start = text.getvalue().partition("<svg")[2]
-    return f'<svg role="img" aria-label="{title}"{start}'
+def transmittance(rows: pd.DataFrame) -> list[Panel]:
+    """Draw the transmittance over the frequency ratio, a panel an engine and case: the reference as a line."""
+    rows = rows.assign(level=rows.transmittance_db.clip(lower=FLOOR_DB)).sort_values(FREQUENCY)
+    steady = rows[rows.status == Status.PERIODIC]
+    reference = dict(list(steady[is_reference(steady)].groupby(["place", "steps"])))
+    panels = []
+    for title, own in rows[~is_reference(rows)].groupby("title"):
+        for key in _spread(own):
+            at = own[(own.place == key[0]) & (own.steps == key[1])]
+            draw = partial(_draw_level, at, reference.get(key))
+            panels.append(Panel(f"{title}: {key[0]}", _level_text(at), draw))
+    return panels[:MOST_PANELS]
 
 
-def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
-    rows = max(math.ceil(count / COLUMNS), 1)
-    figure = Figure(figsize=(9, height * rows), layout="constrained")
-    grid = figure.subplots(rows, COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
-    for axes in grid[count:]:
-        axes.set_visible(False)
-    return figure, list(grid[:count])
+def _spread(rows: pd.DataFrame) -> list[tuple[str, int]]:
+    """Give at most `MOST_PLACES` places with their steps, evenly; those without friction only where all have room."""
+    cases = rows.groupby(["place", "steps"], sort=False).case.first()
+    order = sorted(cases.index, key=lambda key: (_numbers(cases[key]), key[1]))
+    places = order if len(order) <= MOST_PLACES else [key for key in order if np.any(cases[key].friction_ratio)]
+    chosen = np.unique(np.linspace(0, len(places) - 1, min(MOST_PLACES, len(places))).round().astype(int))
+    return [places[k] for k in chosen]
 
 
-def transmittance(points: pd.DataFrame) -> Figure:
-    """Draw a panel an engine: the reference as lines, one a friction ratio, engines as points."""
-    coarse = points[points.steps == points.groupby("case", sort=False).steps.transform("min")]
-    shown = coarse[coarse.status == "periodic"].sort_values("frequency_ratio")
-    shown = shown.assign(level=np.maximum(shown.transmittance_db, FLOOR_DB))
-    reference, rest = shown[is_reference(shown)], shown[~is_reference(shown)]
-    groups = list(rest.groupby(["engine", "formulation"], sort=False))
-    figure, panels = _panels(len(groups), 2.8)
-    for axes, (name, own) in zip(panels, groups, strict=True):
-        for _, curve in reference.groupby("friction_ratio"):
-            axes.plot(curve.frequency_ratio, curve.level, color="0.65", lw=0.9)
-        for preset, at in own.groupby("preset", sort=False):
-            look = {"color": COLOURS.get(preset, "0.2"), "label": TITLES.get(preset, preset)}
-            axes.plot(at.frequency_ratio, at.level, MARKERS.get(preset, "x"), ms=4, mfc="none", **look)
-        axes.set(title=", ".join(name), xlabel="frequency ratio", ylabel="transmittance / dB")
-        axes.legend(frameon=False, fontsize=8)
-    return figure
+def _numbers(case: Case) -> list[float]:
+    """Give what curves are sorted by; of cells that differ, the mean."""
+    return [float(np.mean(getattr(case, name))) for name in CASE if name not in ("drive", FREQUENCY)]
 
 
-def errors(worst: pd.DataFrame) -> Figure:
-    """Draw the largest error of every engine and formulation: default options, recipe, tuned."""
-    groups = list(worst[worst.error_db > 0].groupby(["engine", "formulation"], sort=False))
-    figure = Figure(figsize=(7, 0.4 * len(groups) + 1.4), layout="constrained")
-    axes = figure.subplots()
-    for place, (_, own) in enumerate(groups):
-        axes.plot([own.error_db.min(), own.error_db.max()], [place, place], color="0.8", lw=2, zorder=0)
-        axes.scatter(own.error_db, [place] * len(own), c=[COLOURS.get(name, "0.2") for name in own.preset], s=30)
-    for preset, colour in COLOURS.items():
-        axes.scatter([], [], color=colour, label=TITLES[preset])
-    axes.set(xscale="log", xlabel="largest error / dB", yticks=range(len(groups)))
-    axes.set_yticklabels([", ".join(name) for name, _ in groups])
+def _level_text(rows: pd.DataFrame) -> str:
+    """Say what a panel shows to those who do not see it."""
+    parts = []
+    for options, own in rows.groupby("options", sort=False):
+        steady = own[own.status == Status.PERIODIC]
+        worst = steady.error_db.abs().max()
+        error = "" if np.isnan(worst) else f", up to {worst:.2g} dB from the exact motion"
+        parts.append(f"{options}: {len(steady)} of {len(own)} points periodic{error}")
+    return "; ".join(parts) + "."
+
+
+def _draw_level(rows: pd.DataFrame, reference: pd.DataFrame | None, axes: Axes) -> None:
+    if reference is not None:
+        axes.plot(reference[FREQUENCY], reference.level, color=LINE, lw=1.4, zorder=1)
+    for options, own in _by_options(rows):
+        colour, marker = look(options)
+        steady = own.status == Status.PERIODIC
+        axes.plot(own[FREQUENCY][steady], own.level[steady], marker, ms=4.5, mfc="none", mew=0.9, color=colour)
+        axes.plot(own[FREQUENCY][~steady], np.full((~steady).sum(), FLOOR_DB - 3), "|", ms=5, color=colour)
+    axes.set(xlabel="frequency ratio", ylabel="transmittance / dB", ylim=(FLOOR_DB - 6, None))
+
+
+def _by_options(rows: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
+    """Give the rows of every preset, the usual ones first."""
+    groups = dict(list(rows.groupby("options", sort=False)))
+    order = [*(name for name in TITLES.values() if name in groups), *(name for name in groups if name not in COLOURS)]
+    return [(name, groups[name]) for name in order]
+
+
+def look(options: str) -> tuple[str, str]:
+    """Give colour and mark of a preset."""
+    return COLOURS.get(options, OTHER[0]), MARKERS.get(options, OTHER[1])
+
+
+def errors(rows: pd.DataFrame) -> list[Panel]:
+    """Draw the errors of all points over the frequency ratio, a panel an engine and formulation."""
+    known = rows[rows.error_percent.notna() & ~is_reference(rows)]
+    top = 2 * known.error_percent.max() if len(known) else 100.0
+    return [
+        Panel(str(title), _level_text(own), partial(_draw_errors, own, top)) for title, own in known.groupby("title")
+    ][:MOST_PANELS]
+
+
+def _draw_errors(rows: pd.DataFrame, top: float, axes: Axes) -> None:
+    for options, own in _by_options(rows):
+        colour, marker = look(options)
+        sizes = own.error_percent.clip(lower=LEAST_PERCENT)
+        axes.plot(own[FREQUENCY], sizes, marker, ms=4.5, mfc="none", mew=0.8, color=colour)
+    axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=(LEAST_PERCENT / 2, top))
+    axes.yaxis.set_major_formatter(PLAIN)
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def dots(rows: pd.DataFrame, column: str, least: float, title: str, label: str) -> list[Panel]:
+    """Draw a number of every configuration on one scale, a line an engine and formulation."""
+    known = rows[rows[column].notna()]
+    if known.empty:
+        return []
+    titles = list(dict.fromkeys(known.title))[::-1]
+    text = "; ".join(f"{name} {own[column].max():.2g}" for name, own in known.groupby("title", sort=False))
+    draw = partial(_draw_dots, known.assign(size=known[column].abs().clip(lower=least)), titles, label)
+    return [Panel(title, f"Largest, {label}: {text}.", draw, 0.26 * len(titles) + 0.85, 6.0)]
+
+
+def _draw_dots(rows: pd.DataFrame, titles: list[str], label: str, axes: Axes) -> None:
+    axes.figure.subplots_adjust(left=0.33)
+    for options, own in _by_options(rows):
+        colour, marker = look(options)
+        size = 9 if marker == "." else 5.5
+        axes.plot(own["size"], own.title.map(titles.index), marker, ms=size, mfc="none" if size < 9 else colour,
+                  color=colour)  # fmt: skip
+    axes.set(xscale="log", xlabel=label, yticks=range(len(titles)), ylim=(-0.6, len(titles) - 0.4))
+    axes.set_yticklabels(titles)
+    axes.xaxis.set_major_formatter(PLAIN)
     axes.xaxis.set_minor_formatter(NullFormatter())
-    figure.legend(loc="outside upper center", ncols=3, frameon=False, fontsize=8)
-    return figure
 
 
-def error_map(table: pd.DataFrame) -> Figure:
-    """Draw the largest error of judged configurations over frequency and friction ratio."""
-    frictions = sorted(table.friction_ratio.unique())
-    figure = Figure(figsize=(7, 0.35 * len(frictions) + 1.4), layout="constrained")
-    axes = figure.subplots()
-    rows = table.friction_ratio.map(frictions.index)
-    sizes = table.error_db.clip(lower=1e-3)
-    dots = axes.scatter(table.frequency_ratio, rows, c=sizes, norm=LogNorm(1e-3, 10), marker="s")
-    axes.set(xlabel="frequency ratio", ylabel="friction ratio", ylim=(-0.5, len(frictions) - 0.5))
-    axes.set_yticks(range(len(frictions)), [f"{own:g}" for own in frictions])
-    figure.colorbar(dots, ax=axes, label="largest error / dB")
-    return figure
-
-
-def stick_slip(changes: pd.DataFrame) -> Figure:
+def modes(table: pd.DataFrame) -> list[Panel]:
     """Draw when each contact sticks and slips over a period, a panel a configuration."""
-    groups = list(changes.groupby(["engine", "formulation", "preset"], sort=False))
-    figure, panels = _panels(len(groups), 2.2)
-    for axes, (name, own) in zip(panels, groups, strict=True):
-        for cell, at in own.groupby("cell"):
-            for begin, length, mode in phases(at.time.tolist(), at["mode"].tolist()):
-                axes.barh(cell, length, left=begin, color=MODES[mode], height=0.7)
-        axes.set(title=", ".join(name), xlim=(0, 1), xlabel="time / period", ylabel="cell")
-    for mode, colour in MODES.items():
-        panels[0].barh(1, 0, color=colour, label=mode)
-    figure.legend(loc="outside upper center", ncols=3, frameon=False, fontsize=8)
-    return figure
+    panels = []
+    for (title, options), own in table.groupby(["title", "options"], sort=False):
+        stuck = own[own["mode"] == "stick"].groupby("cell").length.sum()
+        share = stuck.sum() / own.cell.nunique()
+        text = f"On average, contacts stick {100 * share:.0f} % of the period."
+        name = f"{title}, {options}"
+        if own.configuration.iloc[0].startswith(REFERENCE.engine):
+            name = "Exact motion" if options == "exact" else "Reference"
+        panels.append(Panel(name, text, partial(_draw_modes, own), 1.9))
+    return panels
 
 
-def phases(times: list[float], modes: list[str]) -> list[tuple[float, float, str]]:
-    """Give begin, length and mode of the phases of one contact; the last goes on from the period's begin."""
-    begins, ends = [0.0, *times], [*times, 1.0]
-    names = [modes[-1], *modes]
-    return [(begin, end - begin, mode) for begin, end, mode in zip(begins, ends, names, strict=True)]
+def _draw_modes(rows: pd.DataFrame, axes: Axes) -> None:
+    colours = [MODES.get(name, "#888") for name in rows["mode"]]
+    axes.barh(rows.cell, rows.length, left=rows.begin, color=colours, height=0.7)
+    axes.set(xlim=(0, 1), xlabel="time / period", ylabel="contact of cell", yticks=sorted(rows.cell.unique()))
+    axes.grid(visible=False)

@@ -1,0 +1,142 @@
+"""Changes from one store, or configuration, to another as people and programs read them."""
+
+import json
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pandas as pd
+
+from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
+from multibody_xval.scenarios.compare import conclusion, fails, summary
+from multibody_xval.scenarios.model import value_text
+from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, records
+
+MOST_SHOWN, MOST_FOLDED = 10, 200
+"""Changed points that a comment shows, and that it has folded beneath: a comment of GitHub takes 65,536 characters."""
+
+_NOT_IN_FILES = ("case", "ratio_before", "ratio_now", "open_before", "open_now", "options_before", "options_now")
+
+
+class Comparison(NamedTuple):
+    """Changes, what they are of, and what counts."""
+
+    changes: pd.DataFrame
+    before: str
+    now: str
+    db: float
+    strict: bool
+
+    @property
+    def fails(self) -> bool:
+        """Whether anything is worse; strictly, whether anything has changed."""
+        return fails(self.changes, strict=self.strict)
+
+    @property
+    def conclusion(self) -> str:
+        """One sentence."""
+        return conclusion(self.changes, self.before, self.now)
+
+
+def changed_points(changes: pd.DataFrame) -> pd.DataFrame:
+    """Give the points that have changed, as texts, the worst first."""
+    own = changes[(changes.what != "") & (changes.change != NEW)]
+    farther = (own.error_percent_now - own.error_percent_before).abs()
+    order = own.assign(place=own.change.map(CHANGES.index), farther=farther)
+    own = order.sort_values(["place", "farther"], ascending=[True, False], kind="stable")
+    texts = {
+        "configuration": own.configuration,
+        "point": _points(own),
+        "what has changed": own.change + ": " + own.what,
+        "error before [%]": own.error_percent_before.map(_number),
+        "error now [%]": own.error_percent_now.map(_number),
+    }
+    return pd.DataFrame(texts, own.index, dtype=object)
+
+
+def _points(rows: pd.DataFrame) -> list[str]:
+    """Name the case of every row, and the steps where one configuration has several."""
+    several = rows.groupby("configuration").steps.transform("nunique") > 1
+    named = zip(rows.case, rows.steps, several, strict=True)
+    return [f"{case.title}, {steps} steps" if more else case.title for case, steps, more in named]
+
+
+def overview(changes: pd.DataFrame) -> pd.DataFrame:
+    """Give the number of points a configuration by what has become of them, as texts."""
+    return summary(changes).map(lambda value: value if isinstance(value, str) else _number(value))
+
+
+def _number(value: float) -> str:
+    return "–" if pd.isna(value) else str(value) if isinstance(value, int) else f"{value:.3g}"
+
+
+def identities(changes: pd.DataFrame) -> list[str]:
+    """Name the versions of every engine before and now, and options that differ."""
+    sides = changes[(changes.version_before != "") & (changes.version_now != "")]
+    names = ("engine_before", "version_before", "engine_now", "version_now")
+    lines = [_versions(*row) for row in sides[list(names)].drop_duplicates().itertuples(index=False)]
+    same = sides[sides.engine_before == sides.engine_now]
+    every = same[["configuration", "options_before", "options_now"]].drop_duplicates()
+    return lines + [line for row in every.itertuples(index=False) for line in _options(*row)]
+
+
+def _versions(engine: str, version: str, other: str, other_version: str) -> str:
+    if engine != other:
+        return f"{engine} {version} → {other} {other_version}"
+    return f"{engine} {version} → {other_version}" if version != other_version else f"{engine} {version} before and now"
+
+
+def _options(configuration: str, before: str, now: str) -> list[str]:
+    old, new = (json.loads(text) for text in (before, now))
+    names = [name for name in {**old, **new} if old.get(name) != new.get(name)]
+    changes = [f"{name} {old.get(name, 'not set')} → {new.get(name, 'not set')}" for name in names]
+    return [f"{configuration}: options {', '.join(changes)}"] if changes else []
+
+
+def markdown(own: Comparison) -> str:
+    """Give a comment for a pull request: one sentence, a table, versions, the worst points, the rest folded."""
+    lines = [f"## Engine regression: {'fails' if own.fails else 'passes'}", "", own.conclusion, ""]
+    lines += [*markdown_lines(overview(own.changes)), "", *markdown_list(identities(own.changes))]
+    changed = changed_points(own.changes)
+    if len(changed):
+        lines += ["", *markdown_lines(changed[:MOST_SHOWN])]
+    if len(changed) > MOST_SHOWN:
+        folded = changed[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
+        left = len(changed) - MOST_SHOWN - len(folded)
+        title = f"{len(folded)} more points" + (f", and {left} that are not shown" if left else "")
+        lines += ["", f"<details><summary>{title}</summary>", "", *markdown_lines(folded), "", "</details>"]
+    return "\n".join([*lines, "", _explanation(own), ""])
+
+
+def _explanation(own: Comparison) -> str:
+    failing = "every change" if own.strict else "a point that has regressed, is missing, or whose change is unknown"
+    return (
+        "Errors are distances of the transmittance, level and phase in one, from the exact motion, in per cent of its "
+        f"amplitude. A change is one of more than {own.db:g} dB of the transmittance and of what the steady states "
+        f"leave open, or of more than {LEAST_STUCK:g} and two time steps of the part of the period that a contact "
+        "sticks. It is unknown where no exact value is in the stores. Points that are new cannot fail. "
+        f"The comparison fails at {failing}."
+    )
+
+
+def _content(own: Comparison) -> str:
+    counts = {name: int((own.changes.change == name).sum()) for name in CHANGES}
+    about = {"before": own.before, "now": own.now, "db": own.db, "strict": own.strict, "passes": not own.fails}
+    rows = records(_plain(own.changes))
+    return json_text(
+        {**about, "points": len(own.changes), **counts, "identities": identities(own.changes), "changes": rows},
+        indent=1,
+    )
+
+
+def _plain(changes: pd.DataFrame) -> pd.DataFrame:
+    """Give every point with plain values."""
+    table = changes.drop(columns=list(_NOT_IN_FILES))
+    return table.map(lambda value: value_text(value) if isinstance(value, tuple) else value)
+
+
+WRITTEN: dict[str, Callable[[Comparison], str]] = {
+    ".md": markdown,
+    ".json": _content,
+    ".csv": lambda own: csv_text(_plain(own.changes)),
+}
+"""What is written into a file, by its ending."""
