@@ -8,8 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
+from multibody_xval.scenarios.dask_pool import dask
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.pool import dask, local, run_missing, without_processes
+from multibody_xval.scenarios.pool import run_missing
+from multibody_xval.scenarios.processes import local, without_processes
 from multibody_xval.scenarios.progress import shown
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.store import Stored, existing_store, opened
