@@ -10,7 +10,6 @@ import pytest
 
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios import sweep
 from multibody_xval.scenarios.runs import store as store_file
 from multibody_xval.scenarios.runs.store import ResultStore
 from multibody_xval.scenarios.sweeps.dataset import SWEEP
@@ -127,15 +126,13 @@ def test_a_saved_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> Non
     "name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"]
 )
 def test_a_store_that_would_keep_nothing_is_refused(sweep_folder, capsys, name) -> None:
-    assert run_command(app, ["sweep", "sweep.toml", "--store", name]) == ExitCode.WRONG_INPUT
+    assert run_command(app, ["run", "unit-cell", "--store", name]) == ExitCode.WRONG_INPUT
     assert capsys.readouterr().err.startswith("error: store ")
-    with pytest.raises(ParameterError, match=r"store .*allowed"):
-        sweep("reference", 0.3, 0.9, store=name)
 
 
 @pytest.mark.parametrize(
     "command",
-    ["sweep sweep.toml", "run unit-cell", "run all", "run record", "report --quick", "report --sweep sweep.toml"],
+    ["run unit-cell", "run all", "run record", "report --quick", "report --sweep sweep.toml"],
 )
 def test_a_misspelt_store_is_not_made_where_nothing_is_run(sweep_folder, capsys, command) -> None:
     arguments = [*command.split(), "--no-run", "--store", "misspelt.sqlite"]
