@@ -12,7 +12,7 @@ class _Start(Popen):
         main = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
         try:
-            super()._launch(process)
+            super()._launch(process)  # type: ignore[misc]
         finally:
             sys.modules["__main__"] = main
 
