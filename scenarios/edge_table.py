@@ -104,14 +104,15 @@ def _known(table: pd.DataFrame, identities: str) -> dict[Run, Result]:
     except (ValueError, LookupError, TypeError):
         return {}
     own = table[table.config.isin(same)]
-    return dict(zip(_runs(own), map(_result, own.to_dict("records")), strict=True))
+    return {run: _result(row) for run, (_, row) in zip(_runs(own), own.iterrows(), strict=True)}
 
 
-def _result(row: dict[str, Any]) -> Result:
-    names = ("residual", "amplification", "stuck", "stick_velocity", "seconds", "reason")
-    numbers = {name: int(row[name]) for name in ("periods", "multiple")}
-    own = {name: row[name] for name in names}
-    return Result(status=Status(row["status"]), transmittance=row["ratio"], **numbers, **own)
+def _result(row: pd.Series) -> Result:
+    own: dict[str, Any] = {
+        name: row[name] for name in ("amplification", "stuck", "stick_velocity", "seconds", "reason")
+    }
+    own |= {name: int(row[name]) for name in ("periods", "multiple")}
+    return Result(status=Status(row.status), transmittance=row.ratio, residual=row.residual, **own)
 
 
 def _edges(rows: pd.DataFrame, asked: pd.DataFrame, axes: list[str]) -> pd.DataFrame:

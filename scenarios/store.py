@@ -161,6 +161,8 @@ def existing_store(path: Path) -> Path:
 def checked_store(path: Path) -> Path:
     """Give the path of a store, if a file can be there."""
     path = checked_path("store", path)
+    if str(path).startswith((":", "file:")):
+        raise ParameterError(f"store {path} has a name that SQLite takes for something else; allowed: a file")
     if path.exists() and not path.is_file():
         raise ParameterError(f"store {path} is a folder or a device; allowed: a file")
     if not path.absolute().parent.is_dir():

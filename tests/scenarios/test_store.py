@@ -88,6 +88,14 @@ def test_what_is_no_store_is_refused_and_stays_as_it_is(tmp_path: Path, problem:
     assert (file.read_bytes() if file.is_file() else b"") == before
 
 
+@pytest.mark.parametrize("name", [":memory:", "", "file:own.sqlite", "file::memory:?cache=shared", ":", "/dev/full"])
+def test_a_store_that_would_keep_nothing_is_refused(tmp_path: Path, monkeypatch, name: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ParameterError, match=r"store .*; allowed: a file"), opened(Path(name)):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_full_disk_ends_in_a_line_and_loses_nothing() -> None:
     with opened(None) as store:
         store.add({RUN: FOUND})

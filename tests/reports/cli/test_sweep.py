@@ -1,19 +1,29 @@
 """The command `sweep`: what it prints, writes and keeps, and how it ends."""
 
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.dataset_file import read_dataset
+from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import Config, Result, Run, failed
 from multibody_xval.scenarios.store import Store, opened
 from multibody_xval.scenarios.sweep_file import EXAMPLE, read_sweep
+from multibody_xval.scenarios.swept import stored_sweep, swept
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
+from tests.scenarios.runs.builders import files_up_to
 
 pytestmark = pytest.mark.usefixtures("here")
 
@@ -134,6 +144,70 @@ def test_an_interrupt_keeps_what_is_computed_and_says_where(tmp_path: Path, monk
     assert line == f"interrupted: results are kept in {tmp_path}/own.sqlite; the same command goes on from there"
     with opened(tmp_path / "own.sqlite") as kept:
         assert len(list(kept.rows())) > 0
+
+
+LARGER = """
+engines = ["reference"]
+[grid]
+friction_ratio = [0.1, 0.3, 0.5]
+frequency_ratio = { first = 0.5, last = 1.5, points = 10 }
+cells = [1, 2, 3]
+"""
+
+ROOM = 150_000
+"""Bytes of the largest file: room for some of the batches, one a number of cells and steps."""
+
+
+@pytest.mark.slow
+def test_a_sweep_that_runs_out_of_room_ends_with_one_line_and_goes_on_from_there(tmp_path: Path, capsys) -> None:
+    (tmp_path / "own.toml").write_text(LARGER)
+    with files_up_to(ROOM):
+        assert run(tmp_path) == ExitCode.RUN_FAILED
+    errors = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
+    assert len(errors) == 1
+    assert "what is stored stays, run again to go on" in errors[0]
+    with opened(tmp_path / "own.sqlite") as store:
+        before = {row.run: row.result for row in store.rows()}
+    assert before
+    assert run(tmp_path) == ExitCode.DONE
+    with opened(tmp_path / "own.sqlite") as store:
+        after = {row.run: row.result for row in store.rows()}
+    assert len(after) > len(before)
+    assert before.items() <= after.items(), "something was computed again"
+
+
+def kept_in(store: Path) -> int:
+    """Results in a store; none in one that is not there so far."""
+    with suppress(sqlite3.Error), closing(sqlite3.connect(f"file:{store}?mode=ro", uri=True)) as kept:
+        return int(kept.execute("SELECT count(*) FROM results").fetchone()[0])
+    return 0
+
+
+def kill_with(command: list[str], store: Path, results: int) -> None:
+    """Start a sweep, and kill it once its store has so many results."""
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
+        end = time.monotonic() + 180
+        while kept_in(store) < results:
+            assert client.poll() is None, "the sweep ended before it could be killed"
+            assert time.monotonic() < end, "the sweep keeps nothing"
+            time.sleep(0.005)
+        client.kill()
+    assert client.returncode == -signal.SIGKILL, "the sweep had ended by itself"
+
+
+@pytest.mark.slow
+def test_a_sweep_that_is_killed_goes_on_and_ends_with_the_same_table(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(LARGER.replace("points = 10", "points = 40"))
+    file, store = str(tmp_path / "own.toml"), tmp_path / "killed.sqlite"
+    command = [sys.executable, "-m", "multibody_xval", "sweep", file, "--store", str(store), "--workers", "1"]
+    for results in (1, 300):
+        kill_with(command, store, max(results, kept_in(store) + 1))
+    before = kept_in(store)
+    assert subprocess.run(command, capture_output=True, check=False).returncode == ExitCode.DONE
+    assert kept_in(store) > before
+    data = stored_sweep(read_sweep(Path(file)), store)
+    whole = swept(read_sweep(Path(file)), Means())
+    xr.testing.assert_identical(data.drop_vars("seconds"), whole.drop_vars("seconds"))
 
 
 def test_a_tolerance_of_the_file_decides(done: Path, tmp_path: Path, capsys) -> None:
