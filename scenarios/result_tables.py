@@ -43,7 +43,7 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
     own, case = run.config, run.case
     ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
     return {
-        "configuration": ":".join([own.engine, own.formulation, own.preset_name]),
+        "configuration": full_name(own),
         "engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version,
         **asdict(case), "case": case, "curve": _curve(case), "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
@@ -53,6 +53,11 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
         "seconds": result.seconds, "reason": result.reason,
         **of_config(own, swings=bool(case.modulation), opens=case.modulation > CLOSED),
     }  # fmt: skip
+
+
+def full_name(config: Config) -> str:
+    """Give engine, formulation, preset and changed options of a configuration, none left out."""
+    return ":".join([config.engine, config.formulation, config.preset_name])
 
 
 @cache

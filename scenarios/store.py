@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeVar
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import Config, Result, Run, Status
-from reference_lcp.errors import ParameterError, RunError, checked_path
+from reference_lcp.errors import ParameterError, RunError, checked_path, shown
 
 SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
@@ -109,7 +109,11 @@ class Store:
         """Give every result, whatever engine and version it is of."""
         query = "SELECT run, version, result FROM results ORDER BY rowid"
         for run, version, result in self._read(query):
-            yield Stored(Run.from_text(run), version, Result.from_json(result))
+            try:
+                yield Stored(Run.from_text(run), version, Result.from_json(result))
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as problem:
+                wrong = f"store {self.path} has a row of another form: {shown(str(problem))}"
+                raise ParameterError(f"{wrong}; allowed: what a command of this version has written") from None
 
     def options(self) -> dict[str, str]:
         """Give the options of every configuration by its name, as JSON; of several versions, those of the last."""

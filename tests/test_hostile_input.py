@@ -92,7 +92,7 @@ LINES = (
     "report --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
     "report --sweep sweep.toml --out report --no-run",
     "report --data sweep.nc --out report",
-    "compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
+    "compare sweep.sqlite sweep.sqlite --db 0.1 --strict --out a.csv",
 )
 
 WORDS = (

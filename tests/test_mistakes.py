@@ -65,7 +65,7 @@ COMMAND_LINES = [
     ("run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
     ("run figure3 --no-run", r"--store"),
     ("compare a.sqlite b.sqlite", r"a.sqlite"),
-    ("compare other.sqlite other.sqlite --db 1e5", r"threshold of transmittance = 100000 dB; .*<= 1000"),
+    ("compare other.sqlite other.sqlite --db 1e5", r"db = 100000 is outside its range; allowed: 0.001 to 1000"),
     ("reference --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),
     ("reference --frequency-ratio 1e-9", r"a period of .* needs .* steps; allowed: .*<= 1000000"),
     (f"reference --cells {'9' * 4301}", r"--cells.*integer"),

@@ -96,3 +96,25 @@ def test_a_full_disk_ends_in_a_line_and_loses_nothing() -> None:
         with pytest.raises(RunError, match="the disk is full; what is stored stays"):
             store.add(many)
         assert store.known([RUN]) == {RUN: FOUND}
+
+
+HOSTILE_ROWS = [
+    ("run", "[" * 3_000),
+    ("run", "{}"),
+    ("run", '{"config": "mujoco", "case": {"friction_ratio": -1, "frequency_ratio": 1}, "steps": 400}'),
+    ("result", '{"status": "dancing", "transmittance": [1, 0]}'),
+    ("result", '{"status": "periodic", "transmittance": [1, 2, 3]}'),
+    ("result", '{"status": "periodic", "transmittance": [1, 0], "__class__": "os.system"}'),
+]
+
+
+@pytest.mark.parametrize(("column", "text"), HOSTILE_ROWS)
+def test_a_row_of_the_wrong_form_is_refused_in_a_line(tmp_path: Path, column: str, text: str) -> None:
+    file = stored_in(tmp_path / "own.sqlite")
+    with sqlite3.connect(file) as own:
+        own.execute(f"UPDATE results SET {column} = ?", (text,))
+    with (
+        opened(file) as store,
+        pytest.raises(ParameterError, match=r"sqlite has a row of another form: .*allowed"),
+    ):
+        list(store.rows())

@@ -63,7 +63,7 @@ def test_only_the_tables_of_a_store_are_read(file, script) -> None:
     with closing(sqlite3.connect(file)) as connection:
         connection.executescript(script)
     before = file.read_bytes()
-    for read in (ResultStore, saved_sweeps, read_all):
+    for read in (ResultStore, saved_sweeps):
         with pytest.raises(ParameterError, match="its tables are not those of a store"):
             read(file)
     assert file.read_bytes() == before
@@ -74,36 +74,6 @@ def test_a_text_beyond_the_limit_is_not_read(file, monkeypatch) -> None:
     write(file, "answers", "answer", json.dumps({"status": "converged", "reason": "x" * 3_000}).encode())
     with ResultStore(file) as store, pytest.raises(ParameterError, match=r"results\.sqlite is damaged: .*too big"):
         store.find(TASK)
-
-
-CONTENT = TASK.content()
-HOSTILE_ROWS = [
-    ("content", b"[" * 3_000 + b"]" * 3_000),
-    ("content", b'{"task": ' + b"9" * 5_000 + b"}"),
-    ("content", b"{}"),
-    ("content", json.dumps(CONTENT | {"options": ["a"]}).encode()),
-    ("content", b"\xff\xfe"),
-    ("answer", b'{"status": "converged", "reason": "\xff"}'),
-    ("answer", b"[" * 3_000),
-    ("answer", b'{"status": "converged", "periods": 1' + b"0" * 400 + b"}"),
-    ("answer", b'{"status": "converged", "periods": -1}'),
-    ("answer", b'{"status": "converged", "transitions": [[1, 0.5, "jump"]]}'),
-    ("answer", b'{"status": "converged", "__class__": "os.system"}'),
-    ("answer", b"!!python/object/apply:os.system ['true']"),
-    ("answer", b"\x80\x04\x95cposix\nsystem\n."),
-]
-
-
-@pytest.mark.parametrize(("column", "text"), HOSTILE_ROWS, ids=[str(number) for number in range(len(HOSTILE_ROWS))])
-def test_a_row_of_the_wrong_form_is_refused(file, capsys, column, text) -> None:
-    write(file, "answers", column, text)
-    before = file.read_bytes()
-    with pytest.raises(ParameterError) as refused:
-        read_all(file)
-    assert str(file) in str(refused.value)
-    assert run_command(app, ["compare", str(file), str(file)]) == ExitCode.WRONG_INPUT
-    assert len(capsys.readouterr().err.splitlines()) == 1
-    assert file.read_bytes() == before
 
 
 HOSTILE_SWEEPS = [
