@@ -346,7 +346,7 @@ def work_precision(
         _write_table(file, study.WORK_COLUMNS, points, study.document(points, command))
     charts = [each for each in outs if each.suffix in CHART_ENDINGS]
     if charts:
-        from multibody_xval.reports.figures.errors import curves, speed_figure
+        from multibody_xval.reports.figures.speed import curves, speed_figure
 
         _write_charts(charts, speed_figure(curves(points)))
 

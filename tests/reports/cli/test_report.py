@@ -11,15 +11,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from multibody_xval.reports.data import collect
+from multibody_xval.reports.data.collect import Scope, expected_tasks
+from multibody_xval.reports.export.files import FILES, report_dataset
+from multibody_xval.reports.plan import planned_report
 
 from multibody_xval.engines.interface.registry import default_engine_names
 from multibody_xval.engines.interface.variant import Variant, variants_of
 from multibody_xval.reports import plan
 from multibody_xval.reports.cli.report import app
-from multibody_xval.reports.data import collect
-from multibody_xval.reports.data.collect import Scope, expected_tasks
-from multibody_xval.reports.export.files import FILES, report_dataset
-from multibody_xval.reports.plan import planned_report
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
 from multibody_xval.scenarios.runs.local_processes import LocalWorker

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from multibody_xval.reports.new_page.write import (
+from multibody_xval.reports.page.write import (
     Written,
     check_folder,
     check_loses_nothing,
