@@ -170,9 +170,7 @@ def _counts(engines: pd.DataFrame) -> dict[str, int]:
 
 
 def _page(data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: Written, **values: object) -> str:
-    parts = {
-        name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(own)] for name, own in drawn.items()
-    }
+    parts = {name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(own)] for name, own in drawn.items()}
     there = {name for name, table in data.items() if len(table)} | {name for name, own in drawn.items() if own}
     sections = {name: title for name, title in SECTIONS.items() if name in there or name == "made"}
     modes = set(data["phases"]["mode"]) if "phases" in there else set()

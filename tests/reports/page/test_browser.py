@@ -1,0 +1,157 @@
+"""The page in a browser: a telephone, a screen and paper work, without scripts and without a network."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from multibody_xval.reports.page.write import write_page
+from multibody_xval.scenarios.store import Stored
+
+pytestmark = pytest.mark.slow
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+UNFOLD = "document.querySelectorAll('details').forEach((one) => { one.open = true; })"
+
+HEIGHT = 900
+"""Of the window, in pixels."""
+
+
+@pytest.fixture(scope="module")
+def address(stored: list[Stored], tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The address of a page."""
+    folder: Path = tmp_path_factory.mktemp("report")
+    return write_page(stored, folder, "multibody-xval report", left_out="Left out: nothing.").page.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)("there is no chromium on this machine")
+    with sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        yield browser
+        browser.close()
+
+
+def opened(browser: Browser, address: str, width: int = 1440, **options: Any) -> Page:
+    """Open an address in a window of its own, with everything unfolded."""
+    page = browser.new_page(viewport={"width": width, "height": HEIGHT}, **options)
+    page.goto(address)
+    page.evaluate(UNFOLD)
+    return page
+
+
+@pytest.mark.parametrize("width", [1440, 390])
+def test_the_page_fits_its_window_and_asks_for_nothing(browser: Browser, address: str, width: int) -> None:
+    """What is wider than a telephone is moved sideways in a place of its own."""
+    page = browser.new_page(viewport={"width": width, "height": HEIGHT})
+    problems: list[str] = []
+    page.on("console", lambda said: problems.append(said.text))
+    page.on("request", lambda asked: problems.append(asked.url))
+    page.goto(address)
+    page.evaluate(UNFOLD)
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    widths = page.evaluate(
+        "[...document.querySelectorAll('figure svg')].map((one) => one.getBoundingClientRect().width)"
+    )
+    page.close()
+    assert problems == [address]
+    assert len(widths) > 5
+    assert min(widths) > 250
+
+
+def test_every_row_of_a_table_has_as_many_cells_as_its_heading(browser: Browser, address: str) -> None:
+    page = opened(browser, address)
+    counts = "[...document.querySelectorAll('table')].map((table) => [table.tHead.rows[0].cells.length, [...new Set([...table.tBodies[0].rows].map((row) => row.cells.length))]])"  # noqa: E501
+    tables = page.evaluate(counts)
+    page.close()
+    assert tables
+    for heading, rows in tables:
+        assert rows == [heading]
+
+
+def test_on_paper_nothing_is_folded_and_every_figure_is_seen(browser: Browser, address: str) -> None:
+    page = browser.new_page(viewport={"width": 1440, "height": HEIGHT})
+    page.goto(address)
+    page.emulate_media(media="print")
+    hidden = page.evaluate(
+        "[...document.querySelectorAll('figure svg, details table')].filter((one) => "
+        "!one.checkVisibility({contentVisibilityAuto: true}) || !one.getBoundingClientRect().height).length"
+    )
+    assert hidden == 0
+    assert page.pdf(prefer_css_page_size=True).startswith(b"%PDF")
+    page.close()
+
+
+def test_the_first_screen_holds_finding_table_and_picture(browser: Browser, address: str) -> None:
+    page = opened(browser, address)
+    bottom = "document.querySelector('%s').getBoundingClientRect().bottom"
+    assert page.evaluate(bottom % ".finding") < page.evaluate(bottom % "#headline table") < HEIGHT
+    assert page.evaluate(bottom % "#headline svg") < HEIGHT
+    page.close()
+
+
+def test_the_first_table_fits_a_telephone(browser: Browser, address: str) -> None:
+    page = opened(browser, address, 390)
+    inside, room = page.evaluate(
+        "(({scrollWidth, clientWidth}) => [scrollWidth, clientWidth])(document.querySelector('.scroll'))"
+    )
+    page.close()
+    assert inside <= room
+
+
+CONTRASTS = """(() => {
+    const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
+    const light = (colour) => parts(colour).slice(0, 3).map((part) => part / 255).map((part) =>
+        part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, part, k) => sum + part * [0.2126, 0.7152, 0.0722][k], 0);
+    const under = (one) => {
+        for (let at = one; at; at = at.parentElement) {
+            const own = getComputedStyle(at).backgroundColor;
+            if ((parts(own)[3] ?? 1) > 0) return own;
+        }
+        return 'rgb(255, 255, 255)';
+    };
+    const texts = [...document.querySelectorAll('body :not(script):not(svg *)')].filter((one) =>
+        [...one.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim()));
+    return texts.map((one) => {
+        const [first, second] = [light(getComputedStyle(one).color), light(under(one))].sort((a, b) => b - a);
+        return [one.outerHTML.slice(0, 120), (first + 0.05) / (second + 0.05)];
+    });
+})()"""
+
+LEAST_CONTRAST = 4.5
+"""Of a text on its ground, by level AA of the Web Content Accessibility Guidelines."""
+
+
+def test_every_text_stands_out_from_its_ground(browser: Browser, address: str) -> None:
+    page = opened(browser, address)
+    texts = page.evaluate(CONTRASTS)
+    page.close()
+    assert len(texts) > 80
+    assert [text for text, contrast in texts if contrast < LEAST_CONTRAST] == []
+
+
+def test_headings_go_down_one_by_one_and_regions_have_names(browser: Browser, address: str) -> None:
+    page = opened(browser, address)
+    levels = page.evaluate("[...document.querySelectorAll('h1, h2, h3')].map((one) => Number(one.tagName[1]))")
+    names = page.evaluate("[...document.querySelectorAll('[role=region], nav')].map((one) => one.ariaLabel)")
+    page.close()
+    assert levels == [1, *[2] * (len(levels) - 1)]
+    assert all(names)
+    assert len(set(names)) == len(names)
+
+
+def test_the_first_tab_stop_skips_to_the_content(browser: Browser, address: str) -> None:
+    page = opened(browser, address)
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.getAttribute('href')") == "#main"
+    page.keyboard.press("Enter")
+    assert page.evaluate("location.hash") == "#main"
+    page.close()
