@@ -1,7 +1,7 @@
 """The README's picture: the reference's curves, and what four engines found on the grid of a report.
 
 multibody-xval report --quick --engine mujoco --engine pybullet --engine exudyn-regularised --engine drake
-python docs/figure3.py report/transmittance.csv docs/_static/figure3.svg
+python docs/figure3.py report/points.csv docs/_static/figure3.svg
 """
 
 import sys
@@ -31,7 +31,7 @@ def curve(friction_ratio: float, frequency_ratios: np.ndarray) -> list[float]:
 
 def draw(table: Path, picture: Path) -> None:
     """Draw a table of transmittance into a picture."""
-    rows = pd.read_csv(table).query("engine != 'reference'").dropna(subset="transmittance_db")
+    rows = pd.read_csv(table).query("engine != 'reference' and preset == 'tuned' and steps == @STEPS").dropna(subset="transmittance_db")
     frictions = sorted(rows.friction_ratio.unique().tolist())
     names = rows.engine.unique().tolist()
     peaks = np.array(resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)))

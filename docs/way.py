@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from multibody_xval.reports.new_page.write import write_page
+from multibody_xval.reports.page.write import write_page
 from multibody_xval.scenarios import edges, evaluate
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.evaluate import Means, computed

@@ -1,4 +1,4 @@
-"""Scenes of rigid bodies: engines beside each other, as installed and with what is recommended for any model."""
+"""Scenes of rigid bodies: engines next to each other, with default options and with the recipe for any model."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,6 @@ from markupsafe import Markup
 
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.page.section import SUITE_TEMPLATES, Section
 from multibody_xval.scenarios.catalogue.scenes.table import printed_number
 
 DECADES = 6
@@ -17,20 +16,6 @@ DECADES = 6
 
 LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1}
 """By unit, what counts as none."""
-
-
-class Scenes(Section):
-    """The worst number of every scene whose results are in the store."""
-
-    title = "Scenes: friction in a user's own model"
-    template = "scenes"
-
-    @property
-    def shown(self) -> bool:
-        return not self.report.scenes.empty
-
-    def context(self) -> dict[str, Any]:
-        return {"map": heat_map(self.report.scenes)}
 
 
 def heat_map(rows: pd.DataFrame, pages: Mapping[str, str] | None = None) -> Markup:
@@ -50,7 +35,7 @@ def heat_map(rows: pd.DataFrame, pages: Mapping[str, str] | None = None) -> Mark
         number: [_cell(number, values.get((number, name), [])) for name in engines] for number in rows.number.unique()
     }
     titles = {name: engine(name).capabilities.title for name in engines}
-    template = environment(SUITE_TEMPLATES).get_template("scene_map.html")
+    template = environment("multibody_xval.reports.figures").get_template("scene_map.html")
     return Markup(template.render(titles=titles, cells=cells, pages=pages or {}))
 
 

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pandas as pd
 
+from multibody_xval.reports.figures import panels
+from multibody_xval.reports.figures.svg import Panel, pdf, svg
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.new_page import figures, tables
-from multibody_xval.reports.new_page.finding import finding, reasons_to_fail
-from multibody_xval.reports.new_page.svg import Panel, pdf, svg
+from multibody_xval.reports.page import tables
+from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case
@@ -137,13 +138,11 @@ def _written(
     }  # fmt: skip
     size = own_edges.assign(size=own_edges.error.abs()) if len(own_edges) else pd.DataFrame(columns=["size", "title"])
     drawn = {
-        "headline": figures.dots(
-            first, "largest_db", figures.LEAST_DB, "Largest error of the vibration amplitude", "dB"
-        ),
-        "transmittance": figures.transmittance(grid),
-        "errors": figures.errors(grid),
-        "edges": figures.dots(size, "size", figures.LEAST_EDGE, "Errors of band edges", "frequency ratio"),
-        "stick_slip": figures.modes(data["phases"]) if len(data.get("phases", ())) else [],
+        "headline": panels.dots(first, "largest_db", panels.LEAST_DB, "Largest error of the vibration amplitude", "dB"),
+        "transmittance": panels.transmittance(grid),
+        "errors": panels.errors(grid),
+        "edges": panels.dots(size, "size", panels.LEAST_EDGE, "Errors of band edges", "frequency ratio"),
+        "stick_slip": panels.modes(data["phases"]) if len(data.get("phases", ())) else [],
     }
     failing = reasons_to_fail(engines, own_edges, named)
     result = Written(folder / PAGE, finding(engines), failing)
@@ -158,8 +157,8 @@ def _written(
 def _looks(rows: pd.DataFrame) -> dict[str, str]:
     """Give the colours of the presets that a table has."""
     own = dict.fromkeys(tables.engines_only(rows).options if "engine" in rows else rows.options)
-    order = [*(name for name in figures.COLOURS if name in own), *(name for name in own if name not in figures.COLOURS)]
-    return {name: figures.look(name)[0] for name in order}
+    order = [*(name for name in panels.COLOURS if name in own), *(name for name in own if name not in panels.COLOURS)]
+    return {name: panels.look(name)[0] for name in order}
 
 
 def _counts(engines: pd.DataFrame) -> dict[str, int]:
@@ -171,14 +170,12 @@ def _counts(engines: pd.DataFrame) -> dict[str, int]:
 
 
 def _page(data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: Written, **values: object) -> str:
-    parts = {
-        name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(panels)] for name, panels in drawn.items()
-    }
-    there = {name for name, table in data.items() if len(table)} | {name for name, panels in drawn.items() if panels}
+    parts = {name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(own)] for name, own in drawn.items()}
+    there = {name for name, table in data.items() if len(table)} | {name for name, own in drawn.items() if own}
     sections = {name: title for name, title in SECTIONS.items() if name in there or name == "made"}
     modes = set(data["phases"]["mode"]) if "phases" in there else set()
-    drawn_modes = {name: colour for name, colour in figures.MODES.items() if name in modes}
-    template = environment("multibody_xval.reports.new_page").get_template("page.html")
+    drawn_modes = {name: colour for name, colour in panels.MODES.items() if name in modes}
+    template = environment("multibody_xval.reports.page").get_template("page.html")
     return template.render(
         tables=data, figures=parts, sections=sections, finding=result.finding, failures=result.failures,
         versions=_versions(), modes=drawn_modes, files=[name for name in TABLES if name in there],
@@ -197,9 +194,9 @@ def _write(folder: Path, data: dict[str, pd.DataFrame], drawn: dict[str, list[Pa
     for name, table in data.items():
         if len(table):
             write_whole(folder / f"{name}.csv", table.to_csv(index=False))
-    for name, panels in drawn.items():
-        if panels:
-            write_whole(folder / FIGURES / f"{name}.pdf", pdf(panels))
+    for name, own in drawn.items():
+        if own:
+            write_whole(folder / FIGURES / f"{name}.pdf", pdf(own))
     write_whole(folder / PAGE, page)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from multibody_xval.reports.new_page.write import (
+from multibody_xval.reports.page.write import (
     Written,
     check_folder,
     check_loses_nothing,
@@ -38,7 +38,7 @@ def planned_page(
 ) -> Written:  # fmt: skip
     """Run what a report of engines needs, and write its page; `means` gives what computes, with the store."""
     configs = report_configs(names)
-    own = means(_checked(folder, store))
+    own = _prepared(means, folder, store)
     stored = computed(report_runs(configs, quick=quick), own, then=[EDGES])
     named = partial(_is_of, configs) if names else None
     return write_page(stored, folder, command, left_out=left_out(configs, quick=quick), named=named)
@@ -52,7 +52,7 @@ def sweep_page(
     from multibody_xval.scenarios.dataset import by_tolerance
 
     plan = sweep.with_config(REFERENCE)
-    own = means(_checked(folder, store, source))
+    own = _prepared(means, folder, store, source)
     then = [("adaptive curves", plan.propose)] if plan.grid is not None else []
     stored = computed(plan.runs(), own, then=[*then, EDGES])
     named = partial(_is_of, [config for config in sweep.configs if config != REFERENCE])
@@ -120,13 +120,15 @@ def written_report(data: Any, folder: str | Path) -> Written:
     return dataset_page(file, folder, command)
 
 
-def _checked(folder: Path, store: Path | None, source: Path | None = None) -> Path:
-    """Give the store of a page; refuse files and folders that cannot be written."""
+def _prepared(
+    means: Callable[[Path | None], Means], folder: Path, store: Path | None, source: Path | None = None
+) -> Means:
+    """Give what computes, with the store of a page; refuse numbers, and files and folders that cannot be written."""
+    own = means(store or folder / STORE)
     if store is not None:
         checked_store(store)
-    kept = store or folder / STORE
-    check_folder(folder, [kept, source])
-    return checked_store(kept)
+    check_folder(folder, [own.store, source])
+    return own
 
 
 def _is_of(configs: Sequence[Config], rows: pd.DataFrame) -> pd.Series:

@@ -7,11 +7,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from multibody_xval.reports.new_page.svg import Panel
-from multibody_xval.reports.new_page.tables import FREQUENCY, TITLES
+from multibody_xval.reports.figures.svg import Panel
+from multibody_xval.scenarios.conclusions import PRESETS as TITLES
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
 from multibody_xval.scenarios.result_tables import is_reference
+
+FREQUENCY = "frequency_ratio"
 
 COLOURS = {"default options": "#d55e00", "recipe": "#009e73", "tuned to the chain": "#0072b2"}
 MARKERS = {"default options": "o", "recipe": "s", "tuned to the chain": "."}

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from multibody_xval.reports.figures.panels import FREQUENCY, TITLES
 from multibody_xval.scenarios.claims import OPEN, STATED
 from multibody_xval.scenarios.conclusions import conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
@@ -15,12 +16,8 @@ from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESE
 from multibody_xval.scenarios.result_tables import is_reference
 from multibody_xval.scenarios.store import Stored
 
-TITLES = {"default": "default options", "recommended": "recipe", "tuned": "tuned to the chain"}
-
 STICK_SLIP = Case(friction_ratio=0.1, frequency_ratio=1.5)
 """The point whose stick and slip is shown, if it is there."""
-
-FREQUENCY = "frequency_ratio"
 
 
 def labelled(rows: pd.DataFrame) -> pd.DataFrame:
