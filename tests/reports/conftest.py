@@ -13,7 +13,6 @@ import pytest
 from filelock import FileLock
 
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.reports import dataset
 from multibody_xval.reports.data.report import Report
 from multibody_xval.reports.data.variants import Errors
 from multibody_xval.reports.export.files import files_of
@@ -117,8 +116,7 @@ def made_errors(sizes: Mapping[Variant, float], points: int) -> Errors:
 def in_this_process() -> Iterator[None]:
     """Let `sweep` and `band_edges` start no processes, which would take longer than their work."""
     with pytest.MonkeyPatch.context() as patched:
-        for module in (functions, dataset):
-            patched.setattr(module, "executor_for", lambda *_: InProcessExecutor())
+        patched.setattr(functions, "executor_for", lambda *_: InProcessExecutor())
         yield
 
 

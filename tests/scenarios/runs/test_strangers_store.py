@@ -8,13 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.runs import store as store_file
 from multibody_xval.scenarios.runs.store import ResultStore
-from multibody_xval.scenarios.sweeps.dataset import SWEEP
-from multibody_xval.scenarios.sweeps.run import saved_sweeps
-from multibody_xval.scenarios.sweeps.sweep import Sweep
 from multibody_xval.scenarios.verdicts.stored import read_all
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode
@@ -26,7 +22,6 @@ PAGE, COUNT_OF_PAGES = 4096, 28
 
 TASK = steady()
 RESULT = certified(transmittance_db=-1.5, periods=30)
-SWEEP_OF_TASK = Sweep((Variant("reference"),), {"friction_ratio": (0.3,), "frequency_ratio": (0.9,)})
 
 
 @pytest.fixture
@@ -34,7 +29,6 @@ def file(tmp_path: Path) -> Path:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
         store.keep([(TASK, RESULT)])
-        store.note(SWEEP.dump_json(SWEEP_OF_TASK).decode())
     return file
 
 
@@ -62,7 +56,7 @@ def test_only_the_tables_of_a_store_are_read(file, script) -> None:
     with closing(sqlite3.connect(file)) as connection:
         connection.executescript(script)
     before = file.read_bytes()
-    for read in (ResultStore, saved_sweeps, read_all):
+    for read in (ResultStore, read_all):
         with pytest.raises(ParameterError, match="its tables are not those of a store"):
             read(file)
     assert file.read_bytes() == before
@@ -103,23 +97,6 @@ def test_a_row_of_the_wrong_form_is_refused(file, capsys, column, text) -> None:
     assert run_command(app, ["compare", str(file), str(file)]) == ExitCode.WRONG_INPUT
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert file.read_bytes() == before
-
-
-HOSTILE_SWEEPS = [
-    b"[]",
-    b"\xff",
-    b"[" * 5_000,
-    SWEEP.dump_json(SWEEP_OF_TASK).replace(b'"reference"', b'"nobody"'),
-    SWEEP.dump_json(SWEEP_OF_TASK).replace(b"[0.9]", b"[-0.9]"),
-    SWEEP.dump_json(SWEEP_OF_TASK).replace(b"[0.9]", b"[1e999]"),
-]
-
-
-@pytest.mark.parametrize("text", HOSTILE_SWEEPS, ids=[str(number) for number in range(len(HOSTILE_SWEEPS))])
-def test_a_saved_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> None:
-    write(file, "sweeps", "sweep", text)
-    with pytest.raises(ParameterError, match=r"results\.sqlite"):
-        saved_sweeps(file)
 
 
 @pytest.mark.parametrize(
