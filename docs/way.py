@@ -21,12 +21,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from multibody_xval.reports.new_page.write import write_page
+from multibody_xval.reports.page.write import write_page
 from multibody_xval.scenarios import edges, evaluate
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.pool import Job
+from multibody_xval.scenarios.processes import Job
 from multibody_xval.scenarios.sweep_file import read_sweep
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -36,7 +36,7 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     ParameterError
         If the data are none of a sweep, or the folder cannot be written.
     """
-    from multibody_xval.reports.new_page.sources import written_report  # matplotlib is imported when something is drawn
+    from multibody_xval.reports.page.sources import written_report  # matplotlib is imported when something is drawn
 
     return written_report(data, folder).page
 

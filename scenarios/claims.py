@@ -14,7 +14,7 @@ import pandas as pd
 
 from multibody_xval.scenarios.edges import DEPTH_DB, refined
 from multibody_xval.scenarios.model import REFERENCE, Case
-from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, resonances
+from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, claim_frequency_ratios, resonances
 from multibody_xval.scenarios.result_tables import CONFIG, CURVE, coarsest, is_exact, rows_of
 
 UP_TO, BEYOND, WIDEST = (0.1, 0.3, 0.6), (1.0, 5.0), 0.3
@@ -47,12 +47,6 @@ Answer = tuple[str, str, str]
 """One of these; what decides it, or is missing; what one would conclude."""
 
 KEY = ["configuration", *CONFIG, "version"]
-
-
-def claim_frequency_ratios() -> tuple[float, ...]:
-    """Give the fewest frequencies on which the edges of all friction ratios are found, with all resonances."""
-    even = (0.3, 0.65, 0.8, 0.9, 1.0, 1.1, 1.2, 1.6, 2.1, 2.5, 3.0)
-    return tuple(sorted({*even, *(eta for eta in resonances() if eta > even[0])}))
 
 
 def claim_cases() -> list[Case]:

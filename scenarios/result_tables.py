@@ -1,7 +1,7 @@
 """Tables of results: one row a run, plain columns."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import Any
 
@@ -17,6 +17,10 @@ CONFIG = ["engine", "formulation", "preset"]
 
 CURVE = [*CONFIG, "version", "curve", "steps"]
 """Columns that rows of one curve over the frequency ratio share; `curve` is the case without its frequency ratio."""
+
+
+CLOSED = 1.0
+"""Modulation up to which contacts stay closed."""
 
 
 def now(results: Mapping[Run, Result]) -> list[Stored]:
@@ -39,27 +43,37 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
     own, case = run.config, run.case
     ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
     return {
-        "configuration": ":".join([own.engine, own.formulation, own.preset_name]),
+        "configuration": full_name(own),
         "engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version,
-        **asdict(case), "case": case, "curve": _curve(case), "steps": run.steps,
+        **_values(case), "case": case, "curve": _curve(case), "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
         "transitions": len(result.transitions), "stick_velocity": result.stick_velocity,
-        "seconds": result.seconds, "reason": result.reason, **of_config(own, swings=bool(case.modulation)),
+        "seconds": result.seconds, "reason": result.reason,
+        **of_config(own, swings=bool(case.modulation), opens=case.modulation > CLOSED),
     }  # fmt: skip
 
 
+def full_name(config: Config) -> str:
+    """Give engine, formulation, preset and changed options of a configuration, none left out."""
+    return ":".join([config.engine, config.formulation, config.preset_name])
+
+
 @cache
-def of_config(config: Config, *, swings: bool) -> dict[str, Any]:
-    """Give what of a configuration decides how its numbers are compared, also where the normal force swings."""
+def of_config(config: Config, *, swings: bool, opens: bool = False) -> dict[str, Any]:
+    """Give what of a configuration decides how its numbers are compared, also where the normal force swings.
+
+    Where contacts open, no preset shares the scheme, and none is judged: engines let a contact land in one step or in
+    several, each in its own way, and what follows of the motion amplifies that.
+    """
     preset, able = config.preset, config.capabilities
     if swings:
         preset = preset.modulated()
     return {
         "config": config,
-        "shares_scheme": preset.shares_scheme,
-        "judged": "chain" in preset.judged,
+        "shares_scheme": preset.shares_scheme and not opens,
+        "judged": "chain" in preset.judged and not opens,
         "accuracy": preset.accuracy_of("transmittance"),
         "least_residual": able.residual,
         "round_off": TRAJECTORY_TOLERANCE[able.precision],
@@ -91,9 +105,10 @@ INTERNAL = [
 def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
     """Give one row a change between stick and slip: its ``cell``, ``time`` over the period and new ``mode``."""
     rows = [
-        {**_label(run, version), "cell": cell, "time": time, "mode": mode}
+        {**label, "cell": cell, "time": time, "mode": mode}
         for run, version, result in stored
-        if result.status is Status.PERIODIC
+        if result.status is Status.PERIODIC and result.transitions
+        for label in [_label(run, version)]
         for cell, time, mode in result.transitions
     ]
     return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", "cell", "time", "mode"])
@@ -107,7 +122,11 @@ def _curve(case: Case) -> Case:
 def _label(run: Run, version: str) -> dict[str, Any]:
     own = run.config
     names = {"engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version}
-    return {**names, **asdict(run.case), "steps": run.steps}
+    return {**names, **_values(run.case), "steps": run.steps}
+
+
+def _values(case: Case) -> dict[str, Any]:
+    return {name: getattr(case, name) for name in CASE}
 
 
 def rows_of(table: pd.DataFrame, *names: str) -> Iterator[tuple[Any, ...]]:

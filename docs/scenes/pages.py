@@ -11,7 +11,7 @@ import pandas as pd
 
 from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
-from multibody_xval.reports.page.sections.scenes import heat_map
+from multibody_xval.reports.figures.scene_map import heat_map
 from multibody_xval.reports.reproducers.recipe import has_recipe, recipe_text
 from multibody_xval.scenarios.catalogue.scenes.table import printed_number
 

@@ -4,6 +4,7 @@ The documentation calls `write` before it is built; what it writes is not kept.
 """
 
 from collections.abc import Iterator, Mapping
+from enum import StrEnum
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,25 @@ from typing import Any
 import pandas as pd
 
 from multibody_xval.engines.interface import registry
-from multibody_xval.reports.data.catalogue import Outcome, cell_of
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+
+
+class Outcome(StrEnum):
+    """Of one number; several have that of the worst, which comes first."""
+
+    UNMODELLED = "unmodelled"
+    MODELLED = "modelled"
+    INCONCLUSIVE = "inconclusive"
+    BLOCKED = "blocked"
+    AGREES = "agrees"
+
+
+SIGNS: Mapping[str, str] = {
+    Outcome.UNMODELLED: "✗", Outcome.MODELLED: "≈", Outcome.INCONCLUSIVE: "?",
+    Outcome.BLOCKED: "–", Outcome.AGREES: "✓",
+}  # fmt: skip
+"""What a cell shows beside its colour."""
+
 
 ENGINES = Path(__file__).parents[1] / "engines"
 """Pages of the engines."""
@@ -22,6 +40,17 @@ NUMBERS = ("value", "expected", "difference", "allowed")
 
 OUTCOMES = tuple(map(str, Outcome))
 """Of one number; a group has that of its worst."""
+
+
+def cell_of(counts: Mapping[Any, int]) -> dict[str, str]:
+    """Give the class, the text and the words of a cell: the worst outcome, with how many have it where not all do."""
+    worst = next(iter(counts))
+    number = "" if len(counts) == 1 else f" {counts[worst]}"
+    return {
+        "outcome": str(worst).replace(" ", "-"),
+        "text": SIGNS[worst] + number,
+        "words": ", ".join(f"{count} {outcome}" for outcome, count in counts.items()),
+    }
 
 
 def read(table: Path) -> pd.DataFrame:

@@ -18,7 +18,7 @@ from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.terminal import announce_compilation, visible
 
 if TYPE_CHECKING:
-    from multibody_xval.reports.new_page.write import Written
+    from multibody_xval.reports.page.write import Written
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: with the usual 700 objects it takes an eighth of a report's time."""
@@ -124,7 +124,7 @@ def report(
 
 def _written(shown: Shown, out: Path, stores: list[Path], computing: Computing, *, run: bool) -> Written:
     """Write the page of a dataset, of stores, of a sweep, or of the runs of a report."""
-    from multibody_xval.reports.new_page import sources
+    from multibody_xval.reports.page import sources
 
     command = shlex.join([*PROGRAM, *shown.words, *(word for file in stores for word in ("--store", str(file)))])
     if shown.data is not None:

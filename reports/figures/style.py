@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.sweeps.sweep import Sweep
 from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 
 COLUMN = 3.5
@@ -18,9 +17,6 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 INK, SOFT, LINE, PAPER, BLANK = "#1b1f24", "#57606a", "#d5dae0", "#ffffff", "#fdfdfd"
 """Text and axes, what is less important, grids, the ground, and the ground of maps; the page has its own of each."""
-
-MAP = "cividis"
-"""Colours of maps, even in lightness: read alike in colour, by colour-blind readers, and in grey."""
 
 PRINT_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize", "figure.labelsize"), 8.0),
@@ -64,14 +60,6 @@ PRESETS: Mapping[str, dict[str, Any]] = {
 NAMED = dict(zip(("default", "recommended", "tuned"), PRESETS, strict=False))
 """Titles of presets that have one, by name."""
 
-DASHES = ((), (5.0, 1.5), (1.0, 1.0), (4.0, 1.0, 1.0, 1.0), (8.0, 2.0), (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))
-"""Lengths of dashes and gaps over the width of the line."""
-
-
-def compared_variants(sweep: Sweep) -> list[Variant]:
-    """Variants of engines other than the reference, in their order."""
-    return [variant for variant in sweep.variants if variant.engine != REFERENCE.engine]
-
 
 def preset_title(variant: Variant) -> str:
     """Give the title of the preset, by which its style is known."""
@@ -91,10 +79,3 @@ def by_panel(variants: Iterable[Variant]) -> dict[str, list[Variant]]:
         panel = variant.tuned if variant.preset_name in NAMED else variant
         panels.setdefault(panel.title, []).append(variant)
     return panels
-
-
-def curve_style(number: int) -> dict[str, Any]:
-    """Give the style of the curve with this number among the cases, from 0."""
-    colour = INK if number == 0 else PALETTE[(number - 1) % len(PALETTE)]
-    dashes = DASHES[number % len(DASHES)]
-    return {"color": colour, "linestyle": (0, dashes) if dashes else "-"}

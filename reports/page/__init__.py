@@ -1,1 +1,1 @@
-"""The page: sections, one class and one template each."""
+"""One page about judged points: tables, figures and templates, each a function of tables."""

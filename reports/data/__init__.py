@@ -1,1 +1,0 @@
-"""What a report shows: collected results, findings, provenance."""

@@ -1,1 +1,0 @@
-"""Files of a report: page, figures, tables."""

@@ -1,1 +1,0 @@
-"""One page about judged points: tables, figures and templates, each a function of tables."""

@@ -1,0 +1,232 @@
+"""Write the page and its data: from results that are there, nothing is run."""
+
+import importlib.metadata
+import platform
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import pandas as pd
+
+from multibody_xval.reports.figures import panels
+from multibody_xval.reports.figures.svg import Panel, pdf, svg
+from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.page import tables
+from multibody_xval.reports.page.finding import finding, reasons_to_fail
+from multibody_xval.scenarios.edges import judged_edges
+from multibody_xval.scenarios.judge import judged
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Case
+from multibody_xval.scenarios.result_tables import file_columns, points, transitions
+from multibody_xval.scenarios.store import Stored
+from reference_lcp.errors import ParameterError
+from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PAGE, FIGURES = "index.html", "figures"
+
+TABLES = ("points", "edges", "transitions", "phases", "errors", "headline", "verdicts", "engines", "claims")
+"""Files that stand beside the page, each with the ending ``.csv``, as far as there is something in them."""
+
+FIGURE_NAMES = ("headline", "transmittance", "errors", "edges", "stick_slip")
+
+SECTIONS = {
+    "transmittance": "Transmittance", "errors": "Errors", "edges": "Band edges", "claims": "Claims of the paper",
+    "verdicts": "Results by configuration", "stick_slip": "Stick and slip", "engines": "Engines and options",
+    "made": "How this page was made",
+}  # fmt: skip
+"""Sections below the first screen, by their templates; those without a table or figure are left out."""
+
+PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
+
+Named = Callable[[pd.DataFrame], pd.Series]
+
+
+class Written(NamedTuple):
+    """The page, what has come out, and why the command fails, if it does."""
+
+    page: Path
+    finding: str
+    failures: list[str]
+
+
+def write_page(
+    stored: Sequence[Stored],
+    folder: Path,
+    command: str,
+    *,
+    left_out: str = "",
+    named: Named | None = None,
+    judge: Callable[[pd.DataFrame], pd.DataFrame] = judged,
+) -> Written:
+    """Write the page of stored results, with figures as PDF and tables as CSV.
+
+    Parameters
+    ----------
+    stored
+        Results of engines and of the ruler.
+    folder
+        Where the page is written; made if it is missing.
+    command
+        What makes the page again.
+    left_out
+        What has not been measured, and how it is.
+    named
+        Tells which rows are of configurations that were asked for by name: these may not fail.
+    judge
+        Judges the table of points.
+    """
+    every = points(stored)
+    rows = tables.labelled(judge(every))
+    found = judged_edges(every)
+    edges = tables.edge_table(found)
+    shown = tables.planned(every, rows)
+    case = tables.shown_case(shown)
+    phases = pd.DataFrame() if case is None else _labelled_phases(tables.mode_table(stored, case), case)
+    ruled = set(zip(shown.config, shown.case, shown.steps, strict=True))
+    own = [row for row in stored if (row.run.config, row.run.case, row.run.steps) in ruled]
+    data = {
+        "edges": edges, "claims": tables.claim_table(every, found), "transitions": transitions(own), "phases": phases,
+        "engines": tables.engines((run.config, version) for run, version, _ in stored),
+    }  # fmt: skip
+    return _written(folder, rows, shown, data, command, left_out, named, case)
+
+
+def write_dataset_page(data: "xr.Dataset", folder: Path, command: str) -> Written:
+    """Write the page of the dataset of a sweep: nothing is computed, so that there are no band edges."""
+    from multibody_xval.scenarios.dataset import by_tolerance, judged_table, sweep_in
+
+    rows = tables.labelled(by_tolerance(judged_table(data), sweep_in(data).tolerance_db))
+    versions = {(config, version) for config, version in zip(rows.config, rows.version, strict=True)}
+    line = "A dataset has neither band edges nor the times of stick and slip: report --sweep FILE has them."
+    return _written(folder, rows, rows, {"engines": tables.engines(versions)}, command, line, None, None)
+
+
+def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
+    """Keep the exact motion, and default and tuned joints at their finest steps; the reference where there is none."""
+    if table.empty:
+        return table
+    own = table.assign(case=case, preset=[config.preset_name for config in table.config])
+    last = "exact" if EXACT in set(own.config) else REFERENCE.preset_name
+    kept = own.config.map(
+        lambda config: (
+            config.formulation == "joint"
+            and config.preset_name in ((last,) if config.engine == REFERENCE.engine else ("default", "tuned"))
+        )
+    )
+    finest = own.groupby("configuration").steps.transform("max" if last != "exact" else "min")
+    chosen = tables.labelled(own[kept & (own.steps == finest)])
+    order = chosen.config.map(lambda config: (config.engine != REFERENCE.engine, str(config)))
+    return chosen.assign(order=order).sort_values("order", kind="stable").drop(columns=["case", "config", "order"])
+
+
+def _written(
+    folder: Path, rows: pd.DataFrame, shown: pd.DataFrame, data: dict[str, pd.DataFrame], command: str,
+    left_out: str, named: Named | None, case: Case | None,
+) -> Written:  # fmt: skip
+    """Make the tables and figures of `shown`, the planned points of all `rows`, and write them."""
+    engines = tables.engines_only(shown)
+    at_headline = tables.at_headline(engines)
+    first = tables.worst_first(tables.largest_errors(engines if at_headline.empty else at_headline))
+    grid = tables.on_grid(shown)
+    edges = data.get("edges", pd.DataFrame())
+    own_edges = edges[~edges.configuration.str.startswith(f"{REFERENCE.engine}:")] if len(edges) else edges
+    data = data | {
+        "points": file_columns(rows), "errors": tables.largest_errors(engines), "headline": tables.headline(first),
+        "verdicts": tables.verdict_counts(engines),
+    }  # fmt: skip
+    size = own_edges.assign(size=own_edges.error.abs()) if len(own_edges) else pd.DataFrame(columns=["size", "title"])
+    drawn = {
+        "headline": panels.dots(first, "largest_db", panels.LEAST_DB, "Largest error of the vibration amplitude", "dB"),
+        "transmittance": panels.transmittance(grid),
+        "errors": panels.errors(grid),
+        "edges": panels.dots(size, "size", panels.LEAST_EDGE, "Errors of band edges", "frequency ratio"),
+        "stick_slip": panels.modes(data["phases"]) if len(data.get("phases", ())) else [],
+    }
+    failing = reasons_to_fail(engines, own_edges, named)
+    result = Written(folder / PAGE, finding(engines), failing)
+    text = _page(
+        data, drawn, result, command=command, left_out=left_out, case=case, at_headline=not at_headline.empty,
+        counts=_counts(engines), grid_steps=sorted(set(grid.steps)), looks=_looks(first), grid_looks=_looks(grid),
+    )  # fmt: skip
+    _write(folder, data, drawn, text)
+    return result
+
+
+def _looks(rows: pd.DataFrame) -> dict[str, str]:
+    """Give the colours of the presets that a table has."""
+    own = dict.fromkeys(tables.engines_only(rows).options if "engine" in rows else rows.options)
+    order = [*(name for name in panels.COLOURS if name in own), *(name for name in own if name not in panels.COLOURS)]
+    return {name: panels.look(name)[0] for name in order}
+
+
+def _counts(engines: pd.DataFrame) -> dict[str, int]:
+    """Count what was compared."""
+    return {
+        "engines": engines.engine.nunique(), "configurations": engines.configuration.nunique(), "points": len(engines),
+        "cases": engines.case.nunique(),
+    }  # fmt: skip
+
+
+def _page(data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: Written, **values: object) -> str:
+    parts = {name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(own)] for name, own in drawn.items()}
+    there = {name for name, table in data.items() if len(table)} | {name for name, own in drawn.items() if own}
+    sections = {name: title for name, title in SECTIONS.items() if name in there or name == "made"}
+    modes = set(data["phases"]["mode"]) if "phases" in there else set()
+    drawn_modes = {name: colour for name, colour in panels.MODES.items() if name in modes}
+    template = environment("multibody_xval.reports.page").get_template("page.html")
+    return template.render(
+        tables=data, figures=parts, sections=sections, finding=result.finding, failures=result.failures,
+        versions=_versions(), modes=drawn_modes, files=[name for name in TABLES if name in there],
+        **values,
+    )  # fmt: skip
+
+
+def _versions() -> str:
+    """Name the versions of this environment that numbers may depend on."""
+    own = [f"{name} {importlib.metadata.version(name)}" for name in PACKAGES]
+    return ", ".join([*own, f"Python {platform.python_version()}", platform.platform(terse=True)])
+
+
+def _write(folder: Path, data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], page: str) -> None:
+    checked_output_folder("figures", folder / FIGURES)
+    for name, table in data.items():
+        if len(table):
+            write_whole(folder / f"{name}.csv", table.to_csv(index=False))
+    for name, own in drawn.items():
+        if own:
+            write_whole(folder / FIGURES / f"{name}.pdf", pdf(own))
+    write_whole(folder / PAGE, page)
+
+
+def check_folder(folder: Path, inputs: Sequence[Path | None]) -> None:
+    """Refuse a folder into which not all files can be written, or over one of `inputs`; it is made."""
+    checked_output_folder("--out", folder)
+    for name in (PAGE, *(f"{name}.csv" for name in TABLES)):
+        checked_output_file("output file", folder / name, inputs)
+    for used in inputs:
+        if used is not None and used.resolve().parent == (folder / FIGURES).resolve():
+            raise ParameterError(f"{used} lies among the figures that are written; allowed: a file outside {FIGURES}")
+    checked_output_folder("figures", folder / FIGURES)
+
+
+def check_loses_nothing(folder: Path, stored: Sequence[Stored]) -> None:
+    """Refuse to overwrite a page of more results of a configuration than these."""
+    file = folder / "points.csv"
+    if not file.is_file():
+        return
+    names = ["engine", "formulation", "preset"]
+    earlier = pd.read_csv(file, usecols=lambda name: name in names)
+    if list(earlier) != names:
+        return
+    own = pd.Series([tuple(map(str, _names(row))) for row in stored], dtype=object).value_counts()
+    for key, count in earlier.value_counts().items():
+        if count > own.get(key, 0):
+            problem = f"{folder / PAGE} shows more than the stores hold: of {':'.join(key)} {count} points"
+            raise ParameterError(f"{problem} for {own.get(key, 0)}; allowed: another --out, or without --no-run")
+
+
+def _names(row: Stored) -> tuple[str, str, str]:
+    config = row.run.config
+    return config.engine, config.formulation, config.preset_name
