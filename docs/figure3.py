@@ -13,8 +13,8 @@ import pandas as pd
 
 from multibody_xval.engines import engine
 from multibody_xval.reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
-from multibody_xval.scenarios.runs.parameters import ChainRatios
-from multibody_xval.scenarios.sweeps.refinement import resonances
+from multibody_xval.scenarios.frequency_grid import resonances
+from multibody_xval.scenarios.model import Case
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 
 STEPS = 400
@@ -34,7 +34,7 @@ def draw(table: Path, picture: Path) -> None:
     rows = pd.read_csv(table).query("engine != 'reference' and preset == 'tuned' and steps == @STEPS").dropna(subset="transmittance_db")
     frictions = sorted(rows.friction_ratio.unique().tolist())
     names = rows.engine.unique().tolist()
-    peaks = resonances(ChainRatios())
+    peaks = np.array(resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)))
     eta = np.union1d(np.linspace(0.3, 1.6, 521), peaks[(peaks > 0.3) & (peaks < 1.6)])
     with plt.rc_context(PRINT_STYLE):
         figure, axes = plt.subplots(figsize=(2 * COLUMN, 0.95 * COLUMN), layout="constrained")

@@ -26,7 +26,7 @@ from multibody_xval.scenarios import edges, evaluate
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.pool import Job
+from multibody_xval.scenarios.processes import Job
 from multibody_xval.scenarios.sweep_file import read_sweep
 
 ROOT = Path(__file__).resolve().parents[1]

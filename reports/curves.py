@@ -79,7 +79,11 @@ def _drawn(table: pd.DataFrame, axes: list[str]) -> Figure:
         style = place if alone else configs.index(config)
         colour, dashes = COLOURS[style % len(COLOURS)], DASHES[style % len(DASHES)]
         gaps = own.isna().any() or len(own) == 1  # no line shows a point between two of them
-        look = {"color": colour, "linestyle": (0, dashes) if dashes else "-", "marker": "." if gaps else ""}
+        look: dict[str, Any] = {
+            "color": colour,
+            "linestyle": (0, dashes) if dashes else "-",
+            "marker": "." if gaps else "",
+        }
         panels[0 if alone else place].plot(own.index, own, label=titles[place] if alone else config.title, **look)
     _legend(figure, panels)
     return figure

@@ -7,14 +7,14 @@ that it covers, which is always finite.
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.edges import DEPTH_DB, refined
 from multibody_xval.scenarios.model import REFERENCE, Case
-from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, resonances
+from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, claim_frequency_ratios, resonances
 from multibody_xval.scenarios.result_tables import CONFIG, CURVE, coarsest, is_exact, rows_of
 
 UP_TO, BEYOND, WIDEST = (0.1, 0.3, 0.6), (1.0, 5.0), 0.3
@@ -49,12 +49,6 @@ Answer = tuple[str, str, str]
 KEY = ["configuration", *CONFIG, "version"]
 
 
-def claim_frequency_ratios() -> tuple[float, ...]:
-    """Give the fewest frequencies on which the edges of all friction ratios are found, with all resonances."""
-    even = (0.3, 0.65, 0.8, 0.9, 1.0, 1.1, 1.2, 1.6, 2.1, 2.5, 3.0)
-    return tuple(sorted({*even, *(eta for eta in resonances() if eta > even[0])}))
-
-
 def claim_cases() -> list[Case]:
     """Give the cases by which the claims are answered."""
     return [
@@ -72,10 +66,12 @@ def bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     ``upper`` (inf where the grid has none) edge, ``last`` frequency of the grid, all in η_r, ``share`` of `RANGE`, and
     ``stuck`` (fraction at `RESONATOR`, mean of the cells; NaN where it is not known).
     """
-    places = edges.assign(place=edges.frequency_ratio.where(refined(edges)))
+    absent = (edges.before < 0) & ((edges.edge == "upper") | (edges.lost == 0))
+    places = edges.assign(place=edges.frequency_ratio.where(refined(edges)))[~absent]
     known = {own[:-1]: own[-1] for own in rows_of(places, *CURVE, "edge", "place")}
     rows = []
-    for key, curve in _curves(points):
+    own = coarsest(of_paper(points[~is_exact(points)]))
+    for key, curve in own.groupby(CURVE, sort=False):
         ends = [known.get((*key, edge), side) for edge, side in (("lower", -math.inf), ("upper", math.inf))]
         if (band := _band(curve, *ends)) is not None:
             rows.append((*curve.iloc[0][KEY], curve.friction_ratio.iloc[0], *band))
@@ -85,11 +81,17 @@ def bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     return table.assign(share=covered.clip(lower=0.0) / (RANGE[1] - RANGE[0]))
 
 
-def _curves(points: pd.DataFrame) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
-    """Give the points of every curve of the paper's chain."""
-    paper = [Case(friction_ratio=own, frequency_ratio=1.0) for own in FRICTION_RATIOS]
-    own = coarsest(points[points.curve.isin(paper) & ~is_exact(points)])
-    return iter(own.groupby(CURVE, sort=False))
+def curve_cases() -> list[Case]:
+    """Give the cases between which a curve of the figure may be drawn straight."""
+    etas = sorted({*np.round(np.arange(RANGE[0], RANGE[1] + 1e-9, 0.01), 2).tolist(), *resonances()})
+    places = itertools.product(FRICTION_RATIOS, (eta for eta in etas if RANGE[0] <= eta <= RANGE[1]))
+    return [Case(friction_ratio=friction, frequency_ratio=eta) for friction, eta in places]
+
+
+def of_paper(points: pd.DataFrame) -> pd.DataFrame:
+    """Give the points of the paper's chain, at the friction ratios of its figure."""
+    curves = [Case(friction_ratio=own, frequency_ratio=1.0) for own in FRICTION_RATIOS]
+    return points[points.curve.isin(curves)]
 
 
 def _band(curve: pd.DataFrame, lower: float, upper: float) -> tuple[float, float, float, float] | None:
@@ -124,7 +126,7 @@ def claims(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
 
 def _by_configuration(points: pd.DataFrame, edges: pd.DataFrame) -> dict[tuple[object, ...], pd.DataFrame]:
     """Give the known bands of every configuration by friction ratio, the reference's first."""
-    asked = points[(points.frequency_ratio == RESONATOR) & ~is_exact(points)]
+    asked = of_paper(points[(points.frequency_ratio == RESONATOR) & ~is_exact(points)])
     keys = list(asked[KEY].drop_duplicates().itertuples(index=False, name=None))
     keys.sort(key=lambda key: key[1:4] != (REFERENCE.engine, str(REFERENCE.formulation), REFERENCE.preset_name))
     known = bands(points, edges)

@@ -19,7 +19,7 @@ from multibody_xval.scenarios.changes import (
 from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.model import REFERENCE, Config
 from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
-from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.result_tables import full_name, points
 from multibody_xval.scenarios.store import existing_store, identity, opened
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import LARGEST_DECIBEL, checked_scalar
@@ -58,9 +58,18 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
     _check_common(before, now, f"{first} and {second}")
     both = pd.concat([before, now], ignore_index=True)
     ruler = both[both.status == "periodic"].drop_duplicates(RUN)
-    rows = compared(before.assign(configuration=_names(before)), now.assign(configuration=_names(now)), ruler, db)
-    alone = (rows.status_before == NOT_RUN) | (rows.status_now == NOT_RUN)
-    return rows[~(alone & (rows.configuration == str(REFERENCE)))].reset_index(drop=True)
+    rows = compared(before, now, ruler, db)
+    alone, of_reference = (
+        rows[["status_before", "status_now"]].eq(NOT_RUN).any(axis=1),
+        _is_reference(rows.configuration),
+    )
+    return rows[~(alone & of_reference)].sort_values(
+        "configuration", key=_is_reference, kind="stable", ignore_index=True
+    )
+
+
+def _is_reference(names: pd.Series) -> pd.Series:
+    return names == full_name(REFERENCE)
 
 
 def changes_between(before: str, now: str, means: Means, db: float = LEAST_DB) -> pd.DataFrame:
@@ -79,7 +88,9 @@ def changes_between(before: str, now: str, means: Means, db: float = LEAST_DB) -
     table = points(computed(runs_at(configs, guard_cases()), means, f"{before} and {now}"))
     table["options"] = [identity(config)[1] for config in table.config]
     sides = [
-        pd.concat([table[table.config == pair[k]].assign(configuration=" -> ".join(map(str, pair))) for pair in found])
+        pd.concat(
+            [table[table.config == pair[k]].assign(configuration=" -> ".join(map(full_name, pair))) for pair in found]
+        )
         for k in (0, 1)
     ]
     return compared(*sides, table, db)
@@ -97,10 +108,6 @@ def _points_of(file: Path) -> pd.DataFrame:
         options = store.options()
     table = points(found.values())
     return table.assign(options=[options[str(config)] for config in table.config])
-
-
-def _names(table: pd.DataFrame) -> list[str]:
-    return [str(config) for config in table.config]
 
 
 def _check_common(before: pd.DataFrame, now: pd.DataFrame, stores: str) -> None:
@@ -146,7 +153,8 @@ def conclusion(changes: pd.DataFrame, before: str, now: str) -> str:
         verdict = "no exact value says which of the two is closer to the exact motion"
     else:
         verdict = "both are as close to the exact motion"
-    return f"{len(changes)} points, from {before} to {now}: {parts}: {verdict}."
+    points_text = f"{len(changes)} point" + "s" * (len(changes) != 1)
+    return f"{points_text}, from {before} to {now}: {parts}: {verdict}."
 
 
 def pairs(before: Sequence[Config], now: Sequence[Config]) -> list[tuple[Config, Config]]:

@@ -34,6 +34,12 @@ def conclusions(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*KEY, *STATED, *FRICTION_RATIOS, "farthest", "sentence"])
 
 
+def shown(table: pd.DataFrame) -> pd.DataFrame:
+    """Give the answers and edges of `conclusions` as people read them: a dash where a band is not known."""
+    texts = {f"{f:g}": ["–" if math.isnan(own) else edge_text(own) for own in table[f]] for f in FRICTION_RATIOS}
+    return table[["configuration", *STATED]].assign(**texts)
+
+
 def _edges(lower: "pd.Series[float]", own: pd.DataFrame) -> "pd.Series[float]":
     """Give the lower edges of the configuration of some rows by friction ratio."""
     key = tuple(own[KEY].iloc[0])

@@ -61,10 +61,10 @@ def dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
     has no point, ``status`` is ``missing``.
     """
     own = sweep.own_points(table)
-    labels = {"configuration": [str(config) for config in sweep.configs], **_values(sweep, own)}
+    labels: dict[str, list[Any]] = {"configuration": [str(config) for config in sweep.configs], **_values(sweep, own)}
     parts = {f"{name}_{part}": getattr(np, part)(own[name]) for name in COMPLEX for part in ("real", "imag")}
     plain = own[[*UNITS, *TEXTS, "stuck"]].assign(configuration=own.config.map(str), **parts, **own[list(sweep.axes)])
-    whole = pd.MultiIndex.from_product(labels.values(), names=labels)
+    whole = pd.MultiIndex.from_product(list(labels.values()), names=list(labels))
     plain = plain.set_index(list(labels)).reindex(whole)
     stuck = plain.pop("stuck")
     texts = plain[list(TEXTS)].astype(object).fillna("").astype(str).astype(object)

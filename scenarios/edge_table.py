@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -11,8 +12,9 @@ from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.exact_values import ruler
+from multibody_xval.scenarios.judge import UNKNOWN
 from multibody_xval.scenarios.model import REFERENCE, Result, Run, Status
-from multibody_xval.scenarios.result_tables import CONFIG, points, rows_of
+from multibody_xval.scenarios.result_tables import CONFIG, is_exact, points, rows_of
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS
 from reference_lcp.errors import ParameterError
@@ -102,14 +104,15 @@ def _known(table: pd.DataFrame, identities: str) -> dict[Run, Result]:
     except (ValueError, LookupError, TypeError):
         return {}
     own = table[table.config.isin(same)]
-    return dict(zip(_runs(own), map(_result, own.to_dict("records")), strict=True))
+    return {run: _result(row) for run, (_, row) in zip(_runs(own), own.iterrows(), strict=True)}
 
 
-def _result(row: dict[str, Any]) -> Result:
-    names = ("residual", "amplification", "stuck", "stick_velocity", "seconds", "reason")
-    numbers = {name: int(row[name]) for name in ("periods", "multiple")}
-    own = {name: row[name] for name in names}
-    return Result(status=Status(row["status"]), transmittance=row["ratio"], **numbers, **own)
+def _result(row: pd.Series) -> Result:
+    own: dict[str, Any] = {
+        name: row[name] for name in ("amplification", "stuck", "stick_velocity", "seconds", "reason")
+    }
+    own |= {name: int(row[name]) for name in ("periods", "multiple")}
+    return Result(status=Status(row.status), transmittance=row.ratio, residual=row.residual, **own)
 
 
 def _edges(rows: pd.DataFrame, asked: pd.DataFrame, axes: list[str]) -> pd.DataFrame:
@@ -117,7 +120,11 @@ def _edges(rows: pd.DataFrame, asked: pd.DataFrame, axes: list[str]) -> pd.DataF
     curves = asked.drop_duplicates(CURVE)[list(dict.fromkeys(["config", *CURVE, *axes]))]
     both = curves.merge(pd.DataFrame({"edge": edges.EDGES}), how="cross")
     found = edges.judged_edges(rows)[[*CURVE, "edge", *NUMBERS, "verdict", "absent"]]
-    return both.merge(found, on=[*CURVE, "edge"], how="left").rename(columns={"absent": "reason"})
+    rows = both.merge(found, on=[*CURVE, "edge"], how="left").rename(columns={"absent": "reason"})
+    few = f"fewer than {edges.FEWEST_POINTS} points: too few to say"
+    of_exact = "the exact motion's edges are in the column exact of other configurations"
+    reason = rows.reason.fillna(pd.Series(np.where(is_exact(rows), of_exact, few), rows.index))
+    return rows.assign(reason=reason, verdict=rows.verdict.fillna(UNKNOWN))
 
 
 def _shown(found: pd.DataFrame, axes: list[str]) -> pd.DataFrame:

@@ -8,8 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
+from multibody_xval.scenarios.dask_pool import dask
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.pool import dask, local, run_missing, without_processes
+from multibody_xval.scenarios.pool import run_missing
+from multibody_xval.scenarios.processes import local, without_processes
 from multibody_xval.scenarios.progress import shown
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.store import Stored, existing_store, opened
@@ -59,7 +61,7 @@ def computed(
     then: Sequence[tuple[str, Propose]] = (),
     known: Mapping[Run, Result] | None = None,
 ) -> list[Stored]:
-    """Give the results of runs, and of those that they lead to; those that are known are not run again.
+    """Give the results of runs, in their order, and of those that they lead to; what is known is not run again.
 
     Parameters
     ----------
@@ -87,13 +89,11 @@ def computed(
         def run(new: Sequence[Run]) -> None:
             given = {run: known[run] for run in new if run in known} if known else {}
             rest = [run for run in new if run not in given]
-            steps.more(len(rest))
-            found.update(given)
-            found.update(
-                run_missing(
-                    rest, store, pool, steps.ended, seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed
-                )
-            )
+            results = given | run_missing(
+                rest, store, pool, steps.ended, known=lambda own: steps.more(len(rest) - len(own)),
+                seconds_a_run=means.seconds_a_run, retry_failed=means.retry_failed,
+            )  # fmt: skip
+            found.update((own, results[own]) for own in new)
 
         found: dict[Run, Result] = {}
         steps.begin()

@@ -5,7 +5,7 @@ Level and phase are one complex number, the transmittance T. An engine agrees wh
 - a preset that shares Euler's scheme is expected where the reference is at equal steps, and nothing is allowed but what
   neither can resolve: what residuals leave open, round-off, and contacts that give way;
 - all others are expected at the exact value, and their step may be off as much as Euler's is there, or as much as their
-  preset states to be accurate.
+  preset states to be accurate; so are all presets where contacts open, which are measured and not judged there.
 
 The error that readers see is always that to the exact value. Judging asks for no runs: `judged` is a function of a
 table.
@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from multibody_xval.engines.interface.presets import LARGEST_ACCURACY
 from multibody_xval.scenarios.exact_values import MARGIN, exact_values, scheme_errors
 from multibody_xval.scenarios.model import Case, linear_limits
 from multibody_xval.scenarios.result_tables import is_exact
@@ -28,8 +29,12 @@ FLOOR_DB = -60.0
 FLOOR, DB = 10 ** (FLOOR_DB / 20), 20 / math.log(10)
 
 COARSE_SHARE = 0.1
-"""Part of what friction changes at all that may be allowed: with a tenth, friction that is missing altogether, or never
-lets go, is ten times what is allowed."""
+"""Part of what friction changes at all that a step may be off, and at most that a stated accuracy allows: with a tenth,
+friction that is missing altogether, or never lets go, is ten times what is allowed."""
+
+OTHER_SCHEMES = 2.0
+"""Times what is allowed that schemes other than Euler's may be off where its step alone errs by more than any accuracy
+that may be stated: beyond what is allowed, and up to this, the step is too large to say more."""
 
 MOST_MISSING = 0.25
 """Part of the numbers of a judged preset that may be missing, or of a named one that may fail."""
@@ -54,8 +59,9 @@ def judged(table: pd.DataFrame, ruler: pd.DataFrame | None = None) -> pd.DataFra
     by = table if ruler is None else ruler
     rows = rows.merge(exact_values(by), on="case", how="left")
     rows = rows.merge(scheme_errors(by), on=["case", "steps"], how="left")
-    rows = rows.assign(distance=_distance(rows), allowed=_allowed(rows), expected=_expected(rows))
-    return rows.assign(**_errors(rows), verdict=_verdicts(rows))
+    effect = _effects(rows)
+    rows = rows.assign(distance=_distance(rows), allowed=_allowed(rows, effect), expected=_expected(rows))
+    return rows.assign(**_errors(rows), verdict=_verdicts(rows, effect))
 
 
 def _expected(rows: pd.DataFrame) -> np.ndarray:
@@ -67,12 +73,23 @@ def _distance(rows: pd.DataFrame) -> pd.Series:
     return (rows.ratio - rows.reference.where(rows.shares_scheme, rows.exact)).abs()
 
 
-def _allowed(rows: pd.DataFrame) -> pd.Series:
-    """Give how far from what is expected T may be, over U0."""
-    step = np.maximum(rows.scheme_error, rows.accuracy * rows.exact.abs())
-    other = rows.exact_bar + step + resolution(rows)
+def _allowed(rows: pd.DataFrame, effect: pd.Series) -> pd.Series:
+    """Give how far from what is expected T may be, over U0; a stated accuracy is that of what friction does, too."""
+    stated = np.minimum(rows.accuracy * _amplitude(rows), COARSE_SHARE * effect)
+    other = rows.exact_bar + np.maximum(rows.scheme_error, stated) + resolution(rows)
     repeats = rows.reference_residual.fillna(0) * MARGIN * rows.growth
     return other.where(~rows.shares_scheme, resolution(rows) + repeats)
+
+
+def _amplitude(rows: pd.DataFrame) -> pd.Series:
+    """Give the exact amplitude that parts refer to, over U0: that of the floor where it is below."""
+    return rows.exact.abs().clip(lower=FLOOR)
+
+
+def _effects(rows: pd.DataFrame) -> pd.Series:
+    """Give what friction changes at all."""
+    effects = [friction_effect(*own) for own in zip(rows.case, rows.exact, strict=True)]
+    return pd.Series(effects, rows.index, dtype=float)
 
 
 def resolution(rows: pd.DataFrame) -> pd.Series:
@@ -87,13 +104,12 @@ def _errors(rows: pd.DataFrame) -> dict[str, pd.Series]:
     """Give the error to the exact value in dB, degrees, and per cent of the exact amplitude or the floor's."""
     level, exact_level = _decibel(rows.ratio), _decibel(rows.exact)
     turn = pd.Series(np.degrees(np.angle(rows.ratio / rows.exact)), rows.index)
-    scale = rows.exact.abs().clip(lower=FLOOR)
     return {
         "exact_db": exact_level,
         "exact_deg": pd.Series(np.degrees(np.angle(rows.exact)), rows.index),
         "error_db": on_scale(level) - on_scale(exact_level),
         "error_deg": turn,
-        "error_percent": 100 * (rows.ratio - rows.exact).abs() / scale,
+        "error_percent": 100 * (rows.ratio - rows.exact).abs() / _amplitude(rows),
     }
 
 
@@ -107,16 +123,15 @@ def on_scale(level_db: pd.Series) -> pd.Series:
     return level_db.where(~(level_db < FLOOR_DB), linear)
 
 
-def _verdicts(rows: pd.DataFrame) -> np.ndarray:
+def _verdicts(rows: pd.DataFrame, effect: pd.Series) -> np.ndarray:
     """Say of each row what it is."""
-    effect = pd.Series(
-        [friction_effect(*own) for own in zip(rows.case, rows.exact, strict=True)], rows.index, dtype=float
-    )
     known = rows.distance.notna() & rows.allowed.notna()
+    beyond = rows.distance > rows.allowed
+    coarse = ~rows.shares_scheme & (rows.scheme_error > LARGEST_ACCURACY * _amplitude(rows))
+    near = beyond & coarse & (rows.distance <= OTHER_SCHEMES * rows.allowed)
+    by_step = (rows.exact_bar + rows.scheme_error + resolution(rows)).where(~rows.shares_scheme, rows.allowed)
     verdicts = np.select(
-        [~known, rows.distance > rows.allowed, rows.allowed > COARSE_SHARE * effect],
-        [UNKNOWN, DEVIATES, TOO_LARGE],
-        AGREES,
+        [~known, beyond & ~near, near | (by_step > COARSE_SHARE * effect)], [UNKNOWN, DEVIATES, TOO_LARGE], AGREES
     )
     return np.where(rows.status == "periodic", verdicts, rows.status)
 

@@ -108,6 +108,9 @@ class Case:
     def _hash(self) -> int:
         return hash(tuple(getattr(self, name) for name in CASE))
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in CASE}  # hashes of texts differ from process to process
+
     def __post_init__(self) -> None:
         checked_count("cells", self.cells, 1, MOST_CELLS)
         checked_count("modulation_multiple", self.modulation_multiple)

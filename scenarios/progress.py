@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -18,7 +18,7 @@ EXPECTED_SECONDS = 0.2
 
 
 class Steps:
-    """The steps of a command, one after the other, each with its runs."""
+    """The steps of a command, one after the other, each with its runs; those without any are not shown."""
 
     def __init__(self, names: Sequence[str], bar: Progress | None):
         self._names, self._bar = names, bar
@@ -31,27 +31,41 @@ class Steps:
         """Begin the next step."""
         self._number += 1
         self._total = self._done = self._printed = 0
-        self._begin = time.monotonic()
-        if self._bar is not None:
-            if self._task is not None:
-                self._bar.remove_task(self._task)
-            self._task = self._bar.add_task(self._title, total=None, left="")
+        if self._bar is not None and self._task is not None:
+            self._bar.remove_task(self._task)
+        self._task = None
 
     def more(self, runs: int) -> None:
-        """Add runs to the step."""
+        """Add runs to the step: only those that are run, and not what is known."""
+        if runs == 0:
+            return
+        if self._total == 0:
+            self._begin = time.monotonic()
         self._total += runs
+        self._printed = self._done * LINES // self._total
+        if self._bar is None and self._done == 0:
+            self._line()
+        elif self._bar is not None and self._task is None:
+            self._task = self._bar.add_task(self._title, left="")
+        self._move()
 
-    def ended(self, results: dict[Run, Result]) -> None:
+    def ended(self, results: Mapping[Run, Result]) -> None:
         """Show results that have just come."""
         self._done += len(results)
         self._first(results)
+        if self._bar is None and self._done * LINES >= (self._printed + 1) * self._total:
+            self._printed = self._done * LINES // self._total
+            self._line()
+        self._move()
+
+    def _move(self) -> None:
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, total=self._total, completed=self._done, left=self._left)
-        elif results and self._done * LINES >= (self._printed + 1) * self._total:
-            self._printed = self._done * LINES // self._total
-            print(f"{self._title}: {self._done} of {self._total} runs{self._left}", file=sys.stderr)
 
-    def _first(self, results: dict[Run, Result]) -> None:
+    def _line(self) -> None:
+        print(f"{self._title}: {self._done} of {self._total} runs{self._left}", file=sys.stderr)
+
+    def _first(self, results: Mapping[Run, Result]) -> None:
         """Print the first steady state of all."""
         steady = next((own for own in results.items() if own[1].status is Status.PERIODIC), None)
         if self._silent and steady is not None:

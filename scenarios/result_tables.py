@@ -19,6 +19,10 @@ CURVE = [*CONFIG, "version", "curve", "steps"]
 """Columns that rows of one curve over the frequency ratio share; `curve` is the case without its frequency ratio."""
 
 
+CLOSED = 1.0
+"""Modulation up to which contacts stay closed."""
+
+
 def now(results: Mapping[Run, Result]) -> list[Stored]:
     """Give results with the versions of the engines of this environment."""
     return [Stored(run, identity(run.config)[0], result) for run, result in results.items()]
@@ -39,27 +43,37 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
     own, case = run.config, run.case
     ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
     return {
-        "configuration": ":".join([own.engine, own.formulation, own.preset_name]),
+        "configuration": full_name(own),
         "engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version,
         **_values(case), "case": case, "curve": _curve(case), "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
         "transitions": len(result.transitions), "stick_velocity": result.stick_velocity,
-        "seconds": result.seconds, "reason": result.reason, **of_config(own, swings=bool(case.modulation)),
+        "seconds": result.seconds, "reason": result.reason,
+        **of_config(own, swings=bool(case.modulation), opens=case.modulation > CLOSED),
     }  # fmt: skip
 
 
+def full_name(config: Config) -> str:
+    """Give engine, formulation, preset and changed options of a configuration, none left out."""
+    return ":".join([config.engine, config.formulation, config.preset_name])
+
+
 @cache
-def of_config(config: Config, *, swings: bool) -> dict[str, Any]:
-    """Give what of a configuration decides how its numbers are compared, also where the normal force swings."""
+def of_config(config: Config, *, swings: bool, opens: bool = False) -> dict[str, Any]:
+    """Give what of a configuration decides how its numbers are compared, also where the normal force swings.
+
+    Where contacts open, no preset shares the scheme, and none is judged: engines let a contact land in one step or in
+    several, each in its own way, and what follows of the motion amplifies that.
+    """
     preset, able = config.preset, config.capabilities
     if swings:
         preset = preset.modulated()
     return {
         "config": config,
-        "shares_scheme": preset.shares_scheme,
-        "judged": "chain" in preset.judged,
+        "shares_scheme": preset.shares_scheme and not opens,
+        "judged": "chain" in preset.judged and not opens,
         "accuracy": preset.accuracy_of("transmittance"),
         "least_residual": able.residual,
         "round_off": TRAJECTORY_TOLERANCE[able.precision],

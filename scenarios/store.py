@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeVar
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import Config, Result, Run, Status
-from reference_lcp.errors import ParameterError, RunError, checked_path
+from reference_lcp.errors import ParameterError, RunError, checked_path, shown
 
 SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
@@ -76,6 +76,7 @@ class Store:
             self._file.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._file.execute(f"PRAGMA user_version = {FORMAT}")
         self._file.execute("PRAGMA journal_mode = WAL")
+        self._file.execute("PRAGMA wal_autocheckpoint = 1")  # a copy of the file alone has all but what is being added
         self._file.execute("PRAGMA synchronous = NORMAL")
         self._file.execute(SCHEMA)
 
@@ -102,14 +103,24 @@ class Store:
         for first in range(0, len(wanted), LOOKUP):
             some = wanted[first : first + LOOKUP]
             query = f"SELECT key, result FROM results WHERE key IN ({', '.join('?' * len(some))})"
-            found |= {keys[name]: Result.from_json(text) for name, text in self._read(query, some)}
+            found |= {keys[name]: self._readable(Result.from_json, text) for name, text in self._read(query, some)}
         return found
 
     def rows(self) -> Iterator[Stored]:
         """Give every result, whatever engine and version it is of."""
         query = "SELECT run, version, result FROM results ORDER BY rowid"
         for run, version, result in self._read(query):
-            yield Stored(Run.from_text(run), version, Result.from_json(result))
+            yield Stored(self._readable(Run.from_text, run), version, self._readable(Result.from_json, result))
+
+    def _readable(self, read: Callable[[str], _Value], text: str) -> _Value:
+        """Read a text of the file, which anybody may have written."""
+        try:
+            return read(text)
+        except ParameterError as problem:
+            raise ParameterError(f"store {self.path}: {problem}") from None
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as problem:
+            what = f"{shown(text)} cannot be read: {type(problem).__name__}: {problem}"
+            raise ParameterError(f"store {self.path}: {what}; allowed: what this suite writes") from None
 
     def options(self) -> dict[str, str]:
         """Give the options of every configuration by its name, as JSON; of several versions, those of the last."""
@@ -150,6 +161,8 @@ def existing_store(path: Path) -> Path:
 def checked_store(path: Path) -> Path:
     """Give the path of a store, if a file can be there."""
     path = checked_path("store", path)
+    if str(path).startswith((":", "file:")):
+        raise ParameterError(f"store {path} has a name that SQLite takes for something else; allowed: a file")
     if path.exists() and not path.is_file():
         raise ParameterError(f"store {path} is a folder or a device; allowed: a file")
     if not path.absolute().parent.is_dir():

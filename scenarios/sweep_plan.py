@@ -80,6 +80,9 @@ class Sweep:
     def __post_init__(self) -> None:
         if not self.configs:
             raise ParameterError("engines = [] names none; allowed: at least one")
+        for name in self.axes:
+            if name not in AXES:
+                raise ParameterError(f"grid.{name} is unknown; {choices(name, AXES)}")
         for name in ("friction_ratio", FREQUENCY):
             if name not in self.axes:
                 raise ParameterError(f"grid.{name} is missing; allowed: at least one value")
@@ -185,8 +188,6 @@ class Sweep:
 
 def _check_axis(name: str, values: tuple[float, ...]) -> None:
     """Raise a `ParameterError` unless these may be the values of an axis."""
-    if name not in AXES:
-        raise ParameterError(f"grid.{name} is unknown; {choices(name, AXES)}")
     if not values or len(set(values)) < len(values):
         raise ParameterError(f"grid.{name} = {shown(list(values))}; allowed: at least one value, none of them twice")
     if len(values) > MOST_VALUES:

@@ -36,7 +36,7 @@ def here():
     from contextlib import nullcontext
 
     from multibody_xval.scenarios import evaluate
-    from multibody_xval.scenarios.pool import ThisProcess
+    from multibody_xval.scenarios.processes import ThisProcess
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(evaluate, "local", lambda _workers: nullcontext(ThisProcess()))

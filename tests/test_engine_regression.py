@@ -1,22 +1,17 @@
 """The action that guards an engine: its steps are a script, which runs here as the service would run it."""
 
-import json
 import os
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
 
-from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.runs.result import Result
-from multibody_xval.scenarios.runs.store import ResultStore
-from multibody_xval.scenarios.runs.task import SteadyStateTask
-from multibody_xval.scenarios.verdicts.steady_case import EXACT
+from multibody_xval.scenarios.evaluate import stored_results
+from multibody_xval.scenarios.model import failed
+from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / ".ci/engine_regression"
@@ -114,7 +109,8 @@ def test_a_pull_request_has_one_comment_an_engine(tmp_path, known, written) -> N
 
 
 def test_the_first_run_on_the_default_branch_has_no_baseline_and_passes(tmp_path) -> None:
-    write_store(tmp_path / "regression/now.sqlite", {0.9: at(-9.5)})
+    (tmp_path / "regression").mkdir()
+    write_store(tmp_path / "regression/now.sqlite", {CASE: with_bound(1.0)})
     assert script(tmp_path, "before", "compare", ENGINE="mujoco") == 0
     assert shown(tmp_path).startswith("## Engine regression: no baseline yet\n")
 
@@ -123,50 +119,35 @@ def test_the_first_run_on_the_default_branch_has_no_baseline_and_passes(tmp_path
 @pytest.mark.parametrize("baseline", ["main", "kept.sqlite"])
 def test_a_store_is_a_baseline(tmp_path, baseline) -> None:
     kept = tmp_path / ("regression/main.sqlite" if baseline == "main" else baseline)
-    kept.parent.mkdir(exist_ok=True)
-    write_store(kept, {0.9: at(-9.5)})
-    write_store(tmp_path / "regression/now.sqlite", {0.9: at(-8.7)})
+    (tmp_path / "regression").mkdir()
+    write_store(kept, {CASE: with_bound(1.01)})
+    write_store(tmp_path / "regression/now.sqlite", {CASE: with_bound(1.05)})
     summary = tmp_path / "summary.md"
     given = {"ENGINE": "mujoco", "BASELINE": baseline, "GITHUB_STEP_SUMMARY": str(summary)}
     assert script(tmp_path, "before", "compare", **given) == 1
     assert summary.read_text() == shown(tmp_path)
-    assert "1 regressed; 1 fail" in shown(tmp_path)
-
-
-def write_store(file: Path, results: Mapping[float, Result]) -> None:
-    file.parent.mkdir(exist_ok=True)
-    exact = Result(status="converged", transmittance_db=-5.0, period=1.0)
-    with ResultStore(file) as store:
-        for eta, result in results.items():
-            task = SteadyStateTask(variant=Variant("mujoco"), friction_ratio=0.3, frequency_ratio=eta)
-            store.keep([(task, result), (replace(task, variant=EXACT), exact)])
-
-
-def at(transmittance_db: float) -> Result:
-    return Result(status="converged", transmittance_db=transmittance_db, period=1.0)
-
-
-CRASHED = Result.blocked("crashed in mj_step()", by_engine=True)
+    assert ": 1 regressed, 4 unchanged: " in shown(tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "now", "code", "says"),
     [
-        (at(-9.5), at(-8.7), 1, "## Engine regression: fails\n\n4 points: 1 regressed; 1 fail."),
-        (at(-8.7), at(-9.5), 0, "## Engine regression: passes\n\n4 points: 1 improved; 0 fail."),
-        (at(-9.5), CRASHED, 1, "converged before, blocked now: crashed in mj_step()"),
-        (at(-9.5), None, 1, "converged before, missing now"),
+        (with_bound(1.01), with_bound(1.05), 1, ": 1 regressed, 9 unchanged: "),
+        (with_bound(1.05), with_bound(1.01), 0, ": 1 improved, 9 unchanged: "),
+        (with_bound(1.0), failed("crashed in mj_step()"), 1, "periodic before, failed now: crashed in mj_step()"),
+        (with_bound(1.0), None, 1, "periodic before, not run now"),
     ],
     ids=["worse", "better", "crashes", "lost"],
 )
 def test_a_comparison_fails_for_the_worse_and_shows_it(tmp_path, before, now, code, says) -> None:
-    """The proven level at η_r = 0.9 is -9.56 dB, whatever the store holds."""
-    same = {0.6: at(-5.0)}
-    write_store(tmp_path / "regression/before.sqlite", {0.9: before, **same})
-    write_store(tmp_path / "regression/now.sqlite", same if now is None else {0.9: now, **same})
+    same = {OTHER: with_bound(1.0, OTHER)}
+    (tmp_path / "regression").mkdir()
+    write_store(tmp_path / "regression/before.sqlite", {CASE: before, **same})
+    write_store(tmp_path / "regression/now.sqlite", same if now is None else {CASE: now, **same})
     assert script(tmp_path, "compare", ENGINE="mujoco") == code
     assert says in shown(tmp_path)
+    assert shown(tmp_path).startswith(f"## Engine regression: {'fails' if code else 'passes'}\n")
     assert run_step(f"{SCRIPT} compare", tmp_path, ENGINE="mujoco", STRICT="true").returncode == 1
 
 
@@ -199,11 +180,7 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
     assert script(tmp_path, "now", ENGINE="mujoco", GRID="grid.toml", VARIANTS="") == 0
     assert 'engines = ["mujoco:all:all", ]' in (tmp_path / "regression/now.toml").read_text()
-    with ResultStore(tmp_path / "regression/now.sqlite") as store:
-        tasks = [json.loads(content)["task"] for content, _ in store.all_results()]
-    assert {task["variant"]["formulation"] for task in tasks} == {"joint", "contact"}
-    assert any("block" in task for task in tasks), "a block breaks away too"
+    configs = {row.run.config for row in stored_results(tmp_path / "regression/now.sqlite")}
+    assert {config.formulation for config in configs if config.engine == "mujoco"} == {"joint", "contact"}
     assert script(tmp_path, "before", "compare", ENGINE="mujoco") == 0
-    assert re.search(r"\n\d+ points: none changed; 0 fail", shown(tmp_path))
-    assert script(tmp_path, "now", ENGINE="mujoco", GRID="grid.toml", VARIANTS="joint", SCENARIOS="nowhere") == 2
-    assert "No such command 'nowhere'" in shown(tmp_path)
+    assert re.search(r"\n\d+ points, from .*: \d+ unchanged: both are as close", shown(tmp_path))

@@ -8,15 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.runs.store import ResultStore
-from multibody_xval.scenarios.runs.task import SteadyStateTask
-from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
+from multibody_xval.scenarios.sweep_file import EXAMPLE
 from reference_lcp.errors import ExitCode, ParameterError, RunError
 from reference_lcp.process import run_command
-from tests.scenarios.runs.builders import certified
+from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 ROOT = Path(__file__).parents[1]
 
@@ -33,11 +30,9 @@ def code_of(line: str) -> int:
 def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two stores, of which the second has lost a result."""
     monkeypatch.chdir(tmp_path)
-    variant, result = Variant("reference"), certified(7, transmittance_db=-3.0, period=1.0)
-    tasks = [SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=eta) for eta in (0.5, 0.9)]
-    for name, held in ("before.sqlite", tasks), ("now.sqlite", tasks[:1]):
-        with ResultStore(Path(name)) as store:
-            store.keep((task, result) for task in held)
+    results = {CASE: with_bound(1.0), OTHER: with_bound(1.0, OTHER)}
+    write_store(Path("before.sqlite"), results)
+    write_store(Path("now.sqlite"), {OTHER: results[OTHER]})
 
 
 @pytest.mark.parametrize(
@@ -49,7 +44,7 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("compare before.sqlite before.sqlite", ExitCode.DONE),
         ("compare before.sqlite now.sqlite", ExitCode.FAILED),
         ("compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
-        ("sweep sweep.toml --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("sweep sweep.toml --no-run --retry-failed", ExitCode.WRONG_INPUT),
         ("run unit-cell --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
         ("run record --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
         ("report --no-run --retry-blocked", ExitCode.WRONG_INPUT),

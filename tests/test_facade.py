@@ -36,7 +36,7 @@ def test_own_packages_are_those_of_this_folder(name):
 
 def test_the_suite_works_beside_them_in_its_processes_too():
     data = sweep(["reference", "mujoco:noslip_iterations=3"], 0.3, [0.8, 0.9], chain={"cells": 1}, workers=1)
-    assert "mujoco:noslip_iterations=3" in data.variant.values
+    assert "mujoco:noslip_iterations=3" in data.configuration.values
     assert not data.transmittance_db.isnull().any()
 """
 

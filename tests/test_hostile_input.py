@@ -11,7 +11,7 @@ import reference_lcp.one_call
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.executor import WorkerExecutor
-from multibody_xval.scenarios.sweeps.spec_file import EXAMPLE
+from multibody_xval.scenarios.sweep_file import EXAMPLE
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 
@@ -92,7 +92,7 @@ LINES = (
     "report --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
     "report --sweep sweep.toml --out report --no-run",
     "report --data sweep.nc --out report",
-    "compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
+    "compare sweep.sqlite sweep.sqlite --db 0.1 --strict --out a.csv",
 )
 
 WORDS = (
@@ -112,7 +112,7 @@ class Planned(typer.Exit):
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, here: None) -> Path:
     """A folder with a sweep and a record, in which no command works: it ends with exit code 0 instead."""
 
     def planned(*_: Any, **__: Any) -> Any:
@@ -123,6 +123,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "sweep.toml").write_text(SWEEPS[1].replace("reference", "mujoco"))
     (tmp_path / "quake.csv").write_text("0,0\n0.1,1\n0.2,0\n0.3,2\n0.4,1\n")
     monkeypatch.setattr(WorkerExecutor, "run", planned)
+    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
     monkeypatch.setattr("reference_lcp.studies.bench.bench", planned)

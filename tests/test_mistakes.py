@@ -65,7 +65,7 @@ COMMAND_LINES = [
     ("run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
     ("run figure3 --no-run", r"--store"),
     ("compare a.sqlite b.sqlite", r"a.sqlite"),
-    ("compare other.sqlite other.sqlite --db 1e5", r"threshold of transmittance = 100000 dB; .*<= 1000"),
+    ("compare other.sqlite other.sqlite --db 1e5", r"db = 100000 is outside its range; allowed: 0.001 to 1000"),
     ("reference --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),
     ("reference --frequency-ratio 1e-9", r"a period of .* needs .* steps; allowed: .*<= 1000000"),
     (f"reference --cells {'9' * 4301}", r"--cells.*integer"),
@@ -96,8 +96,8 @@ COMMAND_LINES = [
     ("sweep missing.toml", r"missing.toml cannot be read"),
     ("sweep folder", r"folder cannot be read"),
     ("sweep sweep.toml --out sweep.xls", r"ending '.xls'; allowed: .nc or .csv"),
-    ("sweep sweep.toml --store other.sqlite", r"other.sqlite belongs to another program"),
-    ("sweep sweep.toml --store text.sqlite", r"text.sqlite cannot be used"),
+    ("sweep sweep.toml --store other.sqlite", r"store other.sqlite is no store of this suite; allowed: "),
+    ("sweep sweep.toml --store text.sqlite", r"store text.sqlite is damaged or no store"),
     ("sweep sweep.toml --scheduler nowhere", r"scheduler = 'nowhere'"),
     ("sweep", r"Missing argument 'file'"),
     ("report --engine mujocko --quick", r"engine = 'mujocko' is unknown"),
@@ -125,8 +125,8 @@ SWEEP_FILES = [
     (SWEEP.replace("[0.9]", "{ first = 0.3, last = 1.6 }"), r"grid.frequency_ratio.*points is missing"),
     (SWEEP.replace("[0.9]", '["0.9"]'), r"grid.frequency_ratio"),
     (SWEEP + "[chain]\ncells = 0\n", r"chain.cells = 0"),
-    (SWEEP + "[chain]\nmass_ratio = -1.0\n", r"chain.mass_ratio = -1.0"),
-    (SWEEP + "[chain]\nfriction_profile = [1.0, -0.5]\n", r"chain.friction_profile.1 = -0.5"),
+    (SWEEP + "[chain]\nmass_ratio = -1.0\n", r"chain.mass_ratio = -1 .*> 0"),
+    (SWEEP + "[chain]\nfriction_profile = [1.0, -0.5]\n", r"chain.friction_profile = .*-0.5.*>= 0"),
     (
         SWEEP + "[chain]\nouter_mass_ratio = [1.0, 2.0]\n",
         r"chain.outer_mass_ratio has 2 values and the chain 7 cells; allowed: one number, or as many",
@@ -139,7 +139,7 @@ SWEEP_FILES = [
     (SWEEP.replace("[0.9]", "[1e-320]"), r"grid.frequency_ratio = .*e-321.*allowed: 1e-12 to 1e\+12"),
     (SWEEP.replace("[0.9]", "{ first = 1, last = 2, points = 1" + "0" * 30 + " }"), r"points = 10*; .*1000000"),
     (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*1000000000000"),
-    (SWEEP + "[chain]\ncells = 1" + "0" * 30 + "\n", r"chain.cells = 10*; .*100000"),
+    (SWEEP + "[chain]\ncells = 1" + "0" * 30 + "\n", r"chain.cells = 10{9}.*100000"),
     (SWEEP + "[tolerances]\ntransmittance_db = 1e5\n", r"tolerances.transmittance_db = 100000.0; .*1000"),
 ]
 
@@ -196,7 +196,6 @@ LARGE = SWEEP.replace("[0.3]", "{ first = 0.1, last = 1.0, points = 1000 }").rep
     [
         "sweep large.toml",
         "sweep large.toml --yes --out large.nc",
-        "sweep large.toml --no-run --out large.csv",
         "report --sweep large.toml",
     ],
 )

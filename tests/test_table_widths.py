@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 
 pytestmark = pytest.mark.slow
@@ -31,29 +32,27 @@ LINES = [
     "reference --cells 2 --steps-per-period 400",
     "run",
     "run locked-limit --engine mujoco:all:all --workers 1",
-    "run all --no-run --store sweep.sqlite --engine exudyn-regularised:all:all",
+    "run all --no-run --store run.sqlite --engine exudyn-regularised:all:all",
     pytest.param("run accuracy --engine reference --workers 1", marks=pytest.mark.slow),
     "run laws --engine mujoco:joint:default --workers 1",
     pytest.param("run work-precision --engine mujoco:contact:default --steps 100 --workers 1", marks=pytest.mark.slow),
     "sweep sweep.toml --store sweep.sqlite --workers 1",
-    "compare sweep.sqlite lost.sqlite",
+    "compare run.sqlite lost.sqlite",
     "report --sweep sweep.toml --store sweep.sqlite --no-run",
 ]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sweep, its store, and a copy that has lost a result."""
+    """A sweep, its store, a store of a scenario, and a copy of that which has lost a result."""
     folder = tmp_path_factory.mktemp("tables")
     (folder / "sweep.toml").write_text(SWEEP)
-    assert (
-        run_command(
-            app,
-            ["sweep", str(folder / "sweep.toml"), "--store", str(folder / "sweep.sqlite"), "--workers", "1"],
-        )
-        == 0
-    )
-    (folder / "lost.sqlite").write_bytes((folder / "sweep.sqlite").read_bytes())
+    for words in (
+        ["sweep", str(folder / "sweep.toml"), "--store", str(folder / "sweep.sqlite")],
+        ["run", "locked-limit", "--engine", "mujoco:all:all", "--store", str(folder / "run.sqlite")],
+    ):
+        assert run_command(app, [*words, "--workers", "1"]) in (ExitCode.DONE, ExitCode.FAILED)
+    (folder / "lost.sqlite").write_bytes((folder / "run.sqlite").read_bytes())
     with closing(sqlite3.connect(folder / "lost.sqlite", isolation_level=None)) as store:
         store.execute(
             "DELETE FROM answers WHERE rowid = (SELECT max(rowid) FROM answers WHERE content LIKE '%mujoco%')"

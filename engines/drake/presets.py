@@ -45,6 +45,8 @@ JOINT_TUNED = Preset(
     law=near_rigid_actuator,
     split_tolerance=1e-12,
     judged=("chain",),
+    accuracy={"transmittance": 0.009},
+    accuracy_reason="Dashpots act with the velocity at the end of a step: an error of the step, but not Euler's.",
 )
 
 JOINT_DEFAULT = Preset(
@@ -93,6 +95,8 @@ CONTACT_TUNED = Preset(
     stick_margin=SMOOTH_LAW_MARGIN,
     turns=True,
     judged=("chain",),
+    accuracy={"transmittance": 0.001},
+    accuracy_reason="A stuck contact creeps within the stiction velocity, and none reaches its bound.",
 )  # fmt: skip
 
 CONTACT_SIMILAR = replace(
@@ -106,6 +110,8 @@ CONTACT_SIMILAR = replace(
     ),
     law=similar_contact,
     judged=(),
+    accuracy={},
+    accuracy_reason="",
 )
 
 CONTACT_SAP = replace(

@@ -9,6 +9,7 @@ from multibody_xval.engines.interface.law import Law, NotModelled
 from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import DEFAULT_RESIDUAL
+from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 
 
@@ -83,6 +84,10 @@ class Option:
         return cls(value, value, meaning, fixed, held)
 
 
+LARGEST_ACCURACY = 0.015
+"""Part of an amplitude that a preset may state as its accuracy: a mass or a bound off by a hundredth would hide in
+more."""
+
 ADAPTERS_UNITS = "units"
 """A setting of adapters, beside the options of engines: in which units a lane is built."""
 
@@ -138,12 +143,15 @@ class Preset:
     judged: tuple[str, ...] = ()
     """What of it is judged, of ``chain`` and ``scenes``; of the rest, errors are measured and no run fails by them."""
     accuracy: Mapping[str, float] = field(default_factory=dict)
-    """By how much its numbers may be off beside the error of a step, by quantity: ``transmittance`` as a part of the
-    amplitude, ``stuck fraction``, ``time`` over the period; in scenes ``drift`` [µm/s], ``share`` of a number."""
+    """By how much its numbers may be off, where that is more than the error of Euler's step, by quantity:
+    ``transmittance`` as a part of the amplitude, at most `LARGEST_ACCURACY`; ``stuck fraction``; ``time`` over the
+    period; in scenes ``drift`` [µm/s], ``share`` of a number. Set on one half of measured points, checked on the other:
+    ``tests/golden``."""
     accuracy_reason: str = ""
     """Why: regularised friction, a bristle, single precision."""
     settles: bool = True
-    """Whether it has a steady state at most points of the chain; reports measure what does not at one point alone."""
+    """Whether its search usually ends in a steady state on the paper's chain: not of a preset that has one at no more
+    than one of the five headline points. Reports measure what does not settle at one point alone."""
     unchanged: "Preset | None" = None
     """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()
@@ -156,6 +164,11 @@ class Preset:
                 name: replace(own[name], value=value, reason=reason) for name, (value, reason) in changes.items()
             }
             object.__setattr__(self, "options", {**changed, **own, **changed})
+        stated = self.accuracy_of("transmittance")
+        if not 0 <= stated <= LARGEST_ACCURACY:
+            raise ParameterError(f"accuracy = {stated:g} of transmittance; allowed: 0 to {LARGEST_ACCURACY:g}")
+        if self.accuracy and not self.accuracy_reason:
+            raise ParameterError("accuracy_reason is empty; allowed: why numbers may be off, in a sentence")
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value

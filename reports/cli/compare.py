@@ -56,7 +56,7 @@ def compare(
     workers: Workers = None,
     decibel: Annotated[
         float,
-        typer.Option("--db", help="Largest change that does not count, in dB of the transmittance, in (0, 1000]."),
+        typer.Option("--db", help="Largest change that does not count, in dB of the transmittance: 0.001 to 1000."),
     ] = 0.001,
     strict: Annotated[
         bool, typer.Option("--strict", help="Every change fails, also one that is closer to the exact motion.")

@@ -97,6 +97,29 @@ class Engines:
 
 
 @dataclass(frozen=True)
+class GridEngines(Engines):
+    """The configurations that are measured on a grid."""
+
+    chosen: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--engine",
+            metavar=NAME_METAVAR,
+            help=f"{ENGINE_HELP}Without it: joints of all engines, with default options and tuned.",
+            autocompletion=complete_variant,
+        ),
+    ] = None
+
+    def variants(self) -> list[Variant]:
+        """Give the configurations of these names, without any those of a report that it measures on its grid."""
+        from multibody_xval.scenarios.report_plan import frictions, report_configs
+
+        if self.names:
+            return super().variants()
+        return [own for own in report_configs() if frictions(own, quick=False)]
+
+
+@dataclass(frozen=True)
 class Work:
     """What computes."""
 

@@ -10,37 +10,30 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
+from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile, accuracy, figure3, work_precision
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import print_table, tracked, visible
 
 if TYPE_CHECKING:
-    from multibody_xval.engines.interface.variant import Variant
-    from multibody_xval.reports.figures.drawing import Drawing
     from multibody_xval.scenarios.catalogue.verdict_table import Results
-    from multibody_xval.scenarios.runs.evaluator import Evaluator
-    from multibody_xval.scenarios.studies.claims import Conclusions
     from multibody_xval.scenarios.tables import Column, Row
 
 RECORD = "record"
 """The scenario whose base follows a file."""
 
-FIGURE3 = "figure3"
-"""The scenario that answers the paper's claims."""
+STUDIES = {"figure3": figure3, "accuracy": accuracy, "work-precision": work_precision}
+"""Commands about the paper's chain; the first one has points of a scenario, and answers the paper's claims too."""
 
-ENDINGS, TABLE_ENDINGS = (".md", ".json", ".csv"), (".md", ".csv")
-"""Formats of verdicts, and of tables."""
-
-CHART_ENDINGS = (".svg", ".pdf", ".png")
-
-TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
+ENDINGS = (".md", ".json", ".csv")
+"""Formats of verdicts."""
 
 EXPERIMENTS = {
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
     "proofs": "What is the exact transmittance at every point of the standard grids, proven?",
-    "work-precision": "How large is each engine's error to the proven truth, over the time of a simulated second?",
+    "work-precision": "How large is each engine's error to the proven value, over the time of a simulated second?",
     "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
 }
 
@@ -113,24 +106,6 @@ def follow(
     _judge([RECORD], engines, verdicts, work, record)
 
 
-@grouped
-def answer(
-    context: typer.Context,
-    others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
-    *,
-    engines: Engines,
-    claims: Annotated[
-        bool,
-        typer.Option(help="Also answer the paper's claims with every variant, by some 200 steady states each."),
-    ] = True,
-    verdicts: Verdicts,
-    work: Work,
-) -> None:
-    """Run the scenario of the paper's figure, and others; then answer the claims of the paper."""
-    names = [str(context.info_name), *(checked_choice("scenario", name, list(DESCRIPTIONS)) for name in others or ())]
-    _judge(names, engines, verdicts, work, claims=claims)
-
-
 def _add_scenarios() -> None:
     """Add the command of each scenario, and of all: the physical question, the exit codes, an example."""
     summaries = {name: f"{own.question} Compared with: {own.expects}." for name, own in DESCRIPTIONS.items()}
@@ -144,7 +119,10 @@ def _add_scenarios() -> None:
             f"Example: multibody-xval run {name}{' --record quake.csv' if name == RECORD else ''} --engine mujoco "
             "--out verdicts.md"
         )
-        app.command(name, help=text)({RECORD: follow, FIGURE3: answer}.get(name, named))
+        if name not in STUDIES:
+            app.command(name, help=text)(follow if name == RECORD else named)
+    for name, study in STUDIES.items():
+        app.command(name)(study)
 
 
 _add_scenarios()
@@ -156,8 +134,6 @@ def _judge(
     verdicts: Verdicts,
     work: Work,
     record: Path | None = None,
-    *,
-    claims: bool = False,
 ) -> None:
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
@@ -178,9 +154,7 @@ def _judge(
     shown = list(dict.fromkeys(variant for own in variants.values() for variant in own))
     with work.evaluator(verdicts.store, shown, run=verdicts.run) as evaluator:
         results = {each: run_with_predictions(each, own, evaluator) for each, own in variants.items()}
-        concluded = _concluded(shown, evaluator) if claims else []
     print_results(results)
-    print_claims(concluded)
     for out in outs:
         write_whole(out, VERDICT_FORMATS[out.suffix](results, engines.command(" ".join(names), options)))
     if any(failures(findings) for findings in results.values()):
@@ -222,60 +196,6 @@ def print_results(results: Results) -> None:
             console.print(tables.plain(f"{scenario.name}: {line}"), soft_wrap=True)
 
 
-def _concluded(variants: Sequence[Variant], evaluator: Evaluator) -> list[Conclusions]:
-    """Answer the paper's claims for the reference and variants."""
-    from multibody_xval.scenarios.studies.claims import evaluated_conclusions
-    from multibody_xval.scenarios.studies.figure3 import figure3
-
-    evaluator.stage("the paper's claims")
-    return evaluated_conclusions(figure3(variants), variants, evaluator)
-
-
-def print_claims(concluded: Sequence[Conclusions]) -> None:
-    """Print the answers to the paper's claims, and what decides them; nothing where there are none."""
-    from multibody_xval.scenarios import tables
-    from multibody_xval.scenarios.studies.claims import CLAIM_COLUMNS, STATED, sentence
-
-    if concluded:
-        print("\nThe paper's claims, and lower edges η_r by friction ratio:")
-        for name, text in STATED.items():
-            print(f"  {name}: {text}")
-        tables.print_table(tables.text_table(CLAIM_COLUMNS, concluded))
-        for claim in concluded[0].claims:
-            print(visible(f"{claim.name}, {concluded[0].variant}: {claim.answer}; {claim.numbers}"))
-        for own in concluded:
-            print(visible(sentence(own, concluded[0])))
-
-
-@app.command()
-@grouped
-def accuracy(
-    engines: Engines,
-    *,
-    store: Store = None,
-    out: TableFile = None,
-    work: Work,
-) -> None:
-    """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
-
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
-
-    Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
-    """
-    from multibody_xval.scenarios.studies import accuracy as study
-    from multibody_xval.scenarios.verdicts.steady_case import EXACT
-
-    variants = engines.variants()
-    check_outs([out], TABLE_ENDINGS, store)
-    expected = [*study.exact_tasks().values(), *(task for each in variants for task in study.accuracy_tasks(each))]
-    with work.evaluator(store, [EXACT, *variants], expected) as evaluator:
-        rows = study.accuracies(variants, evaluator)
-    remarks = [study.remark(row) for row in rows if row.certified < row.points]
-    columns = study.ACCURACY_COLUMNS, study.PRINTED_COLUMNS
-    _end(out, *columns, rows, lambda: study.accuracy_document(rows, engines.command("accuracy")), remarks)
-
-
 @app.command()
 @grouped
 def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: Work) -> None:
@@ -298,57 +218,6 @@ def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: 
     with work.evaluator(store, shown) as evaluator:
         rows = law_agreements(shown, evaluator)
     _end(out, LAW_COLUMNS, LAW_COLUMNS, rows, lambda: law_document(rows, engines.command("laws")))
-
-
-@app.command()
-@grouped
-def work_precision(
-    engines: Engines,
-    *,
-    steps: Annotated[
-        list[int] | None,
-        typer.Option(help="Steps a period; may be repeated. Without it, 50, 100, 200, 400 and 800.", metavar="N"),
-    ] = None,
-    store: Store = None,
-    out: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Write the table here as .md, in full as .csv, the chart as .svg, .pdf or .png; may be repeated."
-        ),
-    ] = None,
-    work: Work,
-) -> None:
-    """Compare engines and the reference by the error to the proven truth over the time of a simulated second.
-
-    The time of an engine is that of the searches for its steady states over the time that they simulate; one of --store
-    is that of the earlier run.
-
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
-
-    Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
-    """
-    from multibody_xval.scenarios.studies import work_precision as study
-    from multibody_xval.scenarios.studies.figure3 import figure3
-    from multibody_xval.scenarios.verdicts.steady_case import EXACT
-    from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
-    from reference_lcp.validation import MOST_STEPS, checked_count
-
-    chosen = steps or study.USUAL_STEPS
-    counts = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in chosen})
-    sweep = figure3([variant for variant in engines.variants() if variant != EXACT])
-    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
-    with work.evaluator(store, sweep.variants) as evaluator:
-        points = study.step_study(sweep.variants, evaluator, steps=counts)
-    command = engines.command("work-precision", [f"--steps={count}" for count in steps or ()])
-    _end(None, study.WORK_COLUMNS, study.PRINTED_COLUMNS, points, remarks=study.remarks(points))
-    for file in (each for each in outs if each.suffix in TABLE_ENDINGS):
-        _write_table(file, study.WORK_COLUMNS, points, study.document(points, command))
-    charts = [each for each in outs if each.suffix in CHART_ENDINGS]
-    if charts:
-        from multibody_xval.reports.figures.speed import curves, speed_figure
-
-        _write_charts(charts, speed_figure(curves(points)))
 
 
 @app.command()
@@ -446,9 +315,3 @@ def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row],
     from multibody_xval.scenarios.tables import csv_text, full_table
 
     write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)
-
-
-def _write_charts(outs: Sequence[Path], drawing: Drawing) -> None:
-    """Write a figure in the format of each file."""
-    for out in outs:
-        write_whole(out, drawing.file(out.suffix[1:]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,13 +84,11 @@ def sweep(
 
 def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
     """Give the results of a sweep: what the store lacks is run, or not."""
-    from multibody_xval.scenarios.sweep_plan import size_text
     from multibody_xval.scenarios.swept import stored_sweep, swept
 
     if not run:
         assert means.store is not None
         return stored_sweep(planned, means.store)
-    print(size_text(planned), file=sys.stderr)
     announce_compilation()
     with keeping(means.store):
         return swept(planned, means)
@@ -98,23 +96,23 @@ def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
 
 def print_counts(planned: Sweep, table: pd.DataFrame) -> None:
     """Print what has become of the points of every configuration, with the largest error and where it is."""
-    from multibody_xval.scenarios.judge import VERDICTS
+    from multibody_xval.scenarios.judge import AGREES, DEVIATES, VERDICTS
 
     places = 0 if planned.grid is not None else planned.points // len(planned.configs)
     rows = []
     for config in planned.configs:
         own = table[table.config == config]
         counts = own.verdict.value_counts()
-        size = own.error_db.abs()
+        size = own.error_db.abs().dropna().sort_values()
         rows.append({
             "configuration": str(config),
             **{verdict: str(counts.get(verdict, 0)) for verdict in VERDICTS},
             "not run": str(max(places - len(own), 0)),
-            "largest error [dB]": f"{size.max():.3g}" if size.notna().any() else "–",
-            "at": _place(planned, own.loc[size.idxmax()]) if size.notna().any() else "–",
+            "largest error [dB]": f"{size.iloc[-1]:.3g}" if len(size) else "–",
+            "at": _place(planned, own.loc[size.index[-1]]) if len(size) else "–",
             "periods: median, most": _periods(own.periods[own.status == "periodic"]),
         })  # fmt: skip
-    shown = [name for name in rows[0] if any(row[name] != "0" for row in rows)]
+    shown = [name for name in rows[0] if name in (AGREES, DEVIATES) or any(row[name] != "0" for row in rows)]
     print_table(shown, [[row[name] for name in shown] for row in rows])
 
 
@@ -131,5 +129,5 @@ def print_reasons(table: pd.DataFrame) -> None:
     """Print every reason why a configuration has no steady state once."""
     rest = table[table.status != "periodic"]
     reasons = rest.reason.where(rest.reason != "", rest.status)
-    for (config, reason), count in rest.groupby(["config", reasons], sort=False).size().items():
+    for (config, reason), count in Counter(zip(rest.config, reasons, strict=True)).items():
         print(visible(f"{config}: {count} point{'s' if count > 1 else ''}: {reason}"))

@@ -38,7 +38,7 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
         ),
         "figure3": Description(
             "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?",
-            "the event-driven solver, exact to round-off; edges with the reference at converged or equal steps",
+            "the event-driven solver, exact to round-off",
         ),
         "den-hartog": Description(
             "How does a mass slide with dry friction under a harmonic force, and when does it turn back?",

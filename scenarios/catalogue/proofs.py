@@ -16,15 +16,10 @@ from statistics import median_high
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.steady.base import SteadyScenario
 from multibody_xval.scenarios.catalogue.steady.modulated_normal_force import CASE_STEPS, CASES
-from multibody_xval.scenarios.runs.parameters import ChainRatios, OperatingPoint
+from multibody_xval.scenarios.report_plan import grid
+from multibody_xval.scenarios.runs.parameters import OperatingPoint
 from multibody_xval.scenarios.runs.task import SteadyStateTask
-from multibody_xval.scenarios.studies.accuracy import ACCURACY_POINTS, task_at
-from multibody_xval.scenarios.studies.figure3 import (
-    FRICTION_RATIOS,
-    QUICK_FRICTION_RATIOS,
-    default_frequency_ratios,
-    quick_frequency_ratios,
-)
+from multibody_xval.scenarios.studies.accuracy_map import MAP, SIX
 from multibody_xval.scenarios.tables import Column
 from multibody_xval.scenarios.verdicts.finding import FLOOR_DB
 from multibody_xval.scenarios.verdicts.proven import (
@@ -57,7 +52,7 @@ RESOLVED = {
     1.0: (0.92315, 0.925, 0.975, 0.9875, 1.0125, 1.025, 1.0375),
     5.0: (1.1625, 1.175, 1.1875, 1.27095, 1.281425, 1.3125, 1.325),
 }
-"""Frequency ratios that both reports add near the threshold, by friction ratio: see `attenuation_band.unresolved`."""
+"""Frequency ratios that both reports add near the threshold, by friction ratio: see `edges.hidden`."""
 
 LONGEST_PROOF = 3600.0
 """Seconds after which a proof is given up: fifty cells take minutes."""
@@ -128,15 +123,10 @@ class Proof:
 
 
 def standard_points() -> list[OperatingPoint]:
-    """Give the points of the default and the quick report, and those of `studies.accuracy`."""
-    ratios = ChainRatios()
-    grids = (
-        (FRICTION_RATIOS, default_frequency_ratios(ratios)),
-        (QUICK_FRICTION_RATIOS, quick_frequency_ratios(ratios)),
-    )
-    gridded = (OperatingPoint(friction, eta) for frictions, etas in grids for friction in frictions for eta in etas)
-    resolved = (OperatingPoint(friction, eta) for friction, etas in RESOLVED.items() for eta in etas)
-    return sorted({*gridded, *resolved, *ACCURACY_POINTS})
+    """Give the points of the default and the quick report, and those of the accuracy map."""
+    cases = (*grid(quick=False), *grid(quick=True), *MAP, *SIX)
+    known = {OperatingPoint(float(case.friction_ratio), case.frequency_ratio) for case in cases}
+    return sorted(known | {OperatingPoint(friction, eta) for friction, etas in RESOLVED.items() for eta in etas})
 
 
 def catalogue_tasks() -> list[SteadyStateTask]:
@@ -149,7 +139,15 @@ def catalogue_tasks() -> list[SteadyStateTask]:
 
 def standard_tasks() -> list[SteadyStateTask]:
     """Give all steady states of the table, those of the canonical chain first."""
-    gridded = [task_at(EXACT, point, MINIMUM_STEPS_PER_PERIOD) for point in standard_points()]
+    gridded = [
+        SteadyStateTask(
+            variant=EXACT,
+            friction_ratio=point.friction_ratio,
+            frequency_ratio=point.frequency_ratio,
+            steps_per_period=MINIMUM_STEPS_PER_PERIOD,
+        )
+        for point in standard_points()
+    ]
     tasks = dict.fromkeys(steady_state_of(task) for task in (*gridded, *catalogue_tasks()))
     points = {task: (task.friction_ratio, task.frequency_ratio) for task in tasks if not chain_text(task)}
     return [*sorted(points, key=points.__getitem__), *(task for task in tasks if task not in points)]
@@ -220,9 +218,14 @@ def _alone(friction_ratio: float, sides: tuple[float, float]) -> tuple[float, fl
     return None
 
 
+def _frequency_ratios() -> list[float]:
+    """Give the frequency ratios of the default grid."""
+    return sorted({case.frequency_ratio for case in grid(quick=False)})
+
+
 def known_steps(friction_ratio: float) -> tuple[int, int]:
     """Give in how many steps of the default grid no contact slips, so that all crossings are known; of how many."""
-    steps = list(pairwise(default_frequency_ratios(ChainRatios())))
+    steps = list(pairwise(_frequency_ratios()))
     ranges = _linear(friction_ratio)
     return sum(any(low <= a and b <= high for low, high, _ in ranges) for a, b in steps), len(steps)
 
@@ -232,7 +235,7 @@ def _linear(friction_ratio: float) -> list[tuple[float, float, list[float]]]:
     """Give the ranges of the default grid without slip, and the crossings in them, as doubles."""
     from reference_lcp.exact.proof.linear import linear_ranges
 
-    ends = default_frequency_ratios(ChainRatios())
+    ends = _frequency_ratios()
     exact = ExactChain.from_ratios(friction_ratio=friction_ratio, frequency_ratio=1)
     ranges = linear_ranges(exact, Fraction(str(ends[0])), Fraction(str(ends[-1])))
     return [(float(each.low), float(each.high), [float(place) for place in each.crossings]) for each in ranges]

@@ -18,7 +18,7 @@ class _Start(Popen):
 
 
 class _Process(ForkServerProcess):
-    _Popen = staticmethod(_Start)  # type: ignore[assignment]
+    _Popen = staticmethod(_Start)
 
 
 class WithoutMain(ForkServerContext):

@@ -49,22 +49,30 @@ class Crossing(NamedTuple):
 NOWHERE = Crossing(*[np.nan] * 5)
 
 COLUMNS = {
-    "edge": object, "frequency_ratio": float, **dict.fromkeys(Crossing._fields, float), "interpolation": float, "before": int, "after": int,
-    "lost": int, "absent": object,
-}  # fmt: skip
+    "edge": str,
+    "frequency_ratio": float,
+    **dict.fromkeys(Crossing._fields, float),
+    "interpolation": float,
+    "before": int,
+    "after": int,
+    "lost": int,
+    "absent": str,
+}
 
 
 def edges(table: pd.DataFrame) -> pd.DataFrame:
     """Give the edges of every curve, as far as its points tell, and which a curve has not.
 
     Columns: those of `CURVE`, with the ``steps`` that were asked for; ``edge`` (lower or upper); ``frequency_ratio``,
-    NaN where there is none or none is known, and ``absent``, which then says why; ``lost``: the number of points without
-    a steady state that leave it unknown; ``guess``, ``low`` and ``high``: where it is looked for, and ``interpolation``:
-    how far off that may be; ``width`` of its bracket; all in η_r; ``slope`` [dB per η_r]; ``before`` and ``after``: the
+    NaN where there is none or none is known, and ``absent``, which then says why; ``lost``: how many points without a
+    steady state leave it unknown; ``guess``, ``low`` and ``high``: where it is looked for, and ``interpolation``: how
+    far off that may be; ``width`` of its bracket; all in η_r; ``slope`` [dB per η_r]; ``before`` and ``after``: the
     rows of the table beside it, or -1.
     """
     rows = [(*key, *own) for key, curve in curves(table) for own in _edges_of(curve)]
-    return pd.DataFrame(rows, columns=[*CURVE, *COLUMNS]).astype({"steps": int, **COLUMNS})
+    return pd.DataFrame(rows, columns=[*CURVE, *COLUMNS]).astype(
+        {**dict.fromkeys(CURVE, str), "curve": object, "steps": int, **COLUMNS}
+    )
 
 
 def refined(found: pd.DataFrame) -> pd.Series:
@@ -146,10 +154,7 @@ def _absent(
         return lost.size, f"not periodic at {lost.size} points"
     if not deep.size:
         return 0, f"no attenuation below {DEPTH_DB:g} dB up to {eta[-1]:g}"
-    return (
-        0,
-        f"below {THRESHOLD_DB:g} dB from {eta[0]:g} on" if before else f"below {THRESHOLD_DB:g} dB up to {eta[-1]:g}",
-    )
+    return 0, f"below {THRESHOLD_DB:g} dB " + (f"from {eta[0]:g} on" if before else f"up to {eta[-1]:g}")
 
 
 def crossing(eta: NDArray[np.float64], level: NDArray[np.float64], row: int) -> Crossing:

@@ -1,7 +1,8 @@
 """Edges beside those of the exact motion, or of the reference for presets that share its scheme."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +21,7 @@ from multibody_xval.scenarios.judge import (
     judged,
     resolution,
 )
-from multibody_xval.scenarios.result_tables import CURVE, is_reference
+from multibody_xval.scenarios.result_tables import CONFIG, CURVE, is_reference
 
 NOT_REFINED = "not refined"
 """Verdict on an edge whose bracket is still too wide."""
@@ -31,6 +32,12 @@ RULED = {
     "exact": float, "exact_bar": float, "scheme": float, "reference": float, "reference_open": float,
     "ruled_slope": float, "growth": float, "effect": float,
 }  # fmt: skip
+
+
+PRESENCE = ("reference_there", "reference_absent", "reference_lost")
+
+HELPERS = ("reference_open", "ruled_slope", "growth", "effect", "deviates", *PRESENCE)
+"""Columns that only verdicts need."""
 
 
 @np.errstate(invalid="ignore", divide="ignore")
@@ -53,30 +60,29 @@ def judged_edges(table: pd.DataFrame) -> pd.DataFrame:
     of_reference = found[is_reference(found)].drop_duplicates(["curve", "steps", "edge"], keep="last")
     rows = found.merge(_ruled(of_reference, table, points), on=["curve", "steps", "edge"], how="left")
     rows = rows.merge(_of_curves(table, points), on=CURVE_OF, how="left")
-    rows = rows.merge(_absent(of_reference), on=["curve", "steps", "edge"], how="left")
+    rows = rows.merge(_presence(of_reference), on=["curve", "steps", "edge"], how="left")
+    rows = rows.assign(**{name: rows[name].eq(True) for name in PRESENCE})
     per_amplitude = DB / rows.ruled_slope.abs()
     blur = _open(rows, table) * per_amplitude + rows.interpolation
     step = np.maximum(rows.scheme, rows.accuracy * per_amplitude)
-    shares = rows.shares_scheme.astype(bool)
+    shares = rows.shares_scheme
     allowed = (rows.exact_bar + step + blur).where(~shares, blur + rows.reference_open)
     rows = rows.assign(
         error=rows.frequency_ratio - rows.exact, expected=rows.reference.where(shares, rows.exact), allowed=allowed
     )
-    return rows.assign(verdict=_verdicts(rows, allowed / per_amplitude)).drop(columns=[*HELPERS])
-
-
-HELPERS = ("reference_open", "ruled_slope", "growth", "effect", "deviates", "reference_lost", "reference_absent")
+    rows = rows.assign(verdict=_verdicts(rows, allowed / per_amplitude)).drop(columns=[*HELPERS])
+    return rows.astype(dict.fromkeys([*CONFIG, "version", "edge", "verdict"], str))
 
 
 def _verdicts(rows: pd.DataFrame, amplitude: pd.Series) -> np.ndarray:
     """Say of each edge what it is; `amplitude` is what is allowed there."""
     absent = rows.before < 0
     there = ~absent & rows.frequency_ratio.notna()
-    one_alone = (absent & rows.reference.notna()) | (there & rows.reference_absent)
+    one_alone = (absent & rows.reference_there) | (there & rows.reference_absent)
     distance = (rows.frequency_ratio - rows.expected).abs()
     return np.select(
         [
-            (rows.lost > 0) | (rows.reference_lost > 0),
+            (rows.lost > 0) | rows.reference_lost,
             absent & rows.reference_absent,
             one_alone & rows.deviates,
             absent | one_alone,
@@ -94,38 +100,41 @@ def _of_curves(table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
     """Give, of every curve, what its judgement needs of its configuration, and whether any of its points deviates."""
     own = table.groupby(CURVE_OF, sort=False, dropna=False)[["shares_scheme", "judged", "accuracy"]].first()
     off = (points.verdict == DEVIATES).groupby([points[name] for name in CURVE_OF], sort=False, dropna=False).any()
-    return own.assign(deviates=off.reindex(own.index, fill_value=False)).reset_index()
+    own = own.astype({"shares_scheme": bool, "judged": bool, "accuracy": float})
+    return own.assign(deviates=off.reindex(own.index, fill_value=False).astype(bool)).reset_index()
 
 
-def _absent(reference: pd.DataFrame) -> pd.DataFrame:
-    """Give where the reference has no edge, and where that is unknown."""
-    own = reference[["curve", "steps", "edge"]]
-    return own.assign(reference_lost=reference.lost, reference_absent=(reference.before < 0) & (reference.lost == 0))
+def _presence(reference: pd.DataFrame) -> pd.DataFrame:
+    """Give where the reference has an edge, where it has none, and where that is unknown."""
+    there, lost = reference.before >= 0, reference.lost > 0
+    states = dict(zip(PRESENCE, (there & ~lost, ~there & ~lost, lost), strict=True))
+    return reference[["curve", "steps", "edge"]].assign(**states)
 
 
 def _open(rows: pd.DataFrame, table: pd.DataFrame) -> pd.Series:
     """Give what residual, round-off and contacts that give way leave open of the amplitudes beside each edge."""
-    sides = []
-    for side in ("before", "after"):
-        beside = table.reindex(rows[side]).set_index(rows.index).assign(growth=rows.growth)
-        sides.append(resolution(beside))
-    return np.maximum(*sides)
+    first, last = (
+        resolution(table.reindex(rows[side]).set_index(rows.index).assign(growth=rows.growth)).astype(float)
+        for side in ("before", "after")
+    )
+    return pd.concat([first, last], axis=1).max(axis=1, skipna=False)
 
 
 def _ruled(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
     """Give, of every edge of the reference, the exact motion's, and what is known of amplitudes there."""
-    rows = list(_ruled_rows(reference[reference.frequency_ratio.notna()], table, points))
-    return pd.DataFrame(rows, columns=["curve", "steps", "edge", *RULED]).astype({"steps": int, **RULED})
+    rows = list(_ruled_rows(reference[refined(reference)], table, points))
+    return pd.DataFrame(rows, columns=["curve", "steps", "edge", *RULED]).astype({"steps": int, "edge": str, **RULED})
 
 
 def _ruled_rows(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> Iterator[tuple[object, ...]]:
     levels = exact_levels(table)
     own_points = points[is_reference(points)]
     of_run = dict(zip(zip(own_points.case, own_points.steps, strict=True), own_points.index, strict=True))
-    for own in reference.itertuples():
+    edge_rows: Iterable[Any] = reference.itertuples()
+    for own in edge_rows:
         place, step, exact_slope = exact_place(own, levels)
         case = replace(own.curve, frequency_ratio=place)
-        at = points.loc[of_run[run]] if (run := (case, case.steps(own.steps))) in of_run else None
+        at: Any = points.loc[of_run[run]] if (run := (case, case.steps(own.steps))) in of_run else None
         slope = min(abs(own.slope), abs(exact_slope))
         beside = table.loc[[own.before, own.after]]
         growth = beside.amplification.max()

@@ -38,20 +38,20 @@ def propose(table: pd.DataFrame) -> list[Run]:
     found = edges(table)
     found = found[found.before >= 0]
     reference, wide = is_reference(found), ~refined(found)
-    if first := new(run for own in found[reference & wide].itertuples() for run in _around(own, table)):
+    if first := new(run for own in _rows(found[reference & wide]) for run in _around(own, table)):
         return first
     starts = found[reference & ~wide].set_index(["curve", "steps", "edge"]).frequency_ratio.to_dict()
     runs = []
-    for own in found[~reference & wide].itertuples():
+    for own in _rows(found[~reference & wide]):
         runs += new(_beside(own, table, starts)) or new(_around(own, table))
-    return runs + new(_ruling(found[reference & ~wide], table))
+    return runs + new(_ruling(found[reference & ~wide], table, known))
 
 
 def _resolving(table: pd.DataFrame) -> Iterator[Run]:
     """Give the runs without which a crossing may be hidden."""
-    for (*_, steps), curve in curves(table):
+    for _, curve in curves(table):
         for eta in hidden(curve):
-            yield _run(curve.config.iloc[0], curve.curve.iloc[0], eta, steps)
+            yield _run(curve.config.iloc[0], curve.curve.iloc[0], eta, int(curve.steps.iloc[0]))
 
 
 def _around(own: Any, table: pd.DataFrame) -> list[Run]:
@@ -76,14 +76,18 @@ def _run(config: Any, curve: Case, frequency_ratio: float, steps: int) -> Run:
     return Run(config, case, case.steps(steps))
 
 
-def _ruling(found: pd.DataFrame, table: pd.DataFrame) -> list[Run]:
-    """Give the runs of the exact motion that lead to its edges, and of the ruler where they are."""
+def _ruling(found: pd.DataFrame, table: pd.DataFrame, known: set[Run]) -> list[Run]:
+    """Give the runs of the exact motion that lead to its edges, and of the ruler where they are, or where it fails."""
     levels = exact_levels(table)
     runs: list[Run] = []
-    for own in found.itertuples():
+    for own in _rows(found):
         place, step, _ = exact_place(own, levels)
         case = replace(own.curve, frequency_ratio=place)
-        all_of_it = ruler([(case, case.steps(own.steps))])
-        only_exact = [run for run in all_of_it if run.config == EXACT]
-        runs += only_exact if math.isnan(step) and only_exact else all_of_it
+        whole = ruler([(case, case.steps(own.steps))])
+        first = [run for run in whole if run.config == EXACT and run not in known]
+        runs += first if math.isnan(step) and first else whole
     return runs
+
+
+def _rows(found: pd.DataFrame) -> Iterable[Any]:
+    return found.itertuples()

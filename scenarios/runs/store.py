@@ -166,10 +166,6 @@ class ResultStore(Closing):
         """The key of every result, whatever version of the suite has computed it, the latest last."""
         return {unsourced_key(content): key.decode() for key, content, _ in self._rows()}
 
-    def all_results(self) -> Iterator[tuple[str, Result]]:
-        """Give every task, as `Task.text` has it, and its result, in the order of writing."""
-        yield from ((self._text(content), self._result(answer)) for _, content, answer in self._rows())
-
     def _rows(self) -> Iterator[tuple[bytes, bytes, bytes]]:
         """Give key, content and answer of every row, in the order of writing."""
         self.check_pages()  # those that lead to each other would never end

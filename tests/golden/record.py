@@ -197,7 +197,7 @@ def edge_rows(name: str, means: Means) -> Iterator[Row]:
     settling = [own for own in joints if counts[own]]
     runs = [Run(own, case, case.steps()) for own in dict.fromkeys([REFERENCE, *settling]) for case in grid(quick=True)]
     stored = computed(runs, means, f"{name}, grid", [("edges", edges.propose)])
-    for own in edges.edges(table_of(stored)).itertuples():
+    for own in edges.edges(table_of(stored)).dropna(subset="frequency_ratio").itertuples():
         config = Config(own.engine, own.formulation, own.preset)
         if config in settling:
             labels = {"config": str(config), "friction_ratio": f"{own.curve.friction_ratio:g}", "edge": own.edge}

@@ -1,8 +1,10 @@
 """Engines that take their process along, or would take that of the client."""
 
+import contextlib
 import ctypes
 import faulthandler
 import os
+import resource
 import signal
 import sys
 import threading
@@ -123,6 +125,46 @@ class Exits(Faulty):
         def run(self, state, start, steps):
             if at_the_deadly_point(self.lane):
                 sys.exit(0)
+            return super().run(state, start, steps)
+
+
+class Leaves(Faulty):
+    """Ends its process, as if all were well, without a word to Python."""
+
+    name = "faulty-leaves"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                os._exit(0)
+            return super().run(state, start, steps)
+
+
+class IsHungry(Faulty):
+    """Takes all memory that there is, here 2 GiB."""
+
+    name = "faulty-hungry"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                resource.setrlimit(resource.RLIMIT_AS, (2**31, resource.RLIM_INFINITY))
+                np.ones(2**40)
+            return super().run(state, start, steps)
+
+
+class Garbles(Faulty):
+    """Writes into every pipe of its process."""
+
+    name = "faulty-garbles"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                for descriptor in Path("/proc/self/fd").iterdir():
+                    with contextlib.suppress(OSError):
+                        if str(descriptor.readlink()).startswith("pipe"):
+                            os.write(int(descriptor.name), 100 * b"what an engine says")
             return super().run(state, start, steps)
 
 

@@ -49,8 +49,19 @@ def made(
     for f, ends in zip(lower, zip(lower.values(), upper.values(), strict=True), strict=True):
         curve = (*key, Case(friction_ratio=f, frequency_ratio=1.0), 400)
         found = [(name, eta) for name, eta in zip(("lower", "upper"), ends, strict=True) if math.isfinite(eta)]
-        rows += [(*curve, name, eta, 1e-6, 0.0) for name, eta in found]
-    names = [*CONFIG, "version", "curve", "steps", "edge", "frequency_ratio", "width", "interpolation"]
+        rows += [(*curve, name, eta, 1e-6, 0.0, 0, 0) for name, eta in found]
+    names = [
+        *CONFIG,
+        "version",
+        "curve",
+        "steps",
+        "edge",
+        "frequency_ratio",
+        "width",
+        "interpolation",
+        "before",
+        "lost",
+    ]
     return stored, pd.DataFrame(rows, columns=names)
 
 
@@ -208,6 +219,15 @@ def test_a_band_is_not_known_where_a_run_failed_was_never_made_or_an_edge_is_not
     assert 5.0 not in known((stored[:-1], found)).index
     stored, found = made()
     found.loc[(found.edge == "lower") & (found.frequency_ratio == LOWER[0.1]), "width"] = 0.1
+    assert 0.1 not in known((stored, found)).index
+
+
+def test_a_curve_below_the_threshold_from_its_first_point_on_has_no_lower_edge_unless_points_before_are_lost() -> None:
+    stored, found = made()
+    own = (found.edge == "lower") & (found.frequency_ratio == LOWER[0.1])
+    found.loc[own, ["frequency_ratio", "width", "interpolation", "before"]] = [math.nan, math.nan, math.nan, -1]
+    assert known((stored, found)).lower[0.1] == -math.inf
+    found.loc[own, "lost"] = 2
     assert 0.1 not in known((stored, found)).index
 
 

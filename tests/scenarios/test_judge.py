@@ -158,3 +158,59 @@ def test_a_table_without_points_has_no_verdicts() -> None:
 def test_levels_far_below_the_band_differ_by_their_amplitudes() -> None:
     levels = judge.on_scale(pd.Series([-60.0, -80.0, -math.inf, 0.0]))
     assert levels.tolist() == pytest.approx([-60.0, -60 - judge.DB * 0.9, -60 - judge.DB, 0.0])
+
+
+@pytest.mark.parametrize(("modulation", "expected"), [(0.9, "reference at equal steps"), (1.5, "exact value")])
+def test_where_contacts_open_nothing_shares_the_scheme_and_nothing_is_judged(modulation, expected) -> None:
+    """A contact lands in another number of steps in every engine: two of them are 0.04 to 0.1 % apart."""
+    case = Case(friction_ratio=0.3, frequency_ratio=0.7, cells=2, modulation=modulation)
+    ruled = [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, STEPS)])]
+    held = Config("pybullet", "contact")
+    own = ruled[0].result
+    near = replace(own, transmittance=own.transmittance * 1.0003)
+    table = judged(points([*ruled, Stored(Run(held, case, STEPS), "1", near)]))
+    row = table[table.engine == "pybullet"].iloc[0]
+    opens = expected == "exact value"
+    assert (row.expected, row.judged, row.verdict) == (expected, not opens, AGREES if opens else DEVIATES)
+    assert row.exact_kind == "extrapolated"
+
+
+@pytest.mark.parametrize(("off", "verdict"), [(5e-6, AGREES), (5e-5, DEVIATES)])
+def test_an_accuracy_is_that_of_an_amplitude_at_the_floor_where_the_motion_is_smaller(off, verdict) -> None:
+    """A hundredth of 6e-5 U0 is 6e-7; of what -60 dB are, 1e-5."""
+    case = Case(friction_ratio=0.61, frequency_ratio=1.81)
+    ruled = [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, STEPS)])]
+    exact = next(own.result for own in ruled if own.run.config.preset_name == "exact")
+    near = Stored(Run(OTHER, case, STEPS), "1", replace(exact, transmittance=exact.transmittance + off))
+    table = points([*ruled, near])
+    assert abs(exact.transmittance) < 0.1 * judge.FLOOR
+    row = judged(table.assign(accuracy=0.01)).iloc[-1]
+    assert row.verdict == verdict
+    assert judged(table.assign(accuracy=0.0)).iloc[-1].verdict == DEVIATES
+
+
+def test_a_stated_accuracy_is_at_most_a_tenth_of_what_friction_changes() -> None:
+    """Well below the band friction changes 0.1 % of the amplitude: a hundredth of that would agree with no friction."""
+    case = Case(friction_ratio=0.31, frequency_ratio=0.3)
+    ruled = [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, STEPS)])]
+    exact = next(own.result for own in ruled if own.run.config.preset_name == "exact")
+    effect = judge.friction_effect(case, exact.transmittance)
+    assert effect < 0.01 * abs(exact.transmittance)
+    shares = {0.0: AGREES, 0.09: AGREES, 0.2: DEVIATES}
+    for share, verdict in shares.items():
+        own = replace(exact, transmittance=exact.transmittance + share * effect)
+        table = points([*ruled, Stored(Run(OTHER, case, STEPS), "1", own)])
+        assert judged(table.assign(accuracy=0.01)).iloc[-1].verdict == verdict
+
+
+@pytest.mark.parametrize(("times", "verdict"), [(0.9, AGREES), (1.5, TOO_LARGE), (2.5, DEVIATES)])
+def test_where_the_scheme_errs_much_another_scheme_may_err_twice_as_much_undecided(times, verdict) -> None:
+    """At this point Euler's step with 400 a period is 2.8 % off, more than any accuracy that a preset may state."""
+    case = Case(friction_ratio=0.101, frequency_ratio=1.402)
+    ruled = [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, STEPS)])]
+    table = judged(points([*ruled, Stored(Run(OTHER, case, STEPS), "1", ruled[0].result)]).assign(accuracy=0.0))
+    row = table[table.engine == "drake"].iloc[0]
+    assert row.scheme_error > 0.015 * abs(row.exact)
+    own = replace(ruled[0].result, transmittance=row.exact + times * row.allowed)
+    table = points([*ruled, Stored(Run(OTHER, case, STEPS), "1", own)]).assign(accuracy=0.0)
+    assert judged(table).iloc[-1].verdict == verdict

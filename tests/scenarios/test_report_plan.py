@@ -3,8 +3,18 @@
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.scenarios import report_plan
 from multibody_xval.scenarios.exact_values import ruler
-from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, frictions, grid, left_out, report_runs
+from multibody_xval.scenarios.model import Case, Config, Run
+from multibody_xval.scenarios.report_plan import (
+    HEADLINE,
+    HEADLINE_STEPS,
+    claim_frequency_ratios,
+    frictions,
+    grid,
+    grid_cases,
+    headline_cases,
+    left_out,
+    report_runs,
+)
 
 TUNED = Config("mujoco")
 DEFAULT = Config("mujoco", preset_name="default")
@@ -37,11 +47,28 @@ def test_the_quick_report_measures_slow_engines_at_one_friction_ratio() -> None:
     assert frictions(SLOW, quick=False) == report_plan.FRICTION_RATIOS
 
 
+def test_the_default_report_measures_slow_engines_where_claims_and_edges_need_it() -> None:
+    own = grid_cases(SLOW, quick=False)
+    assert [case for case in own if case.friction_ratio == 0.1] == [
+        Case(friction_ratio=0.1, frequency_ratio=eta) for eta in claim_frequency_ratios()
+    ]
+    assert {case.friction_ratio for case in own} == set(report_plan.FRICTION_RATIOS)
+    assert grid_cases(TUNED, quick=False) == list(grid(False))
+    said = left_out([SLOW], quick=False)
+    assert said.startswith(f"Exudyn, regularised: the {len(claim_frequency_ratios())} frequency ratios of ")
+
+
+def test_a_slow_contact_is_measured_at_one_point_of_the_quick_headline() -> None:
+    slow = Config("exudyn-regularised", "contact", "default")
+    assert headline_cases(slow, quick=True) == HEADLINE[:1]
+    assert headline_cases(slow, quick=False) == headline_cases(SLOW, quick=True) == HEADLINE
+
+
 def test_what_is_left_out_is_said_with_the_command_that_has_it() -> None:
     said = left_out([TUNED, SLOW, UNSETTLED], quick=True)
     assert said == (
         "Left out of the quick report: friction ratios 0.1, 0.6, 5; Exudyn, regularised: friction ratios other than "
-        "0.3, and default options on the grid; all of it: multibody-xval report. "
+        "0.3, and most points with default options; all of it: multibody-xval report. "
         "At one point alone, since they hardly ever settle: mujoco:contact:default."
     )
     assert left_out([TUNED], quick=False) == ""

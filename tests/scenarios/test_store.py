@@ -88,6 +88,14 @@ def test_what_is_no_store_is_refused_and_stays_as_it_is(tmp_path: Path, problem:
     assert (file.read_bytes() if file.is_file() else b"") == before
 
 
+@pytest.mark.parametrize("name", [":memory:", "", "file:own.sqlite", "file::memory:?cache=shared", ":", "/dev/full"])
+def test_a_store_that_would_keep_nothing_is_refused(tmp_path: Path, monkeypatch, name: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ParameterError, match=r"store .*; allowed: a file"), opened(Path(name)):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_full_disk_ends_in_a_line_and_loses_nothing() -> None:
     with opened(None) as store:
         store.add({RUN: FOUND})
@@ -96,3 +104,38 @@ def test_a_full_disk_ends_in_a_line_and_loses_nothing() -> None:
         with pytest.raises(RunError, match="the disk is full; what is stored stays"):
             store.add(many)
         assert store.known([RUN]) == {RUN: FOUND}
+
+
+HOSTILE_ROWS = [
+    ("run", "[" * 3_000),
+    ("run", "{}"),
+    ("run", '{"config": "mujoco", "case": {"friction_ratio": -1, "frequency_ratio": 1}, "steps": 400}'),
+    ("result", '{"status": "dancing", "transmittance": [1, 0]}'),
+    ("result", '{"status": "periodic", "transmittance": [1, 2, 3]}'),
+    ("result", '{"status": "periodic", "transmittance": [1, 0], "__class__": "os.system"}'),
+]
+
+
+@pytest.mark.parametrize(("column", "text"), HOSTILE_ROWS)
+def test_a_row_of_the_wrong_form_is_refused_in_a_line(tmp_path: Path, column: str, text: str) -> None:
+    file = stored_in(tmp_path / "own.sqlite")
+    with sqlite3.connect(file) as own:
+        own.execute(f"UPDATE results SET {column} = ?", (text,))
+    with (
+        opened(file) as store,
+        pytest.raises(ParameterError, match=r"own\.sqlite: .*allowed"),
+    ):
+        list(store.rows())
+
+
+@pytest.mark.parametrize(
+    "text", ["{}", '{"status": "finest"}', "no JSON", "[" * 5000, '{"status": "failed", "colour": 1}']
+)
+def test_a_result_that_cannot_be_read_is_named_with_its_store(tmp_path: Path, text: str) -> None:
+    file = stored_in(tmp_path / "own.sqlite")
+    with sqlite3.connect(file) as own:
+        own.execute("UPDATE results SET result = ?", (text,))
+    with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .* cannot be read: .*; allowed"):
+        store.known([RUN])
+    with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .* cannot be read: .*; allowed"):
+        list(store.rows())

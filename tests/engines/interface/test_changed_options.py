@@ -12,7 +12,6 @@ from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, For
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import Variant, variants_named
 from multibody_xval.scenarios.runs.task import SteadyStateTask, options_of
-from multibody_xval.scenarios.sweeps.dataset import description_of
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from tests.installed import each_variant
@@ -84,7 +83,7 @@ def test_what_is_the_adapters_is_no_option_of_an_engine(variant: Variant) -> Non
     """Results depend on units, and on what is held, all the same: a task has them beside the options."""
     preset = variant.preset
     own = {ADAPTERS_UNITS, ACROSS}
-    assert not own & {option["name"] for option in description_of(variant)["options"]}
+    assert not own & set(preset.engine_options)
     left_out = set(options_of(preset)) - set(preset.engine_options)
     assert {option for option in left_out if not preset.options[option].held} == set(preset.options) & own
 

@@ -8,24 +8,21 @@ from types import SimpleNamespace
 
 import pytest
 
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.catalogue import proofs
 from multibody_xval.scenarios.catalogue.steady.den_hartog import DenHartog
 from multibody_xval.scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.exact_values import exact_values, proven, ruler
+from multibody_xval.scenarios.model import REFERENCE, Case, Run
+from multibody_xval.scenarios.model import Result as CaseResult
+from multibody_xval.scenarios.report_plan import grid
+from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation, Modulation
 from multibody_xval.scenarios.runs.result import Result, ResultStatus
-from multibody_xval.scenarios.runs.store import opened_store
 from multibody_xval.scenarios.runs.task import SteadyStateTask
-from multibody_xval.scenarios.studies.figure3 import (
-    FRICTION_RATIOS,
-    QUICK_FRICTION_RATIOS,
-    figure3,
-    quick_frequency_ratios,
-)
-from multibody_xval.scenarios.sweeps.compared import compare_sweep
-from multibody_xval.scenarios.sweeps.sweep import Case
-from multibody_xval.scenarios.sweeps.truths import with_truths
+from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.verdicts.proven import (
     ROUNDED_DB,
     chain_text,
@@ -35,10 +32,8 @@ from multibody_xval.scenarios.verdicts.proven import (
     with_proven_level,
 )
 from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
-from reference_lcp.deadline import NotProven
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from tests.scenarios.in_process import evaluator
 
 FLOATS_DB = 1e-8
 """Largest distance of the event-driven motion from what is proven [dB], see docs/proof.md."""
@@ -86,17 +81,19 @@ def test_no_standard_point_is_left_out_for_longer_than_a_week() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("frictions", "etas"),
-    [(FRICTION_RATIOS, None), (QUICK_FRICTION_RATIOS, quick_frequency_ratios(ChainRatios()))],
-    ids=["default", "quick"],
-)
-def test_every_point_of_a_report_is_a_standard_one(frictions, etas) -> None:
+@pytest.mark.parametrize("quick", [True, False])
+def test_every_point_of_a_report_is_a_standard_one(quick: bool) -> None:
     """Also those that are added where a curve runs close to the threshold."""
-    with opened_store(None) as store, evaluator(store) as running:
-        compared = compare_sweep(figure3([], frictions, etas), running)
-    truths = with_truths(compared).truths
-    assert {place for place, truth in truths.items() if not truth.proven} == {(Case.of(friction_ratio=0.0), 1.0)}
+    runs = [Run(REFERENCE, case, case.steps()) for case in grid(quick)]
+    known: dict[Run, CaseResult] = {}
+    while runs:
+        known.update(zip(runs, run_batch(runs), strict=True))
+        table = points(Stored(run, "1", own) for run, own in known.items())
+        near = [(curve.iloc[0], eta) for _, curve in edges.curves(table) for eta in edges.hidden(curve)]
+        added = [Run(REFERENCE, replace(row.case, frequency_ratio=eta), row.steps) for row, eta in near]
+        runs = [run for run in added if run not in known]
+    lacking = {run.case for run in known} - set(proven())
+    assert lacking == {Case(friction_ratio=0.0, frequency_ratio=1.0)}
 
 
 @pytest.mark.slow
@@ -182,27 +179,6 @@ def test_every_search_for_a_steady_state_asks_for_the_same_one() -> None:
     assert steady_state_of(replace(task(), variant=CONVERGED, steps_per_period=800)) == task()
 
 
-class Unasked:
-    """Nothing is to be computed."""
-
-    def evaluate(self, tasks) -> list[Result]:
-        assert not tasks, "an exact motion is computed whose level is proven"
-        return []
-
-
-def test_the_truth_of_standard_points_is_proven_and_no_exact_motion_is_computed() -> None:
-    sweep = figure3([Variant("mujoco")], [0.3], [0.7, 0.9])
-    with opened_store(None) as store, evaluator(store) as running:
-        compared = compare_sweep(sweep, running)
-    truths = with_truths(compared, Unasked()).truths
-    assert len(truths) == 2
-    for (_, eta), truth in truths.items():
-        known = proven_levels()[task(frequency_ratio=eta)]
-        assert truth.proven
-        assert truth.exact
-        assert abs(Decimal(truth.transmittance_db) - known.transmittance_db) <= ROUNDED_DB == truth.error_db
-
-
 def test_floating_point_loses_decibels_in_a_deep_antiresonance_but_no_amplitude() -> None:
     """A level of −240 dB is off by more than its digits, and its amplitude by less than a rounding of the drive's."""
     pytest.importorskip("flint", reason="it needs python-flint")
@@ -210,15 +186,6 @@ def test_floating_point_loses_decibels_in_a_deep_antiresonance_but_no_amplitude(
     assert deep.proven is not None
     assert float(abs(Decimal(deep.float_db) - deep.proven.transmittance_db.value)) > 1e-6
     assert deep.float_error < 2**-53
-
-
-def test_other_points_are_computed() -> None:
-    sweep = figure3([], [0.3], [0.71])
-    with opened_store(None) as store, evaluator(store) as running:
-        compared = compare_sweep(sweep, running)
-        (truth,) = with_truths(compared, running).truths.values()
-    assert truth.exact
-    assert not truth.proven
 
 
 def test_rounding_of_a_level_is_what_is_stated() -> None:
@@ -236,25 +203,11 @@ def test_a_steady_state_counts_as_unique_where_dashpots_make_it_so() -> None:
     assert unique.value(found) == 2
 
 
-def test_points_outside_of_the_table_are_proven_on_demand() -> None:
-    pytest.importorskip("flint", reason="it needs python-flint")
-    sweep = replace(figure3([], [0.3], [0.6, 0.71]), ratios=ChainRatios(cells=2))
-    with opened_store(None) as store, evaluator(store) as running:
-        compared = compare_sweep(sweep, running)
-    computed = with_truths(compared, proof=True).truths
-    assert all(truth.proven and truth.error_db == ROUNDED_DB for truth in computed.values())
-    ((_, first), *_) = computed.items()
-    assert first.transmittance_db == pytest.approx(1.69877440905827, abs=1e-14)
-
-
-def test_what_cannot_be_proven_keeps_the_truth_of_the_motion(monkeypatch) -> None:
-    def fails(*_, **__):
-        raise NotProven("two events at one instant")
-
-    monkeypatch.setattr("multibody_xval.scenarios.verdicts.proven.prove", fails)
-    sweep = replace(figure3([], [0.3], [0.6]), ratios=ChainRatios(cells=2))
-    with opened_store(None) as store, evaluator(store) as running:
-        compared = compare_sweep(sweep, running)
-        (truth,) = with_truths(compared, running, proof=True).truths.values()
-    assert truth.exact
-    assert not truth.proven
+def test_the_exact_value_of_standard_points_is_proven_and_no_exact_motion_is_planned() -> None:
+    known, other = (Case(friction_ratio=0.3, frequency_ratio=eta) for eta in (0.7, 0.71))
+    runs = ruler([(known, 400), (other, 400)])
+    assert {run.case for run in runs if run.config == EXACT} == {other}
+    table = exact_values(points(Stored(run, "1", own) for run, own in zip(runs, run_batch(runs), strict=True)))
+    assert dict(zip(table.case, table.exact_kind, strict=True)) == {known: "proven", other: "exact"}
+    level = proven_levels()[task(frequency_ratio=0.7)].transmittance_db
+    assert abs(Decimal(20 * math.log10(abs(table.exact[0]))) - level) <= ROUNDED_DB

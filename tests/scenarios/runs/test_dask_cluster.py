@@ -125,7 +125,7 @@ LOST_WITHIN = 60.0
 
 def has_a_result(store: Path) -> bool:
     with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(store)) as connection:
-        return connection.execute("SELECT count(*) FROM answers").fetchone()[0] > 0
+        return connection.execute("SELECT count(*) FROM results").fetchone()[0] > 0
     return False
 
 

@@ -8,13 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.runs import store as module
 from multibody_xval.scenarios.runs.result import Result
 from multibody_xval.scenarios.runs.store import ResultStore
-from reference_lcp.errors import ExitCode, RunError
-from reference_lcp.process import run_command
-from tests.scenarios.runs.builders import certified, files_up_to, steady
+from reference_lcp.errors import RunError
+from tests.scenarios.runs.builders import certified, steady
 
 LOCK = """
 import sqlite3, sys
@@ -157,36 +155,3 @@ def test_a_folder_that_takes_no_journal_and_a_store_that_is_read_only_end_with_o
         with pytest.raises(RunError, match="attempt to write a readonly database; what it holds stays"):
             store.keep([(steady(0.9), result(0.9))])
     assert kept(file, [0.5, 0.9]) == [0.5]
-
-
-SWEEP = """
-engines = ["reference:joint"]
-[grid]
-friction_ratio = [0.1, 0.3, 0.5]
-frequency_ratio = { first = 0.5, last = 1.5, points = 25 }
-cells = [1, 2, 3, 4]
-"""
-
-ROOM = 300_000
-"""Bytes of the largest file: room for some of the batches, one a number of cells."""
-
-
-@pytest.mark.slow
-def test_a_sweep_that_runs_out_of_room_ends_with_exit_code_3_and_goes_on_from_there(
-    tmp_path, monkeypatch, capsys
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("sweep.toml").write_text(SWEEP)
-    with files_up_to(ROOM):
-        assert run_command(app, ["sweep", "sweep.toml", "--workers", "1"]) == ExitCode.RUN_FAILED
-    errors = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
-    assert len(errors) == 1
-    assert "store sweep.sqlite cannot be used any more: disk I/O error; what it holds stays" in errors[0]
-    with ResultStore(Path("sweep.sqlite")) as store:
-        before = dict(store.all_results())
-    assert 0 < len(before) < 300
-    assert run_command(app, ["sweep", "sweep.toml", "--workers", "1"]) == ExitCode.DONE
-    with ResultStore(Path("sweep.sqlite")) as store:
-        after = dict(store.all_results())
-    assert len(after) == 300
-    assert before.items() <= after.items()  # bit for bit, times of computing too: none was computed again

@@ -7,16 +7,10 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from multibody_xval.scenarios.verdicts.stored import read_all
 
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios import sweep
 from multibody_xval.scenarios.runs import store as store_file
 from multibody_xval.scenarios.runs.store import ResultStore
-from multibody_xval.scenarios.sweeps.dataset import SWEEP
-from multibody_xval.scenarios.sweeps.run import saved_sweeps
-from multibody_xval.scenarios.sweeps.sweep import Sweep
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
@@ -27,7 +21,6 @@ PAGE, COUNT_OF_PAGES = 4096, 28
 
 TASK = steady()
 RESULT = certified(transmittance_db=-1.5, periods=30)
-SWEEP_OF_TASK = Sweep((Variant("reference"),), {"friction_ratio": (0.3,), "frequency_ratio": (0.9,)})
 
 
 @pytest.fixture
@@ -35,7 +28,6 @@ def file(tmp_path: Path) -> Path:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
         store.keep([(TASK, RESULT)])
-        store.note(SWEEP.dump_json(SWEEP_OF_TASK).decode())
     return file
 
 
@@ -63,9 +55,8 @@ def test_only_the_tables_of_a_store_are_read(file, script) -> None:
     with closing(sqlite3.connect(file)) as connection:
         connection.executescript(script)
     before = file.read_bytes()
-    for read in (ResultStore, saved_sweeps, read_all):
-        with pytest.raises(ParameterError, match="its tables are not those of a store"):
-            read(file)
+    with pytest.raises(ParameterError, match="its tables are not those of a store"):
+        ResultStore(file)
     assert file.read_bytes() == before
 
 
@@ -76,66 +67,19 @@ def test_a_text_beyond_the_limit_is_not_read(file, monkeypatch) -> None:
         store.find(TASK)
 
 
-CONTENT = TASK.content()
-HOSTILE_ROWS = [
-    ("content", b"[" * 3_000 + b"]" * 3_000),
-    ("content", b'{"task": ' + b"9" * 5_000 + b"}"),
-    ("content", b"{}"),
-    ("content", json.dumps(CONTENT | {"options": ["a"]}).encode()),
-    ("content", b"\xff\xfe"),
-    ("answer", b'{"status": "converged", "reason": "\xff"}'),
-    ("answer", b"[" * 3_000),
-    ("answer", b'{"status": "converged", "periods": 1' + b"0" * 400 + b"}"),
-    ("answer", b'{"status": "converged", "periods": -1}'),
-    ("answer", b'{"status": "converged", "transitions": [[1, 0.5, "jump"]]}'),
-    ("answer", b'{"status": "converged", "__class__": "os.system"}'),
-    ("answer", b"!!python/object/apply:os.system ['true']"),
-    ("answer", b"\x80\x04\x95cposix\nsystem\n."),
-]
-
-
-@pytest.mark.parametrize(("column", "text"), HOSTILE_ROWS, ids=[str(number) for number in range(len(HOSTILE_ROWS))])
-def test_a_row_of_the_wrong_form_is_refused(file, capsys, column, text) -> None:
-    write(file, "answers", column, text)
-    before = file.read_bytes()
-    with pytest.raises(ParameterError) as refused:
-        read_all(file)
-    assert str(file) in str(refused.value)
-    assert run_command(app, ["compare", str(file), str(file)]) == ExitCode.WRONG_INPUT
-    assert len(capsys.readouterr().err.splitlines()) == 1
-    assert file.read_bytes() == before
-
-
-HOSTILE_SWEEPS = [
-    b"[]",
-    b"\xff",
-    b"[" * 5_000,
-    SWEEP.dump_json(SWEEP_OF_TASK).replace(b'"reference"', b'"nobody"'),
-    SWEEP.dump_json(SWEEP_OF_TASK).replace(b"[0.9]", b"[-0.9]"),
-    SWEEP.dump_json(SWEEP_OF_TASK).replace(b"[0.9]", b"[1e999]"),
-]
-
-
-@pytest.mark.parametrize("text", HOSTILE_SWEEPS, ids=[str(number) for number in range(len(HOSTILE_SWEEPS))])
-def test_a_saved_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> None:
-    write(file, "sweeps", "sweep", text)
-    with pytest.raises(ParameterError, match=r"results\.sqlite"):
-        saved_sweeps(file)
 
 
 @pytest.mark.parametrize(
     "name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"]
 )
 def test_a_store_that_would_keep_nothing_is_refused(sweep_folder, capsys, name) -> None:
-    assert run_command(app, ["sweep", "sweep.toml", "--store", name]) == ExitCode.WRONG_INPUT
+    assert run_command(app, ["run", "unit-cell", "--store", name]) == ExitCode.WRONG_INPUT
     assert capsys.readouterr().err.startswith("error: store ")
-    with pytest.raises(ParameterError, match=r"store .*allowed"):
-        sweep("reference", 0.3, 0.9, store=name)
 
 
 @pytest.mark.parametrize(
     "command",
-    ["sweep sweep.toml", "run unit-cell", "run all", "run record", "report --quick", "report --sweep sweep.toml"],
+    ["run unit-cell", "run all", "run record", "report --quick", "report --sweep sweep.toml"],
 )
 def test_a_misspelt_store_is_not_made_where_nothing_is_run(sweep_folder, capsys, command) -> None:
     arguments = [*command.split(), "--no-run", "--store", "misspelt.sqlite"]

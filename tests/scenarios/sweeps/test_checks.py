@@ -15,8 +15,6 @@ from multibody_xval.scenarios.studies.figure3 import figure3
 from multibody_xval.scenarios.sweeps.attenuation_band import Edge
 from multibody_xval.scenarios.sweeps.checks import Check, _difference, check_models, check_starts
 from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep
-from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
-from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults
 from multibody_xval.scenarios.sweeps.point import Point, evaluated, judged
 from multibody_xval.scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
@@ -249,21 +247,6 @@ def test_edges_ask_the_models_whose_sample_has_not_differed_and_the_engines_of_o
     compare_sweep(sweep, spoilt := Spoilt(running, HALF, etas, phase=0.1), 1)
     assert {edge} == spoilt.of(LAWFUL) - grid
     assert edge not in spoilt.of(LAW)
-
-
-@needs_mujoco
-def test_a_dataset_keeps_apart_what_models_and_what_engines_gave(running) -> None:
-    places = list(POINTS.grid_points())
-    points, _ = check_models(POINTS, places, Spoilt(running, 2 * HALF, (0.9,), periods=2), 1)
-    read = DatasetResults(sweep_dataset(POINTS, judged(points)))
-    half = {task.variant: [] for task in read.results}
-    for task in read.results:
-        if task.steps_per_period == HALF:
-            half[task.variant].append(task.frequency_ratio)
-    assert (sorted(half[LAW]), half[LAWFUL]) == ([0.55, 0.7, 1.1], [0.9])
-    again = evaluated(read.sweep, places, read, read.modelled)
-    ours, theirs = ([repr((own.others, own.modelled)) for own in each] for each in (points, again))
-    assert ours == theirs
 
 
 @needs_mujoco

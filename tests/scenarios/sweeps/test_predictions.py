@@ -11,9 +11,7 @@ from multibody_xval.scenarios.runs.result import Result
 from multibody_xval.scenarios.runs.store import ResultStore, opened_store
 from multibody_xval.scenarios.studies.figure3 import figure3
 from multibody_xval.scenarios.sweeps.attenuation_band import Crossing, Edge
-from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
-from multibody_xval.scenarios.sweeps.dataset import sweep_dataset
-from multibody_xval.scenarios.sweeps.dataset_reader import DatasetResults
+from multibody_xval.scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from multibody_xval.scenarios.sweeps.edges import BandEdge, RefinedEdges
 from multibody_xval.scenarios.sweeps.predictions import _predicted_edge
 from multibody_xval.scenarios.sweeps.sweep import GivenTolerance, Sweep
@@ -101,20 +99,6 @@ def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open(sound) ->
     wrong = deviating(result)
     assert wrong
     assert unmodelled(wrong) == []
-
-
-@needs_mujoco
-def test_predictions_are_in_the_dataset_and_come_back_out_of_it(result) -> None:
-    etas = tuple(sorted({point.frequency_ratio for point in result.points}))
-    whole = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
-    data = sweep_dataset(whole, result.points)
-    assert bool((abs(data.law_left_db) <= data.law_allowed_db).sel(variant=str(LAWFUL)).any())
-    assert bool(data.law_left_db.sel(variant="reference").isnull().all())
-    again = DatasetResults(data)
-    recalled = judged_points(again.sweep, again.points, again, again.predictions, again.modelled)
-    for variant in result.sweep.variants:
-        ours, theirs = ([repr(point.findings) for point in each.points_of(variant)] for each in (recalled, result))
-        assert ours == theirs
 
 
 @needs_mujoco

@@ -1,0 +1,229 @@
+"""``multibody-xval run figure3``, ``accuracy`` and ``work-precision``: measurements on the paper's chain."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from multibody_xval.reports.cli.options import Computing, Engines, GridEngines, Store, check_outs, grouped, keeping
+from reference_lcp.errors import ExitCode
+from reference_lcp.output import write_whole
+from reference_lcp.terminal import print_table, visible
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from multibody_xval.engines.interface.variant import Variant
+
+TABLE_ENDINGS, CHART_ENDINGS = (".md", ".csv"), (".svg", ".pdf", ".png")
+
+Outs = Annotated[
+    list[Path] | None,
+    typer.Option(
+        help="Write the tables here as .md, every number as .csv, the figure as .svg, .pdf or .png; may be repeated."
+    ),
+]
+TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
+
+
+RunOption = Annotated[
+    bool, typer.Option("--run/--no-run", help="Run missing points; --no-run judges only the results in --store.")
+]
+
+
+def compared(engines: Engines) -> list[Variant]:
+    """Give the reference and the chosen configurations of engines."""
+    from multibody_xval.scenarios.model import REFERENCE
+
+    return [REFERENCE, *(own for own in engines.variants() if own.engine != REFERENCE.engine)]
+
+
+@grouped
+def figure3(
+    engines: GridEngines, *, store: Store = None, out: Outs = None, run: RunOption = True, computing: Computing
+) -> None:
+    """Answer the paper's claims with the reference and every engine, and judge all points of its figure 3.
+
+    Exit code 0: no judged number deviates; 1: one does, more than a quarter of those of a judged preset is missing, or
+    a named preset fails at more than a quarter; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run figure3 --engine mujoco:joint:default --out figure3.md --out figure3.svg
+    """
+    computing.check(run=run)
+    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
+    configs = compared(engines)
+    from multibody_xval.reports.figures.studies import transmittance
+    from multibody_xval.scenarios.claims import claim_cases, curve_cases, of_paper
+    from multibody_xval.scenarios.edges import judged_edges, propose
+    from multibody_xval.scenarios.evaluate import computed, stored_results
+    from multibody_xval.scenarios.judge import failures, judged
+    from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
+    from multibody_xval.scenarios.plan import runs_at
+    from multibody_xval.scenarios.result_tables import file_columns, points
+    from multibody_xval.scenarios.store import existing_store
+
+    with keeping(store):
+        if run:
+            runs = runs_at(configs, claim_cases())
+            if any(each.suffix in CHART_ENDINGS for each in outs):
+                runs += [Run(REFERENCE, case, case.steps()) for case in curve_cases()]
+            stored = computed(runs, computing.means(store), then=[("band edges", propose)])
+        else:
+            asked = {EXACT, *configs}
+            stored = [own for own in stored_results(existing_store(store)) if own.run.config in asked]
+    every = of_paper(points(stored))
+    found, rows = judged_edges(every), judged(every[every.case.isin(claim_cases())])
+    lines = failures(rows, lambda own: own.config.isin(configs[1:] if engines.names else []))
+    end = _End("Figure 3", engines.command("figure3", [] if run else ["--no-run"]), every)
+    end.show(figure3_parts(every, found, rows, lines))
+    end.write(outs, file_columns(rows), lambda: transmittance(every, found))
+    if lines:
+        raise typer.Exit(ExitCode.FAILED)
+
+
+def figure3_parts(
+    every: pd.DataFrame, found: pd.DataFrame, rows: pd.DataFrame, lines: list[str]
+) -> dict[str, pd.DataFrame | list[str]]:
+    """Give what `run figure3` shows: claims and sentences, verdicts on points, edges, and the finding."""
+    from multibody_xval.reports.new_page.tables import edge_table, verdict_counts
+    from multibody_xval.scenarios.claims import STATED, claims
+    from multibody_xval.scenarios.conclusions import conclusions, shown
+    from multibody_xval.scenarios.judge import conclusion
+
+    concluded = conclusions(every, found)
+    first = claims(every, found).iloc[: len(STATED)]
+    answers = [f"{own.claim}, {own.configuration}: {own.answer}; {own.numbers}" for own in first.itertuples()]
+    return {
+        "The paper's claims": [f"{name}: {text}" for name, text in STATED.items()] + answers,
+        "Answers, and lower edges η_r by friction ratio": shown(concluded),
+        "What one would conclude": concluded.sentence.tolist(),
+        "Verdicts on points": verdict_counts(rows),
+        "Band edges η_r": edge_table(found),
+        "Finding": [conclusion(rows), *lines],
+    }
+
+
+@grouped
+def accuracy(engines: Engines, *, store: Store = None, out: TableFile = None, computing: Computing) -> None:
+    """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
+
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
+    """
+    outs = check_outs([out], TABLE_ENDINGS, store)
+    configs = compared(engines)
+    from multibody_xval.scenarios.evaluate import computed
+    from multibody_xval.scenarios.judge import judged
+    from multibody_xval.scenarios.result_tables import points
+    from multibody_xval.scenarios.studies import accuracy_map as study
+
+    with keeping(store):
+        every = points(computed(study.map_runs(configs), computing.means(store)))
+    table = study.accuracies(judged(every))
+    end = _End("Accuracy of the engines", engines.command("accuracy"), every, study.LEGEND)
+    end.show({"": study.shown(table), "Remarks": study.remarks(table)})
+    end.write(outs, table.assign(worst=[getattr(own, "title", "") for own in table.worst]))
+
+
+@grouped
+def work_precision(
+    engines: Engines,
+    *,
+    steps: Annotated[
+        list[int] | None,
+        typer.Option(
+            help="Steps per period; may be repeated. Without it, 50, 100, 200, 400 and 800, and twice as many up to "
+            "6400 where the error still falls.",
+            metavar="N",
+        ),
+    ] = None,
+    store: Store = None,
+    out: Outs = None,
+    computing: Computing,
+) -> None:
+    """Compare engines and the reference by the error to the proven value over the time of a simulated second.
+
+    The time of an engine is that of the searches for its steady states over the time that they simulate; one of --store
+    is that of the earlier run.
+
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
+    """
+    from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
+    from reference_lcp.validation import MOST_STEPS, checked_count
+
+    asked = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in steps or ()})
+    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
+    configs = compared(engines)
+    from multibody_xval.reports.figures.studies import costs
+    from multibody_xval.scenarios.evaluate import computed
+    from multibody_xval.scenarios.judge import judged
+    from multibody_xval.scenarios.result_tables import points
+    from multibody_xval.scenarios.studies import step_study as study
+
+    with keeping(store):
+        runs = study.step_runs(configs, asked or study.USUAL_STEPS)
+        then = [] if asked else [("finer steps", study.finer)]
+        every = points(computed(runs, computing.means(store), then=then))
+    table = study.step_table(judged(every))
+    command = engines.command("work-precision", [f"--steps={count}" for count in asked])
+    end = _End("Work and precision", command, every, study.LEGEND)
+    end.show({"": study.shown(table), "Remarks": study.remarks(table)})
+    end.write(outs, table.drop(columns="config"), lambda: costs(table))
+
+
+class _End:
+    """The end of a command: what it prints, and what it writes."""
+
+    def __init__(self, title: str, command: str, points: pd.DataFrame, legend: str = ""):
+        engines = points[["engine", "version"]].drop_duplicates().sort_values("engine")
+        versions = ", ".join(f"{own.engine} {own.version}" for own in engines.itertuples())
+        self._ends = f"Versions: {versions}; Python {platform.python_version()}."
+        self._lines = [f"# {title}", "", *([legend] if legend else []), f"Made by `{command}`.", ""]
+
+    def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
+        """Print tables and lines under their headings."""
+        from multibody_xval.scenarios.tables import markdown_lines, markdown_list
+
+        for heading, part in parts.items():
+            if not len(part):
+                continue
+            self._lines += [f"## {heading}", ""] if heading else []
+            if isinstance(part, list):
+                print("\n".join(map(visible, ["", *part])))
+                self._lines += [*markdown_list(part), ""]
+            else:
+                texts = part.map(_text)
+                print_table([str(name) for name in texts], texts.to_numpy().tolist(), title=heading or None)
+                self._lines += [*markdown_lines(texts), ""]
+
+    def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
+        """Write what was shown as Markdown, every number as CSV, and the figure."""
+        from multibody_xval.reports.figures.studies import figure_file
+        from multibody_xval.scenarios.tables import csv_text
+
+        for out in outs:
+            if out.suffix == ".md":
+                write_whole(out, "\n".join([*self._lines, self._ends, ""]))
+            elif out.suffix == ".csv":
+                write_whole(out, csv_text(numbers))
+            elif figure is not None:
+                write_whole(out, figure_file(figure(), out.suffix[1:]))
+
+
+def _text(value: object) -> str:
+    """Give a value as people read it."""
+    if isinstance(value, float):
+        return "–" if math.isnan(value) else f"{value:.6g}"
+    return visible(str(value))

@@ -1,0 +1,71 @@
+"""Figures of studies: functions of tables, drawn by matplotlib."""
+
+import io
+
+import pandas as pd
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from multibody_xval.scenarios.claims import RANGE, claim_cases
+from multibody_xval.scenarios.edges import THRESHOLD_DB
+from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_reference
+
+SHAPES = "os^Dv<>p*hX"
+LOWEST_DB = -80.0
+STYLE = {"svg.hashsalt": "multibody-xval", "svg.fonttype": "path", "font.size": 9.0, "savefig.dpi": 200.0}
+
+
+def figure_file(figure: Figure, ending: str) -> bytes:
+    """Give a figure as a file of a format, with the same bytes for the same figure."""
+    written = io.BytesIO()
+    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {}}
+    with rc_context(STYLE):
+        figure.savefig(written, format=ending, bbox_inches="tight", metadata=dated[ending])
+    return written.getvalue()
+
+
+def transmittance(points: pd.DataFrame, edges: pd.DataFrame) -> Figure:
+    """Draw the reference as lines, one a friction ratio, with its band edges, and other configurations as marks."""
+    shown = coarsest(points[~is_exact(points) & (points.status == "periodic")]).sort_values("frequency_ratio")
+    figure = Figure(figsize=(7.2, 4.4), layout="constrained")
+    axes = figure.subplots()
+    axes.axhline(THRESHOLD_DB, color="0.8", lw=0.8, zorder=0)
+    reference, rest = shown[is_reference(shown)], shown[~is_reference(shown) & shown.case.isin(claim_cases())]
+    own_edges = edges[is_reference(edges)]
+    frictions = pd.Series([case.friction_ratio for case in own_edges.curve], own_edges.index, dtype=float)
+    colours = {}
+    for friction, curve in reference.groupby("friction_ratio"):
+        name = f"reference, friction ratio {friction:g}"
+        (line,) = axes.plot(curve.frequency_ratio, curve.transmittance_db, lw=1.0, label=name)
+        colours[friction] = line.get_color()
+        at = own_edges.frequency_ratio[frictions == friction]
+        axes.plot(at, [THRESHOLD_DB] * len(at), "|", color=line.get_color(), ms=9, mew=1.4)
+    for number, (name, own) in enumerate(rest.groupby("config", sort=False)):
+        look = {"s": 14 + 5 * number, "marker": SHAPES[number % len(SHAPES)], "facecolors": "none", "linewidths": 0.7}
+        ink = [colours.get(friction, "0.3") for friction in own.friction_ratio]
+        axes.scatter(own.frequency_ratio, own.transmittance_db, edgecolors=ink, label=title(name), **look)
+    axes.set(xlabel="frequency ratio $\\omega/\\omega_r$", ylabel="transmittance / dB")
+    axes.set(xlim=RANGE, ylim=(LOWEST_DB, 40))
+    figure.legend(loc="outside upper center", ncols=3, frameon=False, fontsize=8)
+    return figure
+
+
+def costs(table: pd.DataFrame) -> Figure:
+    """Draw the error of every configuration over the processor time of a simulated second, a line a configuration."""
+    figure = Figure(figsize=(7.2, 4.4), layout="constrained")
+    axes = figure.subplots()
+    whole = table[table.complete & (table.error_db > 0)]
+    for number, (config, own) in enumerate(whole.groupby("config", sort=False)):
+        shape = SHAPES[number % len(SHAPES)]
+        axes.plot(own.milliseconds, own.error_db, marker=shape, ms=4, mfc="none", lw=0.9, label=title(config))
+    axes.set(xscale="log", yscale="log", xlabel="ms per simulated second", ylabel="largest error / dB")
+    if not whole.empty:
+        figure.legend(loc="outside right upper", frameon=False, fontsize=8)
+    return figure
+
+
+def title(config: Config) -> str:
+    """Name a configuration in a legend."""
+    preset = config.preset_name.split(":")[0]
+    return f"{config.title}, tuned" if preset == "tuned" and config.engine != "reference" else config.title

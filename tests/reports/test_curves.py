@@ -1,0 +1,99 @@
+"""Curves of a dataset as a figure for print."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from multibody_xval import ParameterError, plot, sweep
+from multibody_xval.reports.curves import COLUMN, PAGE_WIDTH
+
+pytestmark = pytest.mark.usefixtures("here")
+
+
+@pytest.fixture(scope="module")
+def data(here) -> xr.Dataset:
+    return sweep(["reference", "mujoco"], [0.3, 0.1], (0.4, 1.5, 6), chain={"cells": 2})
+
+
+def test_figure_has_a_panel_a_case_and_a_curve_a_configuration(data: xr.Dataset, tmp_path: Path) -> None:
+    figure = plot(data, tmp_path / "figure.pdf")
+    assert [axes.get_title() for axes in figure.axes] == ["friction ratio 0.3", "friction ratio 0.1"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["transmittance [dB]", ""]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["Reference (LCP)", "MuJoCo"]
+    for axes in figure.axes:
+        friction = float(axes.get_title().split()[-1])
+        _, *curves = axes.get_lines()
+        for line, name in zip(curves, ("reference", "mujoco"), strict=True):
+            own = data.transmittance_db.sel(configuration=name, friction_ratio=friction)
+            np.testing.assert_array_equal(line.get_xdata(), data.frequency_ratio)
+            np.testing.assert_array_equal(line.get_ydata(), own)
+    low, high = figure.axes[0].get_ylim()
+    assert low < data.transmittance_db.min() < data.transmittance_db.max() < high
+    assert figure.get_figwidth() == PAGE_WIDTH
+    text = (tmp_path / "figure.pdf").read_bytes()
+    assert b"/CIDFontType2" in text, "letters are no text"
+    assert b"/Type3" not in text
+
+
+def test_figure_of_one_configuration_has_a_curve_a_case_in_one_column(data: xr.Dataset) -> None:
+    figure = plot(data.sel(configuration="mujoco"))
+    (axes,) = figure.axes
+    assert axes.get_title() == "MuJoCo"
+    assert [line.get_label() for line in axes.get_lines()[1:]] == ["friction ratio 0.3", "friction ratio 0.1"]
+    assert figure.get_figwidth() == COLUMN
+    assert plot(data.sel(configuration="mujoco", friction_ratio=0.1)).axes[0].get_lines()[1:]
+
+
+def test_curve_of_an_adaptive_grid_has_no_gap_where_only_another_curve_has_points() -> None:
+    adaptive = {"first": 0.5, "last": 1.2, "accuracy_db": 3.0, "least_spacing": 0.01}
+    data = sweep("reference", [0.0, 0.3], adaptive, chain={"cells": 1})
+    assert data.transmittance_db.isnull().any(), "without a gap in the table the test says nothing"
+    for line in plot(data).axes[0].get_lines()[1:]:
+        assert np.all(np.isfinite(line.get_ydata()))
+
+
+def test_a_point_without_a_steady_state_is_a_gap_and_its_neighbours_are_seen(data: xr.Dataset) -> None:
+    there = data.frequency_ratio == data.frequency_ratio[2]
+    gap = data.assign(status=xr.where(there, "not periodic", data.status))
+    line = plot(gap).axes[0].get_lines()[1]
+    assert np.isnan(line.get_ydata()[2])
+    assert np.isfinite(np.delete(line.get_ydata(), 2)).all()
+    assert line.get_marker() == "."
+    assert not plot(data).axes[0].get_lines()[1].get_marker()
+
+
+def test_depths_below_what_is_drawn_do_not_stretch_the_axis(data: xr.Dataset) -> None:
+    deep = data.assign(transmittance_db=data.transmittance_db - 300.0)
+    assert plot(deep).axes[0].get_ylim()[0] == -80.0
+
+
+@pytest.mark.parametrize("ending", [".svg", ".png"])
+def test_a_figure_is_written_in_the_format_of_its_ending(data: xr.Dataset, tmp_path: Path, ending: str) -> None:
+    plot(data, tmp_path / f"figure{ending}")
+    begin = {".svg": b"<?xml", ".png": b"\x89PNG"}[ending]
+    assert (tmp_path / f"figure{ending}").read_bytes().startswith(begin)
+
+
+def test_too_many_cases_for_one_figure_are_refused(data: xr.Dataset) -> None:
+    many = [data.assign_coords(friction_ratio=data.friction_ratio + k) for k in range(13)]
+    plot(xr.concat(many[:12], "friction_ratio"))
+    with pytest.raises(ParameterError, match="26 cases; allowed: 1 to 24, such as"):
+        plot(xr.concat(many, "friction_ratio"))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("missing/figure.pdf", "the folder .*missing does not exist"), ("figure.doc", "unknown ending; allowed: .*pdf")],
+)
+def test_a_figure_that_cannot_be_written_is_refused_before_it_is_drawn(data, tmp_path, name, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        plot(data, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_no_dataset_is_named() -> None:
+    with pytest.raises(ParameterError, match="data is a DataFrame; allowed: the dataset of a sweep"):
+        plot(pd.DataFrame())

@@ -1,0 +1,109 @@
+"""What accuracy costs: errors and times are read from results, steps are doubled where that still helps."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from multibody_xval.scenarios.exact_values import proven
+from multibody_xval.scenarios.judge import judged
+from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.store import Stored
+from multibody_xval.scenarios.studies.accuracy_map import SIX
+from multibody_xval.scenarios.studies.step_study import (
+    HEADINGS,
+    MOST_STEPS,
+    TIMED,
+    finer,
+    remarks,
+    shown,
+    step_runs,
+    step_table,
+)
+
+ENGINE = Config("mujoco", preset_name="default")
+A_STEP, PERIODS = 3e-6, 20
+
+
+def made(
+    steps: Sequence[int],
+    error_db: Callable[[int], float] = lambda steps: 4 / steps,
+    change: Callable[[Run, Result], Result] = lambda _, own: own,
+    config: Config = ENGINE,
+) -> list[Stored]:
+    """Give results that are off by an error, and take some time a step."""
+    runs = [run for run in step_runs([config], steps) if run.config == config and run.steps in steps]
+
+    def result(run: Run) -> Result:
+        ratio = proven()[run.case] * 10 ** (error_db(run.steps) / 20)
+        seconds = A_STEP * PERIODS * run.steps
+        return Result(status=Status.PERIODIC, transmittance=ratio, periods=PERIODS, seconds=seconds)
+
+    return [Stored(run, "1", change(run, result(run))) for run in runs]
+
+
+def table(*stored: list[Stored]) -> pd.DataFrame:
+    return step_table(judged(points([row for own in stored for row in own])))
+
+
+def test_error_and_cost_are_read_from_results_by_ascending_steps() -> None:
+    own = table(made([800, 100, 400]))
+    assert own.steps.tolist() == [100, 400, 800]
+    assert own.error_db.tolist() == pytest.approx([4 / 100, 4 / 400, 4 / 800])
+    assert own.step_seconds.tolist() == pytest.approx([A_STEP] * 3)
+    assert own.seconds.tolist() == pytest.approx([A_STEP * PERIODS * steps for steps in (100, 400, 800)])
+    length = TIMED.lane(400).time_step
+    assert own.milliseconds[1] == pytest.approx(1e3 * A_STEP / length)
+    assert own["product"][1] == pytest.approx(own.error_db[1] * own.milliseconds[1])
+
+
+def test_steps_that_the_highest_mode_needs_are_paid_for() -> None:
+    """The chain takes more steps than sixteen: a simulated second costs what they cost."""
+    own = table(made([16]))
+    assert own.milliseconds[0] == pytest.approx(1e3 * A_STEP / TIMED.lane(16).time_step)
+    assert len({*own.configuration}) == 1
+
+
+def test_an_error_over_fewer_points_has_no_product_with_the_time_and_is_said() -> None:
+    def lose(run: Run, own: Result) -> Result:
+        return Result(status=Status.NOT_PERIODIC) if run.case == SIX[0] and run.steps == 50 else own
+
+    own = table(made([50, 100], change=lose))
+    assert own.periodic.tolist() == [5, 6]
+    assert math.isnan(own["product"][0])
+    assert remarks(own) == ["mujoco:joint:default: not all of the six points are periodic with 50 steps per period"]
+    assert shown(own).iloc[0].tolist()[-2:] == ["–", "5/6"]
+
+
+def test_points_that_failed_have_a_reason() -> None:
+    own = table(made([50], change=lambda *_: failed("crashed")))
+    assert remarks(own) == ["mujoco:joint:default: first failure: crashed"]
+    assert list(shown(own).columns) == list(HEADINGS.values())
+
+
+def test_an_error_that_does_not_fall_with_the_step_is_said_and_one_of_first_order_is_not() -> None:
+    assert remarks(table(made([400, 800], config=REFERENCE))) == []
+    stays = table(made([400, 800], {400: 1.01, 800: 0.997}.__getitem__))
+    text = "the error does not fall with the step: 1.01 dB with 400 steps per period, 0.997 dB with 800"
+    assert remarks(stays) == [f"mujoco:joint:default: {text}"]
+
+
+@pytest.mark.parametrize(("error_db", "count"), [(0.89, 0), (0.91, 1)])
+def test_an_error_has_to_fall_at_every_doubling_of_the_steps(error_db: float, count: int) -> None:
+    assert len(remarks(table(made([50, 100], {50: 1.0, 100: error_db}.__getitem__)))) == count
+    assert len(remarks(table(made([50, 400], {50: 1.0, 400: error_db**3}.__getitem__)))) == count
+
+
+def test_steps_are_doubled_only_where_the_error_still_falls_and_no_farther_than_the_most() -> None:
+    falls = points([*made([400, 800])])
+    assert {run.steps for run in finer(falls)} == {1600}
+    assert {run.config for run in finer(falls)} == {ENGINE}
+    assert finer(points(made([400, 800], lambda _: 1.0))) == []
+    assert finer(points(made([MOST_STEPS // 2, MOST_STEPS]))) == []
+    lost = made(
+        [400, 800], change=lambda run, own: replace(own, status=Status.NOT_PERIODIC) if run.steps == 800 else own
+    )
+    assert finer(points(lost)) == []
