@@ -92,7 +92,7 @@ def figure3_parts(
     every: pd.DataFrame, found: pd.DataFrame, rows: pd.DataFrame, lines: list[str]
 ) -> dict[str, pd.DataFrame | list[str]]:
     """Give what `run figure3` shows: claims and sentences, verdicts on points, edges, and the finding."""
-    from multibody_xval.reports.new_page.tables import edge_table, verdict_counts
+    from multibody_xval.reports.page.tables import edge_table, verdict_counts
     from multibody_xval.scenarios.claims import STATED, claims
     from multibody_xval.scenarios.conclusions import conclusions, shown
     from multibody_xval.scenarios.judge import conclusion
