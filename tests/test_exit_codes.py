@@ -47,7 +47,7 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("sweep sweep.toml --no-run --retry-failed", ExitCode.WRONG_INPUT),
         ("run unit-cell --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
         ("run record --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
-        ("report --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("report --no-run --retry-failed", ExitCode.WRONG_INPUT),
     ],
 )
 def test_commands_end_with_their_codes(stores, line, code, capsys) -> None:

@@ -32,8 +32,6 @@ COMMAND_LINES = [
     ("reference --proof --time-limit 0", r"time_limit = 0.*> 0"),
     ("reference --proof --cells 101", r"cells = 101.*1 to 100"),
     ("reference --proof --friction-ratio 1e-13", r"friction_ratio = 1e-13.*1e-12 to 1e\+12"),
-    ("report --proof --no-run", r"--proof computes; allowed with it: neither --data nor --no-run"),
-    ("report --proof --data missing.nc", r"--proof computes; allowed with it: neither --data nor --no-run"),
     ("reference --plot missing/period.png", r"the folder missing does not exist"),
     ("reference bench 7", r"unexpected extra argument"),
     ("reference --plot missing/period.png", r"the folder missing does not exist"),

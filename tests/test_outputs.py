@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import reference_lcp
-from multibody_xval import reports
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.dataset_file import write_dataset
 from multibody_xval.scenarios.functions import sweep
@@ -42,9 +41,9 @@ ONTO_WHAT_IS_USED = [
     "run work-precision --engine reference --store kept.csv --out kept.csv",
     "compare kept.csv hard.csv --out kept.csv",
     "compare kept.csv hard.csv --out link.csv",
-    "report --quick --store rep/transmittance.csv --out rep",
-    "report --quick --store rep/figures/store.png --out rep",
-    "report --sweep rep/report.json --out rep",
+    "report --quick --store rep/points.csv --out rep",
+    "report --quick --store rep/figures/store.sqlite --out rep",
+    "report --sweep rep/errors.csv --out rep",
 ]
 
 
@@ -56,7 +55,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("link.csv").symlink_to("kept.csv")
     Path("hard.csv").hardlink_to("kept.csv")
     Path("rep/figures").mkdir(parents=True)
-    for name in ("sweep.toml", "sweep.csv", "rep/report.json"):
+    for name in ("sweep.toml", "sweep.csv", "rep/errors.csv"):
         Path(name).write_text(SWEEP)
     write_example(Path("record.csv"))
     return tmp_path
@@ -71,18 +70,6 @@ def test_an_output_onto_what_the_command_uses_is_refused_and_changes_nothing(lin
     assert message.count("\n") == 1
     assert "allowed: " in message
     assert {file: file.read_bytes() for file in files.rglob("*") if file.is_file()} == before
-
-
-def test_a_report_onto_its_own_dataset_or_store_is_refused(tmp_path) -> None:
-    for name in ("report.nc", "index.html"):
-        (tmp_path / name).write_bytes(KEPT)
-    data = sweep("reference", 0.3, [0.5, 0.9], chain={"cells": 2}, workers=1)
-    data.to_netcdf(tmp_path / "report.nc", engine="h5netcdf")
-    before = (tmp_path / "report.nc").read_bytes()
-    with pytest.raises(ParameterError, match=r"report\.nc would overwrite .*report\.nc, which the command uses"):
-        reports.report(tmp_path / "report.nc", tmp_path)
-    assert (tmp_path / "report.nc").read_bytes() == before
-    assert (tmp_path / "index.html").read_bytes() == KEPT
 
 
 def test_any_database_is_left_alone(tmp_path) -> None:

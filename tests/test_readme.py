@@ -6,25 +6,20 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from multibody_xval.engines import engine
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli import console_script
-from multibody_xval.reports.data.options import TITLES, UNSTEADY, error_text, headlines
-from multibody_xval.reports.data.points import point_table
-from multibody_xval.reports.data.variants import error_table, errors_of
-from multibody_xval.reports.formatting import significant
-from multibody_xval.scenarios.runs.parameters import OperatingPoint
-from multibody_xval.scenarios.runs.store import opened_store
-from multibody_xval.scenarios.studies.accuracy import accuracies
-from multibody_xval.scenarios.studies.figure3 import figure3
-from multibody_xval.scenarios.studies.headline import HEADLINE_POINTS, headline_points
-from multibody_xval.scenarios.sweeps.compared import ComparedSweep
+from multibody_xval.reports.formatting import MISSING, significant
+from multibody_xval.reports.page import tables
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.judge import judged
+from multibody_xval.scenarios.plan import runs_at
+from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
+from multibody_xval.scenarios.result_tables import now, points
 from reference_lcp.process import run_command
-from tests.scenarios import in_process
 from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
@@ -32,6 +27,9 @@ README, ACCURACY = ((ROOT / name).read_text(encoding="utf-8") for name in ("READ
 EXAMPLES = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 LINES = [line for block in re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL) for line in block.splitlines()]
 SUITE = [line for line in LINES if line.startswith("multibody-xval ")]
+
+SHOWN = PRESETS
+"""Presets of a cell of the table, in their order."""
 
 MOST_LINES = 120
 """Two screens."""
@@ -89,8 +87,8 @@ def test_every_command_is_one_of_the_suite() -> None:
 @pytest.mark.slow
 def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest.CaptureFixture[str]) -> None:
     """In one folder, as a reader would type them; reports have two points, since `.ci/run` writes one with all."""
-    monkeypatch.setattr("multibody_xval.reports.plan.QUICK_FRICTION_RATIOS", (0.3,))
-    monkeypatch.setattr("multibody_xval.reports.plan.quick_frequency_ratios", lambda _: (0.6, 0.9))
+    monkeypatch.setattr("multibody_xval.scenarios.report_plan.QUICK_FRICTION_RATIOS", (0.3,))
+    monkeypatch.setattr("multibody_xval.scenarios.report_plan.QUICK_FREQUENCY_RATIOS", (0.6, 0.9))
     monkeypatch.chdir(tmp_path)
     for line in SUITE:
         command, _, file = line.partition(" > ")
@@ -119,17 +117,28 @@ def measured() -> dict[tuple[str, str, str], str]:
     for line in ACCURACY.splitlines():
         row = [cell.strip() for cell in line.strip("|").split("|")]
         if len(row) > 6 and row[1] in {"joint", "contact"} and row[0] != "reference":
-            known, points = map(int, row[-1].split("/"))
-            error = SimpleNamespace(size=float(row[5]), points_known=known, points=points, blocked=False)
-            cells[row[0], row[1], row[2]] = error_text(error)
+            known, every = map(int, row[-1].split("/"))
+            cells[row[0], row[1], row[2]] = cell(float(row[5]), known, every)
     return cells
+
+
+UNSTEADY = "unsteady"
+
+
+def cell(size: float, known: int, every: int) -> str:
+    """Give the largest error in two digits, with a star where points are not known, as the README has it."""
+    if not known:
+        return MISSING
+    if 3 * known < every:
+        return UNSTEADY
+    return significant(size) + "*" * (known < every)
 
 
 def measured_errors() -> dict[tuple[str, str], str]:
     """Give the text of each cell of the README's table by engine and formulation."""
     cells = {name: text.replace("*", r"\*") for name, text in measured().items()}
     pairs = {name[:2] for name in cells}
-    return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in TITLES) for pair in pairs}
+    return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in SHOWN) for pair in pairs}
 
 
 def test_errors_in_the_table_of_results_are_those_of_the_measured_table() -> None:
@@ -149,23 +158,24 @@ def test_numbers_of_the_first_sentence_are_those_of_the_measured_table() -> None
     assert f"joint friction is {default} dB off by default, and {tuned} dB tuned" in " ".join(README.split())
 
 
-def worst_points() -> dict[tuple[str, str, str], OperatingPoint]:
+def worst_points() -> dict[tuple[str, str, str], tuple[float, float]]:
     """Give where the largest error on the map is, of every preset whose error is quoted."""
     found = {}
     for name, friction, eta in re.findall(r"^- ([\w:@=-]+): worst at \(([\d.]+), ([\d.]+)\)", ACCURACY, re.MULTILINE):
         variant = Variant.parse(name)
-        found[variant.engine, variant.formulation, variant.preset_name] = OperatingPoint(float(friction), float(eta))
+        found[variant.engine, variant.formulation, variant.preset_name] = (float(friction), float(eta))
     return found
 
 
 def test_the_largest_error_of_the_map_is_at_one_of_the_headlines_points() -> None:
     """So that five points of a report give the number of the whole map."""
-    quoted = {name: text for name, text in measured().items() if name[2] in TITLES and text != UNSTEADY}
+    quoted = {name: text for name, text in measured().items() if name[2] in SHOWN and text != UNSTEADY}
     worst = worst_points()
     places = {name: worst[name] for name in quoted if name in worst}
     assert len(places) > 60
-    assert set(places.values()) <= set(HEADLINE_POINTS), places
-    assert any(point not in HEADLINE_POINTS for point in worst.values()), "of presets that are not quoted"
+    headline = {(case.friction_ratio, case.frequency_ratio) for case in HEADLINE}
+    assert set(places.values()) <= headline, places
+    assert any(point not in headline for point in worst.values()), "of presets that are not quoted"
 
 
 QUOTED = ("mujoco", "pybullet", "exudyn-regularised", "pymunk", "dart")
@@ -178,15 +188,10 @@ def test_readme_page_and_documentation_have_one_number(name: str) -> None:
     if reason := engine(name).unavailable_reason():
         pytest.skip(reason)
     variants = [Variant(name, "joint", preset) for preset in ("default", "tuned")]
-    with opened_store(None) as store:
-        evaluator = in_process.evaluator(store)
-        points = headline_points(variants, evaluator)
-        (row,) = accuracies(variants[:1], evaluator) if name == "mujoco" else (None,)
-    table = point_table(ComparedSweep(figure3(variants), ()), headline=points)
-    (line,) = headlines(errors_of(error_table(table)))
+    table = points(now({run: run_batch([run])[0] for run in runs_at(variants, HEADLINE, HEADLINE_STEPS)}))
+    rows = tables.at_headline(tables.engines_only(tables.labelled(judged(table))))
+    (line,) = tables.headline(tables.largest_errors(rows)).to_dict("records")
     cell = measured_errors()[name, "joint"].split(" → ")
-    shown = [cell[0], cell[2]]
-    assert [line.texts[0], line.texts[2]] == [text.removesuffix(r"\*") for text in shown]
+    shown = [line[title].partition(" (")[0] for title in ("default options", "tuned to the chain")]
+    assert shown == [text.removesuffix(r"\*") for text in (cell[0], cell[2])]
     assert f"| {engine(name).capabilities.title} | {' → '.join(cell)} |" in README
-    if row is not None:
-        assert significant(row.map_db) == shown[0]

@@ -72,8 +72,8 @@ class Shown:
             raise ParameterError("--data holds its sweep; allowed next to it: --out alone")
         if self.sweep is not None and (self.names or self.quick):
             raise ParameterError("--sweep names engines and grid; allowed next to it: neither --engine nor --quick")
-        if not run and (self.quick or self.sweep):
-            raise ParameterError("--no-run shows what stores hold; allowed next to it: neither --quick nor --sweep")
+        if not run and self.quick:
+            raise ParameterError("--no-run shows all that stores hold; allowed without it: --quick")
         if run and len(stores) > 1:
             raise ParameterError(f"--store is given {len(stores)} times; allowed: once, or several times with --no-run")
 
@@ -129,16 +129,17 @@ def _written(shown: Shown, out: Path, stores: list[Path], computing: Computing, 
     command = shlex.join([*PROGRAM, *shown.words, *(word for file in stores for word in ("--store", str(file)))])
     if shown.data is not None:
         return sources.dataset_page(shown.data, out, command)
+    from multibody_xval.scenarios.sweep_file import read_sweep
+    from multibody_xval.scenarios.sweep_plan import check_size
+
+    sweep = None if shown.sweep is None else read_sweep(shown.sweep)
     if not run:
-        return sources.stored_page(stores or [out / sources.STORE], out, f"{command} --no-run", shown.names)
+        kept = stores or [out / sources.STORE]
+        return sources.stored_page(kept, out, f"{command} --no-run", shown.names, sweep)
     announce_compilation()
     store = stores[0] if stores else None
     with keeping(store or out / sources.STORE):
-        if shown.sweep is None:
+        if sweep is None:
             return sources.planned_page(shown.names, out, command, computing.means, store, quick=shown.quick)
-        from multibody_xval.scenarios.sweep_file import read_sweep
-        from multibody_xval.scenarios.sweep_plan import check_size
-
-        sweep = read_sweep(shown.sweep)
         check_size(sweep, yes=False, how="multibody-xval sweep --yes")
         return sources.sweep_page(sweep, out, command, computing.means, store, shown.sweep)

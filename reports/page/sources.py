@@ -1,6 +1,7 @@
 """Where the results of a page come from: planned runs, a sweep, stores alone, or a dataset."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -61,15 +62,21 @@ def sweep_page(
     )
 
 
-def stored_page(stores: Sequence[Path], folder: Path, command: str, names: Sequence[str] = ()) -> Written:
-    """Write the page of what stores hold, of engines and versions of any environment; of `names`, if there are any."""
+def stored_page(
+    stores: Sequence[Path], folder: Path, command: str, names: Sequence[str] = (), sweep: "Sweep | None" = None
+) -> Written:
+    """Write the page of what stores hold, of engines and versions of any environment; of `names`, or of a sweep."""
     for store in stores:
         existing_store(store)
     stored = stored_results(*stores)
     if names:
         stored = _of_names(stored, names, stores)
+    if sweep is not None:
+        stored = _of_sweep(stored, sweep)
     if not stored:
-        raise ParameterError(f"{_listed(stores)} holds no results; allowed: a store of `sweep` or `report`")
+        raise ParameterError(
+            f"{_listed(stores)} holds no results for this page; allowed: a store of `sweep` or `report`"
+        )
     check_folder(folder, stores)
     check_loses_nothing(folder, stored)
     return write_page(stored, folder, command)
@@ -86,6 +93,13 @@ def _of_names(stored: Sequence[Stored], names: Sequence[str], stores: Sequence[P
             raise ParameterError(f"engine = {name} has no results in {_listed(stores)}; allowed: of {held}")
         wanted |= own
     return [row for row in stored if row.run.config in wanted]
+
+
+def _of_sweep(stored: Sequence[Stored], sweep: "Sweep") -> list[Stored]:
+    """Give the results on the curves of a sweep, and those of the ruler there."""
+    configs = {*sweep.configs, REFERENCE, EXACT}
+    curves = {place.case for place in sweep.places}
+    return [row for row in stored if row.run.config in configs and replace(row.run.case, frequency_ratio=1.0) in curves]
 
 
 def dataset_page(file: Path, folder: Path, command: str) -> Written:

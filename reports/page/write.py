@@ -77,6 +77,7 @@ def write_page(
     judge
         Judges the table of points.
     """
+    stored = sorted(stored, key=lambda row: (row.run.text, row.version))
     every = points(stored)
     rows = tables.labelled(judge(every))
     found = judged_edges(every)

@@ -81,7 +81,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--sweep", "{sweep}", "--engine", "mujoco"], "neither --engine nor --quick"),
         (["--data", "{sweep}", "--quick"], "allowed next to it: --out alone"),
         (["--data", "{sweep}"], "the ending '.toml'"),
-        (["--no-run", "--quick"], "neither --quick nor --sweep"),
+        (["--no-run", "--quick"], "allowed without it: --quick"),
         (["--no-run", "--retry-failed"], "--retry-failed with --no-run"),
         (["--sweep", "nowhere.toml"], "nowhere.toml"),
         (["--engine", "mujocco"], "mujocco"),
@@ -160,6 +160,7 @@ def test_the_report_of_a_sweep_is_whole_and_a_second_one_computes_nothing(
     assert f"report --sweep {tmp_path / 'sweep.toml'}" in (tmp_path / "out" / "index.html").read_text()
     monkeypatch.setattr("tests.reports.cli.test_report.run_batch", refuse)
     capsys.readouterr()
+    assert run_command(app, [*arguments, "--no-run"]) == ExitCode.DONE
     assert run_command(app, arguments) == ExitCode.DONE
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "out" / "points.csv"), first)
 
