@@ -21,12 +21,9 @@ def stored(path: Path, off: float = 0.0, lost: int = 0) -> Path:
     own = [Run(TUNED, *place) for place in places]
     results = {run: failed("crashed") for run in own[:lost]}
     for run in [*own, *(run for run in ruler(places) if run.config != EXACT)]:
-        exact = proven().get(run.case, 0j)
-        factor = 1 + off if run.config == TUNED else 1 + 1e-4 / run.steps
-        ratio = exact * factor
-        own_result = Result(
-            status=Status.PERIODIC, transmittance=ratio, residual=1e-10, amplification=1.0, periods=9, stuck=(0.5,) * 7
-        )
+        factor = (1 + 1e-4 / run.steps) * (1 + off * (run.config == TUNED))
+        numbers = {"transmittance": proven().get(run.case, 0j) * factor, "stuck": (0.5,) * 7}
+        own_result = Result(status=Status.PERIODIC, residual=1e-10, amplification=1.0, periods=9, **numbers)
         results.setdefault(run, own_result)
     with opened(path) as store:
         store.add(results)
