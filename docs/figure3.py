@@ -31,7 +31,8 @@ def curve(friction_ratio: float, frequency_ratios: np.ndarray) -> list[float]:
 
 def draw(table: Path, picture: Path) -> None:
     """Draw a table of transmittance into a picture."""
-    rows = pd.read_csv(table).query("engine != 'reference' and preset == 'tuned' and steps == @STEPS").dropna(subset="transmittance_db")
+    rows = pd.read_csv(table).query("engine != 'reference' and preset == 'tuned' and steps == @STEPS")
+    rows = rows.dropna(subset="transmittance_db")
     frictions = sorted(rows.friction_ratio.unique().tolist())
     names = rows.engine.unique().tolist()
     peaks = np.array(resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)))

@@ -8,13 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from multibody_xval.reports.page.write import (
-    Written,
-    check_folder,
-    check_loses_nothing,
-    write_dataset_page,
-    write_page,
-)
+from multibody_xval.reports.page.files import check_folder, check_loses_nothing
+from multibody_xval.reports.page.write import Written, write_dataset_page, write_page
 from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.judge import judged

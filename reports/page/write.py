@@ -9,25 +9,19 @@ from typing import TYPE_CHECKING, NamedTuple
 import pandas as pd
 
 from multibody_xval.reports.figures import panels
-from multibody_xval.reports.figures.svg import Panel, pdf, svg
+from multibody_xval.reports.figures.svg import Panel, svg
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.page import tables
+from multibody_xval.reports.page.files import PAGE, TABLES, write_files
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case
 from multibody_xval.scenarios.result_tables import file_columns, points, transitions
 from multibody_xval.scenarios.store import Stored
-from reference_lcp.errors import ParameterError
-from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
 
 if TYPE_CHECKING:
     import xarray as xr
-
-PAGE, FIGURES = "index.html", "figures"
-
-TABLES = ("points", "edges", "transitions", "phases", "errors", "headline", "verdicts", "engines", "claims")
-"""Files that stand beside the page, each with the ending ``.csv``, as far as there is something in them."""
 
 FIGURE_NAMES = ("headline", "transmittance", "errors", "edges", "stick_slip")
 
@@ -151,7 +145,7 @@ def _written(
         data, drawn, result, command=command, left_out=left_out, case=case, at_headline=not at_headline.empty,
         counts=_counts(engines), grid_steps=sorted(set(grid.steps)), looks=_looks(first), grid_looks=_looks(grid),
     )  # fmt: skip
-    _write(folder, data, drawn, text)
+    write_files(folder, data, drawn, text)
     return result
 
 
@@ -188,46 +182,3 @@ def _versions() -> str:
     """Name the versions of this environment that numbers may depend on."""
     own = [f"{name} {importlib.metadata.version(name)}" for name in PACKAGES]
     return ", ".join([*own, f"Python {platform.python_version()}", platform.platform(terse=True)])
-
-
-def _write(folder: Path, data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], page: str) -> None:
-    checked_output_folder("figures", folder / FIGURES)
-    for name, table in data.items():
-        if len(table):
-            write_whole(folder / f"{name}.csv", table.to_csv(index=False))
-    for name, own in drawn.items():
-        if own:
-            write_whole(folder / FIGURES / f"{name}.pdf", pdf(own))
-    write_whole(folder / PAGE, page)
-
-
-def check_folder(folder: Path, inputs: Sequence[Path | None]) -> None:
-    """Refuse a folder into which not all files can be written, or over one of `inputs`; it is made."""
-    checked_output_folder("--out", folder)
-    for name in (PAGE, *(f"{name}.csv" for name in TABLES)):
-        checked_output_file("output file", folder / name, inputs)
-    for used in inputs:
-        if used is not None and used.resolve().parent == (folder / FIGURES).resolve():
-            raise ParameterError(f"{used} lies among the figures that are written; allowed: a file outside {FIGURES}")
-    checked_output_folder("figures", folder / FIGURES)
-
-
-def check_loses_nothing(folder: Path, stored: Sequence[Stored]) -> None:
-    """Refuse to overwrite a page of more results of a configuration than these."""
-    file = folder / "points.csv"
-    if not file.is_file():
-        return
-    names = ["engine", "formulation", "preset"]
-    earlier = pd.read_csv(file, usecols=lambda name: name in names)
-    if list(earlier) != names:
-        return
-    own = pd.Series([tuple(map(str, _names(row))) for row in stored], dtype=object).value_counts()
-    for key, count in earlier.value_counts().items():
-        if count > own.get(key, 0):
-            problem = f"{folder / PAGE} shows more than the stores hold: of {':'.join(key)} {count} points"
-            raise ParameterError(f"{problem} for {own.get(key, 0)}; allowed: another --out, or without --no-run")
-
-
-def _names(row: Stored) -> tuple[str, str, str]:
-    config = row.run.config
-    return config.engine, config.formulation, config.preset_name
