@@ -5,9 +5,7 @@ import pytest
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.progress import ProgressBars
-from multibody_xval.scenarios.studies.figure3 import figure3
-from multibody_xval.scenarios.sweeps.point import tasks_of
-from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.runs.task import SteadyStateTask
 from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.scenarios.runs.builders import Invented, certified, steady
 
@@ -25,27 +23,35 @@ def invented() -> Invented:
     return Invented(lambda task: certified(task.cells, transmittance_db=task.frequency_ratio))
 
 
+def task(variant: Variant, friction: float, eta: float, steps: int = 400) -> SteadyStateTask:
+    return SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
+
+
+def grid(*frictions: float) -> list[SteadyStateTask]:
+    """The reference with two numbers of steps, and its converged preset, at two frequencies."""
+    kinds = ((CONVERGED, 400), (REFERENCE, 400), (REFERENCE, 800))
+    return [task(variant, own, eta, steps) for variant, steps in kinds for own in frictions for eta in (0.5, 0.7)]
+
+
 def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> None:
-    asked = figure3((), (0.0, 0.3), (0.5, 0.7))
-    case = Case.of(friction_ratio=0.3)
-    bars = ProgressBars((), tasks_of(asked, list(asked.grid_points())))
-    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (0, 12)}
-    on_grid, added = asked.task(REFERENCE, case, 0.5), asked.task(REFERENCE, case, 0.6)
+    bars = ProgressBars((), grid(0.0, 0.3))
+    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (0, 8)}
+    on_grid, added = task(REFERENCE, 0.3, 0.5), task(REFERENCE, 0.3, 0.6)
     with Evaluator(store, invented(), bars) as evaluator:
         answers = evaluator.evaluate([on_grid, added, on_grid])
         evaluator.evaluate([added])
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]
-    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (2, 13)}
+    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (2, 9)}
 
 
 def test_what_is_looked_up_again_counts_once(store) -> None:
-    """A sweep completes its points, and reads them again to judge them."""
-    tasks = tasks_of(asked := figure3((), (0.3,), (0.5, 0.7)), list(asked.grid_points()))
+    """A command completes its points, and reads them again to judge them."""
+    tasks = grid(0.3)
     bars = ProgressBars((), tasks)
     with Evaluator(store, invented(), bars) as evaluator:
         evaluator.complete(tasks)
         evaluator.evaluate(tasks)
-    assert counts(bars) == {CONVERGED.title: (2, 2), REFERENCE.title: (6, 6)}
+    assert counts(bars) == {CONVERGED.title: (2, 2), REFERENCE.title: (4, 4)}
 
 
 class Clock:
