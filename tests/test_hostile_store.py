@@ -98,7 +98,7 @@ MISFITS = {
     "run slope-hold --engine mujoco:contact:default": ('"finished"', "no series time, from the start, "),
     "run unit-cell --engine mujoco": ('"finished"', "status = finished; allowed: "),
     "run den-hartog --engine mujoco": ('"converged"', "stuck_fraction has 0 numbers; allowed: 1"),
-    "run figure3 --engine mujoco": ('"converged"', "stuck_fraction has 0 numbers; allowed: 7"),
+    "run graded-chain --engine mujoco": ('"converged"', "stuck_fraction has 0 numbers; allowed: 7"),
     "run modulated-normal-force --engine mujoco:contact": (
         f'"converged", "stuck_fraction": {[0.5] * 7}, "creep": {[0.0] * 7}',
         "open_fraction has 0 numbers; allowed: 7",
