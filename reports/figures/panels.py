@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter
 
 from multibody_xval.reports.figures.svg import Panel
 from multibody_xval.scenarios.conclusions import PRESETS as TITLES
@@ -111,7 +111,7 @@ def _draw_errors(rows: pd.DataFrame, top: float, axes: Axes) -> None:
         axes.plot(own[FREQUENCY], sizes, marker, ms=4.5, mfc="none", mew=0.8, color=colour)
     axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=(LEAST_PERCENT / 2, top))
     axes.yaxis.set_major_formatter(PLAIN)
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.minorticks_off()
 
 
 def dots(rows: pd.DataFrame, column: str, least: float, title: str, label: str) -> list[Panel]:
@@ -135,7 +135,7 @@ def _draw_dots(rows: pd.DataFrame, titles: list[str], label: str, axes: Axes) ->
     axes.set(xscale="log", xlabel=label, yticks=range(len(titles)), ylim=(-0.6, len(titles) - 0.4))
     axes.set_yticklabels(titles)
     axes.xaxis.set_major_formatter(PLAIN)
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.minorticks_off()
 
 
 def modes(table: pd.DataFrame) -> list[Panel]:
