@@ -112,6 +112,7 @@ def _draw_errors(rows: pd.DataFrame, top: float, axes: Axes) -> None:
     axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=(LEAST_PERCENT / 2, top))
     axes.yaxis.set_major_formatter(PLAIN)
     axes.minorticks_off()
+    axes.figure.subplots_adjust(left=0.21)
 
 
 def dots(rows: pd.DataFrame, column: str, least: float, title: str, label: str) -> list[Panel]:

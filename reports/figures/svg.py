@@ -85,8 +85,8 @@ def pdf(panels: Sequence[Panel]) -> bytes:
             _drawn(figure.add_subplot(rows, columns, place), panel)
         if len(panels) > 1:
             figure.subplots_adjust(
-                left=0.6 / (width * columns), right=1 - 0.15 / (width * columns), top=1 - 0.3 / (height * rows),
-                bottom=0.45 / (height * rows), wspace=0.35, hspace=0.5,
+                left=0.75 / (width * columns), right=1 - 0.15 / (width * columns), top=1 - 0.3 / (height * rows),
+                bottom=0.45 / (height * rows), wspace=0.4, hspace=0.5,
             )  # fmt: skip
         data = io.BytesIO()
         figure.savefig(data, format="pdf", metadata={"CreationDate": None})
@@ -102,6 +102,6 @@ def _drawn(axes: Axes, panel: Panel) -> None:
     lines = textwrap.wrap(panel.title, round(LETTERS * panel.width / WIDTH))
     axes.set_title("\n".join(lines), loc="left")
     top = 1 - (0.1 + 0.15 * len(lines)) / panel.height
-    sides = {"left": 0.52 / panel.width, "right": 1 - 0.08 / panel.width}
+    sides = {"left": 0.62 / panel.width, "right": 1 - 0.08 / panel.width}
     axes.figure.subplots_adjust(**sides, top=top, bottom=0.42 / panel.height)
     panel.draw(axes)
