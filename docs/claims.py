@@ -6,24 +6,17 @@ python docs/claims.py claims.sqlite docs/claims.md mujoco:all:all pybullet:all:a
 import sys
 from pathlib import Path
 
+import pandas as pd
+
 from multibody_xval.engines.interface.variant import variants_named
-from multibody_xval.scenarios.runs import TIME_LIMIT
-from multibody_xval.scenarios.runs.dask_cluster import executor_for
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.store import opened_store
-from multibody_xval.scenarios.studies.claims import (
-    CLAIM_COLUMNS,
-    LOCKED,
-    MOVED,
-    RANGE,
-    STATED,
-    Conclusions,
-    evaluated_conclusions,
-    farthest_edge,
-    sentence,
-)
-from multibody_xval.scenarios.studies.figure3 import figure3
-from multibody_xval.scenarios.tables import markdown_lines, markdown_list, text_table
+from multibody_xval.scenarios.claims import LOCKED, MOVED, RANGE, STATED, claim_cases, claims, of_paper
+from multibody_xval.scenarios.conclusions import conclusions, shown
+from multibody_xval.scenarios.edges import edges, propose
+from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.model import REFERENCE
+from multibody_xval.scenarios.plan import runs_at
+from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.tables import markdown_lines, markdown_list
 
 PRESETS = ("default", "recommended", "tuned")
 
@@ -43,9 +36,8 @@ cells slip even then.
 ENGINES = """
 ## With each engine
 
-The numbers are lower edges $\\eta_r$ by friction ratio. A dash is an edge without a steady state on the way to it.
-Where a law predicts an engine, the law's curves lead: the engine runs on both sides of every edge, 2e-6 apart, and
-at $\\eta_r = 1$; on the whole grid where its edge is not between.
+The numbers are lower edges $\\eta_r$ by friction ratio. A dash is a band that is not known: a run failed, or
+there is no steady state on the way to an edge.
 """
 
 LOWEST = """
@@ -56,27 +48,32 @@ Between the friction ratios of the figure, the lower edge of the reference is lo
 """
 
 
-def _is_apart(own: Conclusions, reference: Conclusions) -> bool:
-    """Whether a variant answers a claim otherwise or not at all, or has an edge that has moved."""
-    answers, expected = ([claim.answer for claim in each.claims] for each in (own, reference))
-    return answers != expected or farthest_edge(own, reference) >= MOVED
+OTHERS = "With each of the others one would conclude the same as with the reference."
 
 
-def main(store: Path, page: Path, names: list[str]) -> None:
-    """Write the page of these variants, with what the store has of them."""
-    variants = [variant for variant in variants_named(names) if variant.preset_name in PRESETS]
-    with opened_store(store) as kept, Evaluator(kept, executor_for(None, TIME_LIMIT, None)) as evaluator:
-        found = evaluated_conclusions(figure3(), variants, evaluator)
-    reference, *others = found
-    stated = [f"{name}: {text}: {own.answer}; {own.numbers}" for (name, text), own in
-              zip(STATED.items(), reference.claims, strict=True)]  # fmt: skip
-    apart = [sentence(own, reference) for own in others if _is_apart(own, reference)]
+def page(rows: pd.DataFrame) -> str:
+    """Give the page about a table of points."""
+    rows = of_paper(rows)
+    found = edges(rows)
+    concluded = conclusions(rows, found)
+    first = claims(rows, found).iloc[: len(STATED)]
+    stated = [f"{own.claim}: {STATED[own.claim]}: {own.answer}; {own.numbers}" for own in first.itertuples()]
+    answers = concluded[list(STATED)]
+    apart = (answers != answers.iloc[0]).any(axis=1) | (concluded.farthest >= MOVED)
     lines = [
-        INTRODUCTION, *markdown_list(stated), ENGINES, *markdown_lines(text_table(CLAIM_COLUMNS, found)), "",
-        *markdown_list([*apart, "With each of the others one would conclude the same as with the reference."]),
+        INTRODUCTION, *markdown_list(stated), ENGINES, *markdown_lines(shown(concluded)), "",
+        *markdown_list([*concluded.sentence[apart], OTHERS]),
         LOWEST,
     ]  # fmt: skip
-    page.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def main(store: Path, file: Path, names: list[str]) -> None:
+    """Write the page of these configurations; what the store lacks is run."""
+    asked = [own for own in variants_named(names) if own.preset_name in PRESETS]
+    runs = runs_at([REFERENCE, *asked], claim_cases())
+    stored = computed(runs, Means(store=store), then=[("band edges", propose)])
+    file.write_text(page(points(stored)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -45,13 +45,13 @@ CHAIN_STYLE = (
 def errors(table: Path) -> pd.DataFrame:
     """Give the errors of each engine and formulation by preset [dB], in the order of the table.
 
-    Those of presets that have no certified steady state at most points are left out.
+    Those of presets that are not periodic at most points are left out.
     """
     lines = [line for line in table.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
     header, *cells = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
     rows = pd.DataFrame(cells, columns=header).query("preset in @MARKS and engine != 'reference'")
-    certified = rows["certified"].str.split("/", expand=True).astype(int)
-    rows = rows[2 * certified[0] >= certified[1]].astype({ERROR: float})
+    periodic = rows["periodic"].str.split("/", expand=True).astype(int)
+    rows = rows[2 * periodic[0] >= periodic[1]].astype({ERROR: float})
     return rows.pivot_table(index=["engine", "formulation"], columns="preset", values=ERROR, sort=False)
 
 

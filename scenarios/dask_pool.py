@@ -1,5 +1,6 @@
 """The workers of a dask cluster, each of which runs what it gets in processes of its own machine."""
 
+import logging
 import multiprocessing
 import time
 from collections.abc import Iterator
@@ -59,6 +60,7 @@ def dask(address: str) -> Iterator[DaskPool]:
     """Give the workers of a dask cluster that runs already; it and its workers have to be trusted."""
     from distributed import Client
 
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it prints tracebacks of a cluster that is lost
     try:
         client = Client(address, timeout=f"{CONNECT_SECONDS}s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:

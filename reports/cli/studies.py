@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.reports.cli.options import Computing, Engines, GridEngines, Store, check_outs, grouped, keeping
-from reference_lcp.errors import ExitCode
+from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import print_table, visible
 
@@ -57,6 +57,8 @@ def figure3(
     Example: multibody-xval run figure3 --engine mujoco:joint:default --out figure3.md --out figure3.svg
     """
     computing.check(run=run)
+    if not run and store is None:
+        raise ParameterError("--no-run shows stored results alone; allowed: with --store")
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     configs = compared(engines)
     from multibody_xval.reports.figures.studies import transmittance

@@ -6,7 +6,7 @@ stick for a step more: an edge is known as well as the four points around it say
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,6 +15,7 @@ from scipy.interpolate import PchipInterpolator
 
 from multibody_xval.scenarios.exact_values import LADDER
 from multibody_xval.scenarios.judge import FLOOR_DB
+from multibody_xval.scenarios.model import Case, Config
 from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference, rows_of
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
 
@@ -69,7 +70,7 @@ def edges(table: pd.DataFrame) -> pd.DataFrame:
     far off that may be; ``width`` of its bracket; all in η_r; ``slope`` [dB per η_r]; ``before`` and ``after``: the
     rows of the table beside it, or -1.
     """
-    rows = [(*key, *own) for key, curve in curves(table) for own in _edges_of(curve)]
+    rows = [(*curve.key, *own) for curve in curves(table) for own in _edges_of(curve)]
     return pd.DataFrame(rows, columns=[*CURVE, *COLUMNS]).astype(
         {**dict.fromkeys(CURVE, str), "curve": object, "steps": int, **COLUMNS}
     )
@@ -80,14 +81,40 @@ def refined(found: pd.DataFrame) -> pd.Series:
     return found.frequency_ratio.notna() & (found.width <= WIDTH) & (found.interpolation <= CLOSE)
 
 
-def curves(table: pd.DataFrame) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
-    """Give the points of every curve by ascending frequency, with the rows of the table as index.
+class Curve(NamedTuple):
+    """The points of a curve by ascending frequency."""
 
-    The column ``steps`` becomes what was asked for: chains that need more at low frequencies are one curve.
-    """
+    config: Config
+    case: Case
+    """With a frequency ratio of 1."""
+    steps: int
+    """As they were asked for: chains that need more at low frequencies are one curve."""
+    key: tuple[Any, ...]
+    """The values of `CURVE`."""
+    eta: NDArray[np.float64]
+    level: NDArray[np.float64]
+    """[dB]; NaN of points without a steady state."""
+    row: NDArray[np.int64]
+    """Their rows in the table."""
+
+    @property
+    def steady(self) -> "Curve":
+        """Leave out points without a steady state."""
+        there = ~np.isnan(self.level)
+        return self._replace(eta=self.eta[there], level=self.level[there], row=self.row[there])
+
+
+def curves(table: pd.DataFrame) -> Iterator[Curve]:
+    """Give every curve of a table."""
     own = table[~is_exact(table) & ~_finer(table)]
     own = own.assign(steps=_asked_steps(own)).sort_values("frequency_ratio", kind="stable")
-    yield from own.drop_duplicates([*CURVE, "frequency_ratio"]).groupby(CURVE, sort=False, dropna=False)
+    own = own.drop_duplicates([*CURVE, "frequency_ratio"])
+    eta, rows = own.frequency_ratio.to_numpy(), own.index.to_numpy()
+    level = own.transmittance_db.where(own.status == "periodic").to_numpy()
+    configs, cases = own.config.tolist(), own.curve.tolist()
+    for key, places in own.groupby(CURVE, sort=False, dropna=False).indices.items():
+        first = places[0]
+        yield Curve(configs[first], cases[first], int(key[-1]), key, eta[places], level[places], rows[places])
 
 
 def _finer(table: pd.DataFrame) -> pd.Series:
@@ -118,17 +145,11 @@ def brackets(level_db: NDArray[np.float64]) -> dict[str, int]:
     return {name: int(rows[0]) for name, rows in (("lower", before[-1:]), ("upper", after[:1] - 1)) if rows.size}
 
 
-def steady(curve: pd.DataFrame) -> tuple[pd.DataFrame, NDArray[np.float64], NDArray[np.float64]]:
-    """Give the steady points of a curve, their frequencies and their levels [dB]."""
-    own = curve[(curve.status == "periodic") & curve.transmittance_db.notna()]
-    return own, own.frequency_ratio.to_numpy(), own.transmittance_db.to_numpy()
-
-
-def _edges_of(curve: pd.DataFrame) -> Iterator[tuple[object, ...]]:
+def _edges_of(curve: Curve) -> Iterator[tuple[object, ...]]:
     """Give both edges of a curve, or why it has none."""
-    own, eta, level = steady(curve)
-    found = brackets(level)
-    lost = curve.frequency_ratio[~curve.index.isin(own.index)].to_numpy()
+    own = curve.steady
+    eta, level, found = own.eta, own.level, brackets(own.level)
+    lost = curve.eta[np.isnan(curve.level)]
     for name in EDGES:
         row = found.get(name)
         if row is not None:
@@ -137,8 +158,8 @@ def _edges_of(curve: pd.DataFrame) -> Iterator[tuple[object, ...]]:
             count = int(((lost > eta[row]) & (lost < eta[row + 1])).sum())
             shown = np.nan if count else place.guess
             why = f"not periodic at {count} points from {eta[row]:g} to {eta[row + 1]:g}" if count else ""
-            yield name, shown, *place, off, own.index[row], own.index[row + 1], count, why
-        elif len(curve) >= FEWEST_POINTS:
+            yield name, shown, *place, off, own.row[row], own.row[row + 1], count, why
+        elif curve.eta.size >= FEWEST_POINTS:
             yield name, np.nan, *NOWHERE, np.nan, -1, -1, *_absent(name, eta, level, lost)
 
 
@@ -182,9 +203,10 @@ def _root(eta: NDArray[np.float64], level: NDArray[np.float64], row: int) -> flo
     return float(eta[row] - level[row] * (eta[row + 1] - eta[row]) / rise) if rise else np.inf
 
 
-def hidden(curve: pd.DataFrame) -> list[float]:
+def hidden(curve: Curve) -> list[float]:
     """Give the frequencies that a curve still needs above its lower edge and up to its depth, to hide no crossing."""
-    _, eta, level = steady(curve)
+    own = curve.steady
+    eta, level = own.eta, own.level
     deep = np.flatnonzero(level < DEPTH_DB)
     if not deep.size:
         return []

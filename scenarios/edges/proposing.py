@@ -49,9 +49,9 @@ def propose(table: pd.DataFrame) -> list[Run]:
 
 def _resolving(table: pd.DataFrame) -> Iterator[Run]:
     """Give the runs without which a crossing may be hidden."""
-    for _, curve in curves(table):
+    for curve in curves(table):
         for eta in hidden(curve):
-            yield _run(curve.config.iloc[0], curve.curve.iloc[0], eta, int(curve.steps.iloc[0]))
+            yield _run(curve.config, curve.case, eta, curve.steps)
 
 
 def _around(own: Any, table: pd.DataFrame) -> list[Run]:

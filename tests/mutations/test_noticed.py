@@ -1,4 +1,4 @@
-"""Contract, scenarios and report notice engines with one error each, and let the same engines pass without it."""
+"""Contract and scenarios notice engines with one error each, and let the same engines pass without it."""
 
 import subprocess
 import sys
@@ -12,8 +12,6 @@ from multibody_xval.scenarios.catalogue.base import run_with_predictions
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.store import opened_store
-from multibody_xval.scenarios.studies.figure3 import figure3
-from multibody_xval.scenarios.sweeps.compared import compare_sweep
 from multibody_xval.scenarios.verdicts.finding import Finding, failures
 from tests.mutations.catalogue import MUTANTS
 from tests.scenarios.in_process import evaluator
@@ -92,18 +90,6 @@ SCENARIOS: list[Error] = [
 ]
 """What a single scenario has to notice."""
 
-REPORT: list[Error] = [
-    ("bound", 0.1),
-    ("chain-damping", 0.1),
-    ("outer-mass", 0.005),
-    ("kinetic", 0.05),
-    ("base-late", 1.0),
-    ("mujoco-bound", 0.1),
-    ("pybullet-damping", 9.0),
-    ("siconos-bound", 0.01),
-]
-"""What a small report has to notice."""
-
 
 def wrong(errors: list[Error]) -> list[Variant]:
     return [MUTANTS[name].variant(size) for name, size in errors]
@@ -176,10 +162,3 @@ def test_scenario_of_an_ability_notices_what_is_wrong_there_alone(running, scena
 
 def test_scenario_notices_what_no_law_predicts(running) -> None:
     assert failing_scenarios(["unit-cell"], SCENARIOS, running) == set(wrong(SCENARIOS))
-
-
-@pytest.mark.slow
-def test_report_notices_what_its_points_and_edges_show(running) -> None:
-    variants = [*wrong(REPORT), *sound(REPORT)]
-    sweep = figure3(variants, (0.3,), (0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.5))
-    assert failing(variants, compare_sweep(sweep, running).findings) == set(wrong(REPORT))

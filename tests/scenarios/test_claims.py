@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -11,12 +12,14 @@ from scipy.optimize import brentq
 from multibody_xval.scenarios import claims as module
 from multibody_xval.scenarios.claims import FAILS, HOLDS, MOVED, OPEN, READING, answers, bands, claim_cases, claims
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.conclusions import conclusions
+from multibody_xval.scenarios.conclusions import conclusions, shown
 from multibody_xval.scenarios.edges import edges, propose
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed, linear_limits
 from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, grid
 from multibody_xval.scenarios.result_tables import CONFIG, points
 from multibody_xval.scenarios.store import Stored
+
+ROOT = Path(__file__).parents[2]
 
 TUNED, DEFAULT = Config("mujoco"), Config("mujoco", preset_name="default")
 
@@ -273,6 +276,17 @@ def test_the_reference_is_first_and_says_every_claim_that_it_decides() -> None:
         "widest at 0.3."
     )
     assert table[list(module.STATED)].to_numpy().tolist() == [EXPECTED, EXPECTED]
+
+
+def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(reference) -> None:
+    page = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
+    assert "| " + " | ".join(shown(conclusions(*reference)).iloc[0]) + " |" in page
+    assert all(numbers in page for numbers in claims(*reference).numbers)
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    own = bands(*reference).set_index("friction_ratio").lower
+    assert f"its lower edge falls from {own[0.0]:.3f} to {own[0.3]:.3f}" in readme
+    installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-1]
+    assert f"with {float(installed):.2f} instead of {own[5.0]:.2f}" in readme
 
 
 def test_points_of_the_headline_alone_ask_for_no_claims() -> None:

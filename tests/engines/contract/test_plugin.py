@@ -65,23 +65,20 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
 @pytest.mark.slow
 def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
     script = (
-        "from pathlib import Path\n"
-        "from multibody_xval.scenarios.runs.evaluator import Evaluator\n"
-        "from multibody_xval.scenarios.runs.local_processes import LocalExecutor\n"
-        "from multibody_xval.scenarios.studies.figure3 import figure3\n"
-        "from multibody_xval.scenarios.sweeps.compared import compare_sweep\n"
         "from multibody_xval.engines.interface.variant import Variant\n"
-        "from multibody_xval.scenarios.runs.store import ResultStore\n"
+        "from multibody_xval.scenarios.evaluate import Means, computed\n"
+        "from multibody_xval.scenarios.judge import judged\n"
+        "from multibody_xval.scenarios.model import Case\n"
+        "from multibody_xval.scenarios.plan import runs_at\n"
+        "from multibody_xval.scenarios.result_tables import points\n"
         "if __name__ == '__main__':\n"
-        "    sweep = figure3((Variant('tiny'),), (0.3,), (0.9, 1.3))\n"
-        f"    file = Path({str(tmp_path / 'store.sqlite')!r})\n"
-        "    with ResultStore(file) as store, Evaluator(store, LocalExecutor(1)) as evaluator:\n"
-        "        points = compare_sweep(sweep, evaluator).curve(Variant('tiny'), sweep.cases[0])\n"
-        "    print([str(point.comparison.verdict) for point in points])\n"
+        "    cases = [Case(friction_ratio=0.3, frequency_ratio=eta) for eta in (0.9, 1.3)]\n"
+        "    rows = judged(points(computed(runs_at([Variant('tiny')], cases), Means(workers=1))))\n"
+        "    print(rows[rows.engine == 'tiny'].verdict.tolist())\n"
     )
     file = tmp_path / "compare.py"
     file.write_text(script)
-    assert install("plugin").run(str(file)).strip() == "['agree', 'agree']"
+    assert install("plugin").run(str(file)).strip() == "['agrees', 'agrees']"
 
 
 def test_presets_that_take_part_where_they_are_named_are_slow_unless_their_engine_is_named() -> None:

@@ -11,7 +11,6 @@ import pytest
 
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.reports.cli.run import print_claims
 from multibody_xval.scenarios.catalogue.base import Scenario
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.verdict_table import (
@@ -25,9 +24,7 @@ from multibody_xval.scenarios.catalogue.verdict_table import (
     verdict_table,
 )
 from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
-from multibody_xval.scenarios.studies.claims import Band, Conclusions, answers
 from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
-from multibody_xval.scenarios.verdicts.steady_case import REFERENCE
 from reference_lcp.process import run_command
 
 PITCH = Metric("pitch", "Hz", "how high it is")
@@ -132,12 +129,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
         (["run", "unit-cell", "--workers", "0"], "workers = 0"),
         (["run", "unit-cell", "--no-run"], "--store is missing; allowed where nothing is run: a store"),
         (["run", "all", "--time-limit", "-1"], "time_limit = -1"),
-        (["run", "accuracy", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
-        (["run", "accuracy", "--engine", "mujoco:glue"], "formulation of mujoco = 'glue' is unknown"),
-        (["run", "accuracy", "--out", "table.txt"], "--out = table.txt has the ending '.txt'; allowed: .md or .csv"),
-        (["run", "accuracy", "--out", "missing/table.md"], "the folder missing does not exist"),
-        (["run", "accuracy", "--workers", "0"], "workers = 0"),
-        (["run", "accuracy", "--time-limit", "-1"], "time_limit = -1"),
+        (["run", "unit-cell", "--time-limit", "-1"], "time_limit = -1"),
         (["repot"], "No such command 'repot'"),
     ],
 )
@@ -242,47 +234,3 @@ def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install
     assert {one["case"] for one in found if one["metric"] == "transmittance" and one["verdict"] == "disagree"} == {
         case.label for case in CATALOGUE["unit-cell"].cases
     }
-
-
-@pytest.mark.slow
-def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None:
-    """First order; below 0.01 dB at the six points, an error that the converged preset does not have."""
-    out = tmp_path / "accuracy.csv"
-    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out)]) == 0
-    tuned, converged = csv.DictReader(out.read_text().splitlines())
-    assert float(tuned["points_400_db"]) < 0.01
-    assert 0.8 < float(tuned["order"]) < 1.3
-    assert int(tuned["missed"]) == int(converged["missed"]) == int(converged["spurious"]) == 0
-    assert float(converged["map_db"]) < 0.01 < float(tuned["map_db"])
-
-
-@pytest.mark.slow
-def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path) -> None:
-    """Its error falls with the step."""
-    outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]
-    options = [*(f"--out={out}" for out in outs), "--steps=200", "--steps=100", "--workers=1"]
-    assert run_command(app, ["run", "work-precision", "--engine", "reference", *options]) == 0
-    rows = [row for row in csv.DictReader(outs[0].read_text().splitlines()) if row["preset"] == "tuned"]
-    assert [row["steps_per_period"] for row in rows] == ["100", "200"]
-    errors, seconds = ([float(row[name]) for row in rows] for name in ("largest_error_db", "simulated_second_s"))
-    assert 0 < errors[1] < 0.6 * errors[0]
-    assert min(seconds) > 0
-    assert "| reference | 100 |" in outs[1].read_text()
-    assert outs[2].read_bytes().startswith(b"<?xml")
-    assert outs[3].read_bytes().startswith(b"\x89PNG")
-
-
-def test_claims_end_with_what_one_would_conclude_and_say_what_is_missing(capsys) -> None:
-    edges = {0.0: 0.85, 0.1: 0.75, 0.3: 0.64, 0.6: 0.76, 1.0: 1.0, 5.0: 1.17}
-    bands = {friction: Band(edge, math.inf, 3.0, float(friction >= 1)) for friction, edge in edges.items()}
-    installed = Variant("mujoco", preset_name="default")
-    print_claims([Conclusions(REFERENCE, bands, answers(bands)), Conclusions(installed, {}, answers({}))])
-    printed = capsys.readouterr().out
-    assert "c, reference: holds; lower edge 0.8500 at 0" in printed
-    missing = "With MuJoCo as installed nothing can be concluded: missing: the band at friction ratio 0, 0.1, 0.3, 0.6."
-    assert printed.endswith(f"{missing}\n")
-
-
-def test_without_claims_nothing_is_printed(capsys) -> None:
-    print_claims([])
-    assert capsys.readouterr().out == ""

@@ -22,12 +22,12 @@ from multibody_xval.scenarios.catalogue.transient.filtered_noise import Filtered
 from multibody_xval.scenarios.catalogue.transient.record import FILE, Record
 from multibody_xval.scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
 from multibody_xval.scenarios.catalogue.transient.swept_sine import SweptSineScenario
+from multibody_xval.scenarios.edges.finding import brackets
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.executor import InProcessExecutor
 from multibody_xval.scenarios.runs.parameters import ChainRatios
 from multibody_xval.scenarios.runs.store import opened_store
 from multibody_xval.scenarios.runs.transient import run_transients
-from multibody_xval.scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
 from multibody_xval.scenarios.verdicts.finding import Verdict
 from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
 from tests.scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
@@ -241,8 +241,8 @@ def frictionless_db(ratios: ChainRatios, eta: np.ndarray) -> np.ndarray:
 def frictionless_band(ratios: ChainRatios) -> tuple[float, float]:
     """Edges in η_r of the attenuation band: −10 dB deep, to 0 dB at its edges."""
     eta = np.linspace(0.3, 2.0, 1701)
-    brackets = edge_brackets(eta, frictionless_db(ratios, eta), BandDefinition())
-    return brackets[Edge.LOWER][0], brackets[Edge.UPPER][1]
+    found = brackets(frictionless_db(ratios, eta))
+    return float(eta[found["lower"]]), float(eta[found["upper"] + 1])
 
 
 def bands_lie_where_their_reasons_say(lower: float, upper: float) -> bool:

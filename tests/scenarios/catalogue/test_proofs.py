@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.catalogue import proofs
 from multibody_xval.scenarios.catalogue.steady.den_hartog import DenHartog
 from multibody_xval.scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
 from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.edges.finding import curves, hidden
 from multibody_xval.scenarios.exact_values import exact_values, proven, ruler
 from multibody_xval.scenarios.model import REFERENCE, Case, Run
 from multibody_xval.scenarios.model import Result as CaseResult
@@ -89,8 +89,8 @@ def test_every_point_of_a_report_is_a_standard_one(quick: bool) -> None:
     while runs:
         known.update(zip(runs, run_batch(runs), strict=True))
         table = points(Stored(run, "1", own) for run, own in known.items())
-        near = [(curve.iloc[0], eta) for _, curve in edges.curves(table) for eta in edges.hidden(curve)]
-        added = [Run(REFERENCE, replace(row.case, frequency_ratio=eta), row.steps) for row, eta in near]
+        near = [replace(curve.case, frequency_ratio=eta) for curve in curves(table) for eta in hidden(curve)]
+        added = [Run(REFERENCE, case, case.steps()) for case in near]
         runs = [run for run in added if run not in known]
     lacking = {run.case for run in known} - set(proven())
     assert lacking == {Case(friction_ratio=0.0, frequency_ratio=1.0)}

@@ -5,9 +5,7 @@ import pytest
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.progress import ProgressBars
-from multibody_xval.scenarios.studies.figure3 import figure3
-from multibody_xval.scenarios.sweeps.point import tasks_of
-from multibody_xval.scenarios.sweeps.sweep import Case
+from multibody_xval.scenarios.runs.task import SteadyStateTask
 from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.scenarios.runs.builders import Invented, certified, steady
 
@@ -25,27 +23,29 @@ def invented() -> Invented:
     return Invented(lambda task: certified(task.cells, transmittance_db=task.frequency_ratio))
 
 
-def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> None:
-    asked = figure3((), (0.0, 0.3), (0.5, 0.7))
-    case = Case.of(friction_ratio=0.3)
-    bars = ProgressBars((), tasks_of(asked, list(asked.grid_points())))
-    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (0, 12)}
-    on_grid, added = asked.task(REFERENCE, case, 0.5), asked.task(REFERENCE, case, 0.6)
+def asked(*ratios: float) -> list[SteadyStateTask]:
+    """Points of the reference, and of its converged preset."""
+    return [steady(eta, variant=own) for own in (REFERENCE, CONVERGED) for eta in ratios]
+
+
+def test_what_is_planned_is_expected_from_the_start_and_a_task_counts_once(store) -> None:
+    bars = ProgressBars((), asked(0.5, 0.7))
+    assert counts(bars) == {REFERENCE.title: (0, 2), CONVERGED.title: (0, 2)}
+    planned, added = steady(0.5, variant=REFERENCE), steady(0.6, variant=REFERENCE)
     with Evaluator(store, invented(), bars) as evaluator:
-        answers = evaluator.evaluate([on_grid, added, on_grid])
+        answers = evaluator.evaluate([planned, added, planned])
         evaluator.evaluate([added])
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]
-    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (2, 13)}
+    assert counts(bars) == {REFERENCE.title: (2, 3), CONVERGED.title: (0, 2)}
 
 
 def test_what_is_looked_up_again_counts_once(store) -> None:
-    """A sweep completes its points, and reads them again to judge them."""
-    tasks = tasks_of(asked := figure3((), (0.3,), (0.5, 0.7)), list(asked.grid_points()))
+    tasks = asked(0.5, 0.7)
     bars = ProgressBars((), tasks)
     with Evaluator(store, invented(), bars) as evaluator:
         evaluator.complete(tasks)
         evaluator.evaluate(tasks)
-    assert counts(bars) == {CONVERGED.title: (2, 2), REFERENCE.title: (6, 6)}
+    assert counts(bars) == {REFERENCE.title: (2, 2), CONVERGED.title: (2, 2)}
 
 
 class Clock:

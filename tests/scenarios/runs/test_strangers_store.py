@@ -67,8 +67,6 @@ def test_a_text_beyond_the_limit_is_not_read(file, monkeypatch) -> None:
         store.find(TASK)
 
 
-
-
 @pytest.mark.parametrize(
     "name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"]
 )

@@ -1,0 +1,109 @@
+"""``run figure3``, ``accuracy`` and ``work-precision``: tables, files, and when they fail."""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.claims import claim_cases
+from multibody_xval.scenarios.exact_values import proven, ruler
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.store import opened
+from reference_lcp.process import run_command
+
+TUNED = Config("mujoco")
+
+
+def stored(path: Path, off: float = 0.0, lost: int = 0) -> Path:
+    """Fill a store with exact values for the claims' points, of which those of an engine are off, and some are lost."""
+    places = [(case, 400) for case in claim_cases()]
+    own = [Run(TUNED, *place) for place in places]
+    results = {run: failed("crashed") for run in own[:lost]}
+    for run in [*own, *(run for run in ruler(places) if run.config != EXACT)]:
+        factor = (1 + 1e-4 / run.steps) * (1 + off * (run.config == TUNED))
+        numbers = {"transmittance": proven().get(run.case, 0j) * factor, "stuck": (0.5,) * 7}
+        own_result = Result(status=Status.PERIODIC, residual=1e-10, amplification=1.0, periods=9, **numbers)
+        results.setdefault(run, own_result)
+    with opened(path) as store:
+        store.add(results)
+    return path
+
+
+def figure3(store: Path, *options: str) -> int:
+    return run_command(app, ["run", "figure3", "--no-run", f"--store={store}", "--engine=mujoco", *options])
+
+
+def test_figure_3_says_claims_verdicts_edges_and_the_finding_in_every_format(tmp_path: Path, capsys) -> None:
+    outs = [tmp_path / f"figure3.{ending}" for ending in ("md", "csv", "svg", "png", "pdf")]
+    assert figure3(stored(tmp_path / "s.sqlite"), *(f"--out={out}" for out in outs)) == 0
+    printed = capsys.readouterr().out
+    document = outs[0].read_text(encoding="utf-8")
+    for text in ("a: the band is wider than without friction", "With MuJoCo (tuned to the chain)", "judged numbers"):
+        assert text in printed
+        assert text in document
+    assert "`multibody-xval run figure3 --engine=mujoco --no-run`" in document
+    rows = list(csv.DictReader(outs[1].read_text(encoding="utf-8").splitlines()))
+    assert {row["engine"] for row in rows} == {"reference", "mujoco"}
+    assert len([row for row in rows if row["engine"] == "mujoco"]) == len(claim_cases())
+    assert [out.read_bytes()[:4] for out in outs[2:]] == [b"<?xm", b"\x89PNG", b"%PDF"]
+
+
+def test_figure_3_fails_where_a_judged_number_deviates_or_too_many_are_lost(tmp_path: Path, capsys) -> None:
+    assert figure3(stored(tmp_path / "off.sqlite", off=0.01)) == 1
+    assert "numbers deviate" in capsys.readouterr().out
+    assert figure3(stored(tmp_path / "lost.sqlite", lost=60)) == 1
+    assert "60 of 180 runs failed: crashed" in capsys.readouterr().out
+    assert figure3(stored(tmp_path / "few.sqlite", lost=20)) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["figure3", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
+        (["figure3", "--no-run"], "--store"),
+        (["figure3", "--no-run", "--store", "none.sqlite"], "none.sqlite"),
+        (["figure3", "--no-run", "--retry-failed", "--store", "none.sqlite"], "--retry-failed with --no-run"),
+        (["figure3", "--out", "figure.gif"], "allowed: .md or .csv or .svg or .pdf or .png"),
+        (["accuracy", "--engine", "mujoco:glue"], "formulation of mujoco = 'glue' is unknown"),
+        (["accuracy", "--out", "table.svg"], "--out = table.svg has the ending '.svg'; allowed: .md or .csv"),
+        (["accuracy", "--out", "missing/table.md"], "the folder missing does not exist"),
+        (["accuracy", "--workers", "0"], "workers = 0"),
+        (["accuracy", "--time-limit", "-1"], "time_limit = -1"),
+        (["work-precision", "--steps", "15"], "steps = 15"),
+        (["work-precision", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "allowed: one of the two"),
+    ],
+)
+def test_wrong_input_is_refused_before_any_work(tmp_path: Path, capsys, monkeypatch, options, message) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", None)
+    assert run_command(app, ["run", *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None:
+    """First order; below 0.01 dB at the six points."""
+    out = tmp_path / "accuracy.csv"
+    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out)]) == 0
+    (row,) = csv.DictReader(out.read_text().splitlines())
+    assert float(row["six_400_db"]) < 0.01 < float(row["map_db"]) < 0.2
+    assert 0.8 < float(row["order"]) < 1.3
+    assert row["periodic"] == row["points"] == "68"
+    assert row["worst"] == "friction 0.1, frequency 1.5"
+
+
+@pytest.mark.slow
+def test_work_and_precision_of_the_reference_as_table_and_chart(tmp_path: Path) -> None:
+    """Its error falls with the step."""
+    outs = [tmp_path / f"speed.{ending}" for ending in ("csv", "md", "svg", "png")]
+    options = [*(f"--out={out}" for out in outs), "--steps=200", "--steps=100", "--workers=1"]
+    assert run_command(app, ["run", "work-precision", "--engine", "reference", *options]) == 0
+    rows = list(csv.DictReader(outs[0].read_text().splitlines()))[:2]
+    assert [(row["engine"], row["steps"]) for row in rows] == [(REFERENCE.engine, "100"), (REFERENCE.engine, "200")]
+    errors, seconds = ([float(row[name]) for row in rows] for name in ("error_db", "milliseconds"))
+    assert 0 < errors[1] < 0.6 * errors[0]
+    assert min(seconds) > 0
+    assert "| reference:joint:tuned | 100 |" in outs[1].read_text()
+    assert outs[2].read_bytes().startswith(b"<?xml")
+    assert outs[3].read_bytes().startswith(b"\x89PNG")
