@@ -1,19 +1,20 @@
 """Figures of the page: functions of tables that give panels."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter
 
 from multibody_xval.reports.figures.svg import Panel
-from multibody_xval.scenarios.conclusions import PRESETS as TITLES
+from multibody_xval.scenarios.conclusions import PRESETS
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
 from multibody_xval.scenarios.result_tables import is_reference
 
-FREQUENCY = "frequency_ratio"
+FREQUENCY, TITLES = "frequency_ratio", PRESETS
 
 COLOURS = {"default options": "#d55e00", "recipe": "#009e73", "tuned to the chain": "#0072b2"}
 MARKERS = {"default options": "o", "recipe": "s", "tuned to the chain": "."}
@@ -85,7 +86,7 @@ def _draw_level(rows: pd.DataFrame, reference: pd.DataFrame | None, axes: Axes) 
 
 def _by_options(rows: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     """Give the rows of every preset, the usual ones first."""
-    groups = dict(list(rows.groupby("options", sort=False)))
+    groups: dict[Any, pd.DataFrame] = dict(list(rows.groupby("options", sort=False)))
     order = [*(name for name in TITLES.values() if name in groups), *(name for name in groups if name not in COLOURS)]
     return [(name, groups[name]) for name in order]
 
@@ -111,7 +112,8 @@ def _draw_errors(rows: pd.DataFrame, top: float, axes: Axes) -> None:
         axes.plot(own[FREQUENCY], sizes, marker, ms=4.5, mfc="none", mew=0.8, color=colour)
     axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=(LEAST_PERCENT / 2, top))
     axes.yaxis.set_major_formatter(PLAIN)
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.minorticks_off()
+    axes.figure.subplots_adjust(left=0.21)
 
 
 def dots(rows: pd.DataFrame, column: str, least: float, title: str, label: str) -> list[Panel]:
@@ -135,7 +137,7 @@ def _draw_dots(rows: pd.DataFrame, titles: list[str], label: str, axes: Axes) ->
     axes.set(xscale="log", xlabel=label, yticks=range(len(titles)), ylim=(-0.6, len(titles) - 0.4))
     axes.set_yticklabels(titles)
     axes.xaxis.set_major_formatter(PLAIN)
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.minorticks_off()
 
 
 def modes(table: pd.DataFrame) -> list[Panel]:

@@ -5,14 +5,14 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 8.0, "axes.titlesize": 8.0, "svg.fonttype": "none", "axes.titley": 1.02, "axes.spines.top": False,
     "axes.spines.right": False, "axes.grid": True, "grid.color": "#e3e7eb", "grid.linewidth": 0.6,
     "axes.axisbelow": True, "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
@@ -83,13 +83,13 @@ def pdf(panels: Sequence[Panel]) -> bytes:
         figure = _figure(width * columns, height * rows)
         for place, panel in enumerate(panels, 1):
             _drawn(figure.add_subplot(rows, columns, place), panel)
-        figure.subplots_adjust(
-            left=0.6 / (width * columns), right=1 - 0.15 / (width * columns), top=1 - 0.3 / (height * rows),
-            bottom=0.45 / (height * rows), wspace=0.35, hspace=0.5,
-        )  # fmt: skip
+        if len(panels) > 1:
+            figure.subplots_adjust(
+                left=0.75 / (width * columns), right=1 - 0.15 / (width * columns), top=1 - 0.3 / (height * rows),
+                bottom=0.45 / (height * rows), wspace=0.4, hspace=0.5,
+            )  # fmt: skip
         data = io.BytesIO()
-        tight = "tight" if len(panels) == 1 else None
-        figure.savefig(data, format="pdf", bbox_inches=tight, metadata={"CreationDate": None})
+        figure.savefig(data, format="pdf", metadata={"CreationDate": None})
     return data.getvalue()
 
 
@@ -102,6 +102,6 @@ def _drawn(axes: Axes, panel: Panel) -> None:
     lines = textwrap.wrap(panel.title, round(LETTERS * panel.width / WIDTH))
     axes.set_title("\n".join(lines), loc="left")
     top = 1 - (0.1 + 0.15 * len(lines)) / panel.height
-    sides = {"left": 0.52 / panel.width, "right": 1 - 0.08 / panel.width}
+    sides = {"left": 0.62 / panel.width, "right": 1 - 0.08 / panel.width}
     axes.figure.subplots_adjust(**sides, top=top, bottom=0.42 / panel.height)
     panel.draw(axes)

@@ -51,10 +51,10 @@ def check_loses_nothing(folder: Path, stored: Sequence[Stored]) -> None:
     if list(earlier) != names:
         return
     own = pd.Series([tuple(map(str, _names(row))) for row in stored], dtype=object).value_counts()
-    for key, count in earlier.value_counts().items():
-        if count > own.get(key, 0):
-            problem = f"{folder / PAGE} shows more than the stores hold: of {':'.join(key)} {count} points"
-            raise ParameterError(f"{problem} for {own.get(key, 0)}; allowed: another --out, or without --no-run")
+    for *names, count in earlier.value_counts().reset_index().itertuples(index=False, name=None):
+        if count > (held := own.get(tuple(names), 0)):
+            problem = f"{folder / PAGE} shows more than the stores hold: of {':'.join(names)} {count} points"
+            raise ParameterError(f"{problem} for {held}; allowed: another --out, or without --no-run")
 
 
 def _names(row: Stored) -> tuple[str, str, str]:

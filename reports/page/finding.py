@@ -30,7 +30,7 @@ def finding(rows: pd.DataFrame) -> str:
 
 def _judged(rows: pd.DataFrame, *, deviates: bool) -> str:
     """Say of configurations, all of which deviate somewhere or none of which does, how many of their numbers do."""
-    names = [_name(options, own) for options, own in rows.groupby("options", sort=False)]
+    names = [_name(str(options), own) for options, own in rows.groupby("options", sort=False)]
     several = "s" * (rows.configuration.nunique() == 1)
     if not deviates:
         agreeing = int((rows.verdict == AGREES).sum())
@@ -62,7 +62,7 @@ def _largest(rows: pd.DataFrame) -> str:
     sizes = rows.error_db.abs()
     if sizes.isna().all():
         return "none is known"
-    worst = rows.loc[sizes.idxmax()]
+    worst = rows.assign(size=sizes).sort_values("size", na_position="first").iloc[-1]
     return f"{sizes.max():.2g} dB ({worst.title})"
 
 

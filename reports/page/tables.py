@@ -135,7 +135,9 @@ def edge_table(edges: pd.DataFrame) -> pd.DataFrame:
         return pd.DataFrame(columns=["title", "options", "configuration", "place", "edge", FREQUENCY, "verdict"])
     configs = [Config(*own) for own in zip(edges.engine, edges.formulation, edges.preset, strict=True)]
     own = edges.assign(
-        config=configs, case=edges.curve, configuration=edges[["engine", "formulation", "preset"]].agg(":".join, axis=1)
+        config=pd.Series(configs, edges.index, dtype=object),
+        case=edges.curve,
+        configuration=edges[["engine", "formulation", "preset"]].agg(":".join, axis=1),
     )
     names = [
         "title", "options", "configuration", "place", "steps", "edge", FREQUENCY, "exact", "exact_bar", "error",
@@ -198,4 +200,4 @@ def shown_case(rows: pd.DataFrame) -> Case | None:
     if (rows.case == STICK_SLIP).any():
         return STICK_SLIP
     changing = rows[(rows.transitions > 0) & (rows.status == Status.PERIODIC)]
-    return None if changing.empty else changing.loc[changing.transitions.idxmax(), "case"]
+    return None if changing.empty else changing.sort_values("transitions", kind="stable").case.iloc[-1]

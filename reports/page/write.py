@@ -102,7 +102,9 @@ def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
     """Keep the exact motion, and default and tuned joints at their finest steps; the reference where there is none."""
     if table.empty:
         return table
-    own = table.assign(case=case, preset=[config.preset_name for config in table.config])
+    own = table.assign(
+        case=pd.Series([case] * len(table), table.index), preset=[config.preset_name for config in table.config]
+    )
     last = "exact" if EXACT in set(own.config) else REFERENCE.preset_name
     kept = own.config.map(
         lambda config: (
