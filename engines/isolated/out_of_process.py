@@ -11,7 +11,7 @@ import numpy as np
 
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation, Preset
-from multibody_xval.engines.interface.scene import Vector
+from multibody_xval.engines.interface.scene import Vector, not_pushed
 from multibody_xval.engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
 from multibody_xval.engines.isolated.worker import Message
 from multibody_xval.engines.shared.units import Units
@@ -172,6 +172,10 @@ class ServedScene:
     def launch(self, velocity: Vector, spin: float) -> None:
         """Give the followed box a velocity [m/s] and a spin [rad/s], with the next request."""
         self._launch = *velocity, spin
+
+    def push(self, force: float) -> None:
+        """Refuse: servers have no force that swings."""
+        not_pushed(force)
 
 
 class OutOfProcessEngine(Engine):
