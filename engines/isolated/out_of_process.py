@@ -153,16 +153,17 @@ class OutOfProcessLane(LaneModel):
 class ServedScene:
     """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
 
-    def __init__(self, process: EngineProcess, parameters: Message):
-        """Take what the server builds it from."""
-        self._built = Built(process, parameters)
+    def __init__(self, process: EngineProcess, parameters: Message, downhill: Vector | None = None):
+        """Take what the server builds it from, and where it is pushed, if that may be."""
+        self._built, self._downhill = Built(process, parameters), downhill
         self._launch: Sequence[float] = ()
+        self._push = [0.0, 0.0, 0.0]
         self.close = self._built.close
 
     def run(self, steps: int) -> FloatArray:
         """Take steps in one request; see `SceneWorld.run`."""
         limit, known = REQUEST_LIMIT + STEP_LIMIT * steps, self._built.number
-        reply = self._built.request("follow", limit, steps=steps, launch=self._launch)
+        reply = self._built.request("follow", limit, steps=steps, launch=self._launch, push=self._push)
         if known not in {-1, self._built.number}:
             raise EngineProcessError("a scene was lost with its worker, and with it how far it had come")
         self._launch = ()
@@ -174,8 +175,11 @@ class ServedScene:
         self._launch = *velocity, spin
 
     def push(self, force: float) -> None:
-        """Refuse: servers have no force that swings."""
-        not_pushed(force)
+        """Push the followed box with the next request; see `SceneWorld.push`."""
+        if self._downhill is None:
+            not_pushed(force)
+        else:
+            self._push = [force * part for part in self._downhill]
 
 
 class OutOfProcessEngine(Engine):

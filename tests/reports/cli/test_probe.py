@@ -236,7 +236,7 @@ def test_model_with_few_iterations_gets_those_that_the_recipe_needs(capsys, tmp_
     found = measured(capsys, file, "--time", "0.5")
     assert found["unfinished"]["as it is"] > 10
     assert found["unfinished"]["all"] == 0
-    assert [*found["cost"]][-2:] == ['all but noslip_iterations="0"', "all"]
+    assert 'noslip_iterations="0"' in found["cost"]
     assert max(each["creep"]["all"] for each in found["held"]) <= 0.2
 
 
