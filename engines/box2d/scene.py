@@ -86,7 +86,10 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def launch(velocity: Vector, spin: float) -> None:
         body.linearVelocity, body.awake = in_plane(velocity, spin), True
 
-    return SteppedWorld(step, lambda: row(body.position, body.angle, body.linearVelocity), launch)
+    def push(force: float) -> None:
+        body.ApplyForceToCenter(scene.along(force)[::2], True)
+
+    return SteppedWorld(step, lambda: row(body.position, body.angle, body.linearVelocity), launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

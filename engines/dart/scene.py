@@ -131,7 +131,10 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         rotation = np.array(body.getWorldTransform().rotation())
         skeleton.setVelocities(np.concatenate([rotation.T @ (0, 0, spin), rotation.T @ velocity]))
 
-    return SteppedWorld(step, state, launch)
+    def push(force: float) -> None:
+        body.setExtForce(scene.along(force))
+
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def _quaternion(rotation: Any) -> Any:

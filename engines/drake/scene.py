@@ -47,6 +47,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     if scene.grip or scene.belt:
         force = builder.AddSystem(drake.ConstantVectorSource([-scene.grip]))
         builder.Connect(force.get_output_port(), plant.get_actuation_input_port())
+    pushes = [drake.ExternallyAppliedSpatialForce()]
+    pushes[0].body_index = bodies[-1].index()
     simulator, step = _simulated(builder, setting.time_step)
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     turned = drake.Quaternion(np.array(scene.orientation) / np.linalg.norm(scene.orientation))
@@ -64,7 +66,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         motion = drake.SpatialVelocity(np.array([0.0, 0.0, spin]), np.array(velocity))
         plant.SetFreeBodySpatialVelocity(context, bodies[-1], motion)
 
-    return SteppedWorld(step, state, launch)
+    def push(force: float) -> None:
+        pushes[0].F_Bq_W = drake.SpatialForce(np.zeros(3), np.array(scene.along(force)))
+        plant.get_applied_spatial_force_input_port().FixValue(context, pushes)
+
+    return SteppedWorld(step, state, launch, push=push)
 
 
 Properties = Callable[[bool, float], Any]

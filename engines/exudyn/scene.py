@@ -15,6 +15,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     Vector,
     not_launched,
+    not_pushed,
 )
 from reference_lcp.validation import FloatArray
 
@@ -58,6 +59,10 @@ class JointWorld:
     def launch(self, velocity: Vector, spin: float) -> None:
         """Refuse: there is no box."""
         not_launched(velocity, spin)
+
+    def push(self, force: float) -> None:
+        """Refuse: there is no box."""
+        not_pushed(force)
 
     def close(self) -> None:
         """Empty the system."""

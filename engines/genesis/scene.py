@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
+
 from multibody_xval.engines.genesis.chains import import_genesis
 from multibody_xval.engines.genesis.presets import CHOICES
 from multibody_xval.engines.interface.scene import (
@@ -79,7 +81,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def state() -> Any:
         return followed.get_pos().numpy(), followed.get_quat().numpy(), followed.get_vel().numpy()
 
-    return SteppedWorld(world.step, state, launch, world.destroy)
+    def push(force: float) -> None:
+        forces = np.array([scene.along(force)])
+        world.rigid_solver.apply_links_external_force(force=forces, links_idx=[followed.base_link_idx])
+
+    return SteppedWorld(world.step, state, launch, world.destroy, push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -46,6 +46,8 @@ class Engine(ABC):
     """Time step that its users take where they choose none [s]: its own default."""
     scene_worlds: ClassVar[Mapping[Formulation, SceneBuilder]] = {}
     """What builds scenes as its users write them, by the formulation of the friction; none is needed."""
+    scene_shakers: ClassVar[bool] = False
+    """Whether boxes of scenes may have a `Shaker`."""
     scene_models: ClassVar[Mapping[Formulation, Callable[[Any, SceneSetting], str]]] = {}
     """What writes such scenes as texts, of an engine whose users write models so."""
     no_scenes: ClassVar[str] = "its adapter builds none"

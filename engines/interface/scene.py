@@ -68,6 +68,22 @@ class Box:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Shaker:
+    """A mass on a spring and a dashpot in the middle of a box, that slides along the plane and touches nothing."""
+
+    mass: float = 0.1
+    """[kg]."""
+    stiffness: float = 1000.0
+    """[N/m]."""
+    damping: float = 1.0
+    """[N s/m]."""
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "stiffness", "damping"):
+            checked_scalar(name, getattr(self, name), "> 0")
+
+
+@dataclass(frozen=True, kw_only=True)
 class ContactScene:
     """Boxes that rest on a plane, one on the other, or one that two fingers hold; all surfaces rub alike."""
 
@@ -84,6 +100,8 @@ class ContactScene:
     grip: float = 0.0
     """Force with which the right finger, on a prismatic joint, presses the only box against the left one, which is
     fixed [N]; there is no plane then. Zero without fingers."""
+    shaker: Shaker | None = None
+    """In the last box."""
 
     def __post_init__(self) -> None:
         checked_scalar("friction", self.friction, ">= 0")
@@ -102,6 +120,11 @@ class ContactScene:
     def downhill(self) -> Vector:
         """Unit vector that points down the plane; x where it is level."""
         return math.cos(self.slope), 0.0, -math.sin(self.slope)
+
+    def along(self, force: float) -> Vector:
+        """Give a force down the plane [N] in the axes of the world."""
+        x, y, z = self.downhill
+        return force * x, force * y, force * z
 
     @property
     def tilt(self) -> Quaternion:
@@ -179,6 +202,11 @@ def not_launched(velocity: Vector, spin: float) -> None:
     raise ParameterError(f"launch = {velocity}, {spin} of a joint; allowed: of a box")
 
 
+def not_pushed(force: float) -> None:
+    """Refuse to push what is no box, or in an engine whose adapter does not."""
+    raise ParameterError(f"force = {force:g} N that swings; allowed: on a box, in an engine whose adapter pushes one")
+
+
 class SceneWorld(Protocol):
     """A scene in an engine."""
 
@@ -192,6 +220,10 @@ class SceneWorld(Protocol):
 
     def launch(self, velocity: Vector, spin: float) -> object:
         """Give the followed box a velocity [m/s], and an angular one about the vertical [rad/s]."""
+        ...
+
+    def push(self, force: float) -> object:
+        """Push the followed box down the plane in the next step [N]: its shaker, against the box, where it has one."""
         ...
 
     def close(self) -> object:
@@ -208,6 +240,7 @@ class SteppedWorld:
     """Gives numbers or arrays that together are a row; see `SceneWorld.run`."""
     launch: Callable[[Vector, float], object] = not_launched
     close: Callable[[], object] = nothing
+    push: Callable[[float], object] = not_pushed
 
     def run(self, steps: int) -> FloatArray:
         """Take steps one by one; see `SceneWorld.run`."""

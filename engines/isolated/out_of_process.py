@@ -11,7 +11,7 @@ import numpy as np
 
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation, Preset
-from multibody_xval.engines.interface.scene import Vector
+from multibody_xval.engines.interface.scene import Vector, not_pushed
 from multibody_xval.engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
 from multibody_xval.engines.isolated.worker import Message
 from multibody_xval.engines.shared.units import Units
@@ -153,16 +153,17 @@ class OutOfProcessLane(LaneModel):
 class ServedScene:
     """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
 
-    def __init__(self, process: EngineProcess, parameters: Message):
-        """Take what the server builds it from."""
-        self._built = Built(process, parameters)
+    def __init__(self, process: EngineProcess, parameters: Message, downhill: Vector | None = None):
+        """Take what the server builds it from, and where it is pushed, if that may be."""
+        self._built, self._downhill = Built(process, parameters), downhill
         self._launch: Sequence[float] = ()
+        self._push = [0.0, 0.0, 0.0]
         self.close = self._built.close
 
     def run(self, steps: int) -> FloatArray:
         """Take steps in one request; see `SceneWorld.run`."""
         limit, known = REQUEST_LIMIT + STEP_LIMIT * steps, self._built.number
-        reply = self._built.request("follow", limit, steps=steps, launch=self._launch)
+        reply = self._built.request("follow", limit, steps=steps, launch=self._launch, push=self._push)
         if known not in {-1, self._built.number}:
             raise EngineProcessError("a scene was lost with its worker, and with it how far it had come")
         self._launch = ()
@@ -172,6 +173,13 @@ class ServedScene:
     def launch(self, velocity: Vector, spin: float) -> None:
         """Give the followed box a velocity [m/s] and a spin [rad/s], with the next request."""
         self._launch = *velocity, spin
+
+    def push(self, force: float) -> None:
+        """Push the followed box with the next request; see `SceneWorld.push`."""
+        if self._downhill is None:
+            not_pushed(force)
+        else:
+            self._push = [force * part for part in self._downhill]
 
 
 class OutOfProcessEngine(Engine):

@@ -7,7 +7,7 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
   arrays with one row a step (position and velocity alone where nothing is recorded).
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
   ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that is a
-  scene has ``follow(steps, launch)`` instead, which gives a row a step, see
+  scene has ``follow(steps, launch, push)`` instead, which gives a row a step, see
   `multibody_xval.engines.isolated.out_of_process.ServedScene`.
 
 A message is a pickled dictionary of the data type, the shape and the bytes of every array: a pickled array would need
@@ -104,7 +104,8 @@ class Service:
         return {name: rows[name][-1:] for name in (*MOTION, *GAPS) if name in rows}
 
     def _follow(self, request: Message) -> Message:
-        return {"rows": self._lanes[int(request["number"])].follow(int(request["steps"]), request["launch"])}
+        scene = self._lanes[int(request["number"])]
+        return {"rows": scene.follow(int(request["steps"]), request["launch"], request["push"])}
 
 
 def _end_at(seconds: float) -> None:

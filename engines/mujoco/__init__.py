@@ -54,6 +54,7 @@ class MuJoCo(PipEngine):
 
     reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
     scene_step: ClassVar[float] = STEP
+    scene_shakers: ClassVar[bool] = True
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
     scene_models: ClassVar = {Formulation.JOINT: joint_model, Formulation.CONTACT: contact_model}
 

@@ -113,6 +113,10 @@ JOINT_DEFAULT = Preset(
     normal_force=NormalForce.MODULATED,
 )
 
+OWN_TOLERANCE = Option.own(1e-8, "MuJoCo's own: the solver stops before friction of a load that swings is found.")
+
+CONVERGED = (1e-14, "With MuJoCo's own 1e-8 a body drifts by up to 0.1 mm/s whose load swings below the bound.")
+
 HARDEST_STOPS = stops_in_one_step(HARDEST)
 
 IS_HELD = (HELD, "A construct of this suite, exact for its chain: nothing moves across, whatever friction does.")
@@ -184,8 +188,13 @@ CONTACT_DEFAULT = Preset(
 
 JOINT_RECOMMENDED = Preset(
     "For joints of any model: friction that stops a slip within two steps, as hard as MuJoCo lets it be.",
-    {**JOINT_OPTIONS, "solimp_friction": Option.own(SOLIMP, "MuJoCo's own: friction is soft, and joints creep.")},
     {
+        **JOINT_OPTIONS,
+        "solimp_friction": Option.own(SOLIMP, "MuJoCo's own: friction is soft, and joints creep."),
+        "tolerance": OWN_TOLERANCE,
+    },
+    {
+        "tolerance": CONVERGED,
         "solref_friction": (
             OfStep("2h 1", lambda step: (2 * step, 1.0)),
             "The least time constant that MuJoCo lets friction have; its own of 0.02 s hides friction in fast motions.",
@@ -203,10 +212,15 @@ JOINT_RECOMMENDED = Preset(
 
 CONTACT_RECOMMENDED = Preset(
     "For contacts of any model: the elliptic cone, with friction far harder than the normal force.",
-    {**CONTACT_OPTIONS, "impratio": Option.own(1.0, "MuJoCo's own: friction is as soft as the normal force.")},
+    {
+        **CONTACT_OPTIONS,
+        "impratio": Option.own(1.0, "MuJoCo's own: friction is as soft as the normal force."),
+        "tolerance": OWN_TOLERANCE,
+    },
     {
         "cone": ("elliptic", "The pyramid has too little friction aside of its edges, and impratio hardly helps it."),
         "impratio": (1e4, "Creep is that much less, at no cost; from 1e5 on the solver's own error is left."),
+        "tolerance": CONVERGED,
     },
     known_deviation="a stuck contact creeps by a ten-thousandth of what it does by default; what slides still hops",
     law=lambda _: NotModelled("no model has the elliptic cone with impratio"),

@@ -12,7 +12,9 @@ from multibody_xval.engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 
-OPTION_ATTRIBUTES = ("solver", "iterations", "noslip_iterations", "cone", "jacobian", "integrator")
+OPTION_ATTRIBUTES = (
+    "solver", "iterations", "tolerance", "noslip_iterations", "cone", "impratio", "jacobian", "integrator",
+)  # fmt: skip
 """Options of the whole model."""
 
 
@@ -46,7 +48,8 @@ def contact_numbers(
 
 
 def _model(preset: Preset) -> dict[str, str]:
-    changed = {name: preset[name] for name in OPTION_ATTRIBUTES if preset[name] != preset.options[name].default}
+    there = [name for name in OPTION_ATTRIBUTES if name in preset.options]
+    changed = {name: preset[name] for name in there if preset[name] != preset.options[name].default}
     flags = " ".join(f'{name}="disable"' for name in preset["disable"])
     return {
         "option": " ".join(f'{name}="{value}"' for name, value in changed.items()),

@@ -1,5 +1,6 @@
 """Scenes as users of MuJoCo write them: a model in XML, with the attributes that the preset changes."""
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -22,7 +23,9 @@ from multibody_xval.engines.interface.scene import (
 STEP = 0.002
 """MuJoCo's own time step [s]."""
 
-MODEL_ATTRIBUTES = ("solver", "iterations", "cone", "impratio", "integrator", "noslip_iterations", "noslip_tolerance")
+MODEL_ATTRIBUTES = (
+    "solver", "iterations", "tolerance", "cone", "impratio", "integrator", "noslip_iterations", "noslip_tolerance",
+)  # fmt: skip
 """Options that are attributes of the model's ``option``."""
 
 JOINT_ATTRIBUTES = {"solref_friction": "solreffriction", "solimp_friction": "solimpfriction"}
@@ -46,12 +49,23 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
         bodies.append(f'<geom type="plane" size="{GROUND} {GROUND} 1" quat="{_text(scene.tilt)}" {rub}/>')
     for box, place in zip(scene.boxes, scene.places, strict=True):
         geom = f'<geom type="box" size="{_text([box.side / 2] * 3)}" mass="{box.mass}" {rub}/>'
-        bodies.append(f'<body pos="{_text(place)}" quat="{_text(scene.orientation)}"><freejoint/>{geom}</body>')
+        within = _shaker(scene) if place == scene.places[-1] else ""
+        bodies.append(f'<body pos="{_text(place)}" quat="{_text(scene.orientation)}"><freejoint/>{geom}{within}</body>')
     if scene.grip:
         finger = f'<geom type="box" size="{_text(FINGER)}" mass="{FINGER_MASS}" {rub}/>'
         slide = '<joint name="finger" type="slide" axis="1 0 0"/>'
         bodies.insert(1, f'<body pos="{reach} 0 {height}">{slide}{finger}</body>')
     return _model(setting, bodies)
+
+
+def _shaker(scene: ContactScene) -> str:
+    """Write the mass inside a box; nothing where there is none."""
+    if scene.shaker is None:
+        return ""
+    axis = f"{math.cos(scene.turn)} {-math.sin(scene.turn)} 0"
+    own = f'axis="{axis}" stiffness="{scene.shaker.stiffness}" damping="{scene.shaker.damping}"'
+    geom = f'<geom type="sphere" size=".01" mass="{scene.shaker.mass}" contype="0" conaffinity="0"/>'
+    return f'<body><joint name="shaker" type="slide" {own}/>{geom}</body>'
 
 
 def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
@@ -119,10 +133,29 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     model, data = contact_world(scene, setting)
 
-    def launch(velocity: Vector, spin: float) -> None:
-        data.qvel[-6:] = *velocity, 0.0, 0.0, spin
+    place, speed = followed_box(model)
 
-    return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos[-7:], data.qvel[-6:-3]), launch)
+    def launch(velocity: Vector, spin: float) -> None:
+        data.qvel[speed : speed + 6] = *velocity, 0.0, 0.0, spin
+
+    def push(force: float) -> None:
+        if scene.shaker:
+            data.joint("shaker").qfrc_applied[0] = force
+        else:
+            data.xfrc_applied[-1, :3] = scene.along(force)
+
+    def state() -> Any:
+        return data.qpos[place : place + 7], data.qvel[speed : speed + 3]
+
+    return SteppedWorld(lambda: mujoco.mj_step(model, data), state, launch, push=push)
+
+
+def followed_box(model: Any) -> tuple[int, int]:
+    """Give where the coordinates of the last free joint begin, and its velocities."""
+    import mujoco
+
+    last = [joint for joint in range(model.njnt) if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE][-1]
+    return int(model.jnt_qposadr[last]), int(model.jnt_dofadr[last])
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -81,6 +81,7 @@ class MuJoCoWarp(PipEngine):
     }
 
     scene_step: ClassVar[float] = STEP
+    scene_shakers: ClassVar[bool] = True
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:

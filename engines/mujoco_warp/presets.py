@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from multibody_xval.engines.interface.law import Law, NotModelled
-from multibody_xval.engines.interface.presets import ACROSS, NormalForce, Preset
+from multibody_xval.engines.interface.presets import ACROSS, NormalForce, Option, Preset
 from multibody_xval.engines.mujoco import presets as mujoco
 from multibody_xval.engines.mujoco import step_model
 
@@ -79,6 +79,23 @@ CONTACT_TUNED = Preset(
 
 CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6, judged=())
 
-JOINT_RECOMMENDED = replace(mujoco.JOINT_RECOMMENDED, law=joint_friction, split_tolerance=1e-6, judged=("scenes",))
 
-CONTACT_RECOMMENDED = replace(mujoco.CONTACT_RECOMMENDED, split_tolerance=1e-6, judged=("scenes",))
+def _without_tolerance(preset: Preset) -> dict[str, Option]:
+    """Leave out the solver's tolerance: MuJoCo Warp raises what a model has to 1e-6."""
+    return {name: option for name, option in preset.options.items() if name != "tolerance"}
+
+
+JOINT_RECOMMENDED = replace(
+    mujoco.JOINT_RECOMMENDED,
+    options=_without_tolerance(mujoco.JOINT_RECOMMENDED),
+    law=joint_friction,
+    split_tolerance=1e-6,
+    judged=("scenes",),
+)
+
+CONTACT_RECOMMENDED = replace(
+    mujoco.CONTACT_RECOMMENDED,
+    options=_without_tolerance(mujoco.CONTACT_RECOMMENDED),
+    split_tolerance=1e-6,
+    judged=("scenes",),
+)

@@ -11,7 +11,7 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from multibody_xval.engines.mujoco.scene import contact_world, joint_world
+from multibody_xval.engines.mujoco.scene import contact_world, followed_box, joint_world
 from multibody_xval.engines.mujoco_warp.worlds import import_mujoco_warp
 from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp
 
@@ -21,17 +21,28 @@ MOST_CONTACTS, MOST_ROWS = 64, 300
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts; the followed box has the last free joint."""
-    data, step = _world(*contact_world(scene, setting))
+    model, start = contact_world(scene, setting)
+    place, speed = followed_box(model)
+    data, step = _world(model, start)
 
     def state() -> Any:
-        return data.qpos.numpy()[0, -7:], data.qvel.numpy()[0, -6:-3]
+        return data.qpos.numpy()[0, place : place + 7], data.qvel.numpy()[0, speed : speed + 3]
 
     def launch(velocity: Vector, spin: float) -> None:
         speeds = data.qvel.numpy()
-        speeds[0, -6:] = *velocity, 0.0, 0.0, spin
+        speeds[0, speed : speed + 6] = *velocity, 0.0, 0.0, spin
         data.qvel.assign(speeds)
 
-    return SteppedWorld(step, state, launch)
+    def push(force: float) -> None:
+        forces = (data.qfrc_applied if scene.shaker else data.xfrc_applied).numpy()
+        if scene.shaker:  # its joint is the last one
+            forces[0, -1] = force
+            data.qfrc_applied.assign(forces)
+        else:
+            forces[0, -1, :3] = scene.along(force)
+            data.xfrc_applied.assign(forces)
+
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -48,6 +48,7 @@ class _World:
         self._solver = newton.solvers.SolverSteel(self.model, **options, **_drives(setting))
         self.state, self._after, self.control = self.model.state(), self.model.state(), self.model.control()
         newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.state)
+        self.pushes = import_warp().zeros_like(self.state.body_f)
         self._pipeline = newton.CollisionPipeline(self.model) if self.model.shape_count else None
         self._contacts = self._pipeline.contacts() if self._pipeline else None
         self._time_step, self._steps, self._graph = setting.time_step, 0, None
@@ -55,6 +56,7 @@ class _World:
     def _advance(self) -> None:
         warp = import_warp()
         self.state.clear_forces()
+        warp.copy(self.state.body_f, self.pushes)
         if self._pipeline:
             self._pipeline.collide(self.state, self._contacts)
         self._solver.step(self.state, self._after, self.control, self._contacts, self._time_step)
@@ -73,6 +75,12 @@ class _World:
                 self._advance()
             self._graph = capture.graph
         warp.capture_launch(self._graph)
+
+    def push(self, body: int, force: Vector) -> None:
+        """Push a body at its centre from now on."""
+        forces = self.pushes.numpy()
+        forces[body, :3] = force
+        self.pushes.assign(forces)
 
     def set_rates(self, begin: int, rates: Sequence[float]) -> None:
         """Set velocities of joints from this one on."""
@@ -139,7 +147,10 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def launch(velocity: Vector, spin: float) -> None:
         world.set_rates(6 * body, [*velocity, 0.0, 0.0, spin])
 
-    return SteppedWorld(world.step, state, launch)
+    def push(force: float) -> None:
+        world.push(body, scene.along(force))
+
+    return SteppedWorld(world.step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -12,12 +12,14 @@ class EngineLane:
     def __init__(self, parameters: dict[str, Any]):
         self._scene: Any = (Boxes if "half" in parameters else Joints)(parameters)
 
-    def follow(self, steps: int, launch: Any) -> Any:
-        """Give the followed box a velocity, unless it is empty, and take steps; gives a row a step."""
+    def follow(self, steps: int, launch: Any, push: Any) -> Any:
+        """Give the followed box a velocity, unless it is empty, and take steps under a force; gives a row a step."""
         if len(launch):
             self._scene.launch(launch.tolist())
         rows = []
         for _ in range(steps):
+            if push.any():
+                self._scene.push(push.tolist())
             self._scene.step()
             rows.append(self._scene.state())
         return np.array(rows)
@@ -104,6 +106,10 @@ class Boxes:
     def state(self) -> Any:
         """Give position, orientation and velocity of the followed box."""
         return [*self._body.getPosition(), *self._body.getQuaternion(), *self._body.getLinearVel()]
+
+    def push(self, force: Any) -> None:
+        """Push the followed box in the next step."""
+        self._body.addForce(force)
 
     def launch(self, velocity: Any) -> None:
         """Give the followed box a velocity and a spin about the vertical; it may have been asleep."""

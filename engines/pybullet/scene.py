@@ -141,7 +141,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def launch(velocity: Vector, spin: float) -> None:
         bullet.resetBaseVelocity(body, velocity, (0, 0, spin), physicsClientId=client)
 
-    return SteppedWorld(step, state, launch, world.close)
+    def push(force: float) -> None:
+        centre = bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0]
+        bullet.applyExternalForce(body, -1, scene.along(force), centre, bullet.WORLD_FRAME, physicsClientId=client)
+
+    return SteppedWorld(step, state, launch, world.close, push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -83,7 +83,10 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def launch(velocity: Vector, spin: float) -> None:
         body.velocity = in_plane(velocity, spin)
 
-    return SteppedWorld(step, lambda: row(body.position, body.angle, body.velocity), launch)
+    def push(force: float) -> None:
+        body.apply_force_at_world_point(scene.along(force)[::2], body.position)
+
+    return SteppedWorld(step, lambda: row(body.position, body.angle, body.velocity), launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -105,7 +105,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def launch(velocity: Vector, spin: float) -> None:
         body.linvel, body.angvel = vector(*velocity), vector(0, 0, spin)
 
-    return SteppedWorld(world.step, state, launch)
+    def push(force: float) -> None:
+        body.reset_forces(True)
+        body.add_force(vector(*scene.along(force)), True)
+
+    return SteppedWorld(world.step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

@@ -104,7 +104,10 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body.set_linear_velocity(velocity)
         body.set_angular_velocity((0, 0, spin))
 
-    return SteppedWorld(step, state, launch)
+    def push(force: float) -> None:
+        body.add_force_torque(np.array(scene.along(force)), np.zeros(3))
+
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:

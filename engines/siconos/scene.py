@@ -15,4 +15,4 @@ SERVER = Path(__file__).with_name("scene_server.py")
 def contacts(scene: ContactScene, setting: SceneSetting) -> ServedScene:
     """Build a scene with contacts: the followed box comes last."""
     stepping = {"time_step": setting.time_step, "theta": setting.preset["theta"]}
-    return ServedScene(process_of("siconos", SERVER), {**solids(scene), **stepping})
+    return ServedScene(process_of("siconos", SERVER), {**solids(scene), **stepping}, scene.downhill)

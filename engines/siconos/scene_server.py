@@ -52,6 +52,7 @@ class EngineLane:
         self._body = collision.RigidBodyDS([*place, *turned], motion, mass, inertia)
         self._body.setContactors(box)
         self._body.setFExtPtr(force)
+        self._own_force = force
         if kind != "free":
             held = range(6) if kind == "driven" else range(1, 6)
             self._body.setBoundaryConditions(kernel.BoundaryCondition(list(held), motion[held.start :]))
@@ -63,8 +64,9 @@ class EngineLane:
         self._stepping = kernel.TimeStepping(self._system, clock, integrator, kernel.FrictionContact(3))
         self._stepping.insertInteractionManager(self._contacts)
 
-    def follow(self, steps: int, launch: Any) -> Any:
-        """Give the followed box a velocity, unless it is empty, and take steps; gives a row a step."""
+    def follow(self, steps: int, launch: Any, push: Any) -> Any:
+        """Give the followed box a velocity, unless it is empty, and take steps under a force; gives a row a step."""
+        self._body.setFExtPtr(self._own_force + push)
         if len(launch):
             *linear, spin = launch.tolist()
             self._body.velocity()[:] = *linear, 0.0, 0.0, spin

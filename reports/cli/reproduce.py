@@ -25,7 +25,7 @@ def reproduce(
         str,
         typer.Argument(
             help="The scenario: static-hold, breakaway, stopping-distance or figure3, or of scenes slope-hold, "
-            "stack-hold, heavy-on-light, slide-to-stop, grip, joint-hold or arm-hold."
+            "stack-hold, heavy-on-light, slide-to-stop, grip, held-while-shaken, joint-hold or arm-hold."
         ),
     ],
     case: Annotated[

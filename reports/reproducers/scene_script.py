@@ -47,7 +47,8 @@ ON_A_PLANE = MappingProxyType({
 """Scenarios of boxes on a plane, which every template has, with the case that is shown unless another is named."""
 
 SCENES = MappingProxyType({
-    **ON_A_PLANE, "grip": "1 kg, 15 N", "joint-hold": "hinge, load 0.9", "arm-hold": "6 hinges, load 0.9",
+    **ON_A_PLANE, "grip": "1 kg, 15 N", "held-while-shaken": "slope, mass inside, 60 Hz",
+    "joint-hold": "hinge, load 0.9", "arm-hold": "6 hinges, load 0.9",
 })  # fmt: skip
 """All that can be reproduced: with an engine that writes the whole scene as a text."""
 
@@ -155,6 +156,7 @@ def _numbers(shown: SceneReproduction) -> Mapping[str, Any]:
         "steps": task.steps,
         "time": task.time,
         "launch": (),
+        "tones": [(tone.force, tone.frequency) for tone in task.shake],
     }
     if not isinstance(scene, ContactScene):
         load = scene.load if isinstance(scene, JointScene) else 0.0

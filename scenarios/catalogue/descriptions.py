@@ -145,6 +145,9 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
         "stack-hold": Description("Does a stack of boxes stay where it is on a slope?", NO_MOTION),
         "heavy-on-light": Description("Does a heavy box stay where it is on a light one, on a slope?", NO_MOTION),
         "grip": Description("Do two fingers hold a box that they press?", NO_MOTION),
+        "held-while-shaken": Description(
+            "Does a box stay where it is while its load swings below the bound?", NO_MOTION
+        ),
         "conveyor": Description(
             "When does a box that is put on a belt move with it?", f"closed form: v/(μ g); allowed: {EULER}"
         ),

@@ -12,6 +12,7 @@ from multibody_xval.scenarios.catalogue.block.static_hold import Ratchet, Static
 from multibody_xval.scenarios.catalogue.block.stopping_distance import StoppingDistance
 from multibody_xval.scenarios.catalogue.scenes.hold import Grip, HeavyOnLight, SlopeHold, StackHold
 from multibody_xval.scenarios.catalogue.scenes.joints import ArmHold, JointHold
+from multibody_xval.scenarios.catalogue.scenes.shaken import HeldWhileShaken
 from multibody_xval.scenarios.catalogue.scenes.slide import Conveyor, SlideToStop, SlopeSlide
 from multibody_xval.scenarios.catalogue.scenes.spin import Spin
 from multibody_xval.scenarios.catalogue.steady.den_hartog import DenHartog
@@ -59,6 +60,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     StackHold(),
     HeavyOnLight(),
     Grip(),
+    HeldWhileShaken(),
     Conveyor(),
     Spin(),
     JointHold(),

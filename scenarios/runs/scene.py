@@ -37,6 +37,25 @@ EXPLODED = 1e4
 
 
 @dataclass(frozen=True, kw_only=True)
+class Tone:
+    """A force on a box that swings as a sine, from the start."""
+
+    force: float
+    """Its amplitude, down the plane [N]."""
+    frequency: float
+    """[Hz]."""
+
+    def __post_init__(self) -> None:
+        checked_scalar("force", self.force)
+        checked_scalar("frequency", self.frequency, "> 0")
+
+
+def swinging(tones: Sequence[Tone], time: float) -> float:
+    """Give the force of tones at a time [N]."""
+    return sum(tone.force * math.sin(2 * math.pi * tone.frequency * time) for tone in tones)
+
+
+@dataclass(frozen=True, kw_only=True)
 class SceneTask(Task):
     """The motion of one scene, in an engine as its users call it."""
 
@@ -53,6 +72,8 @@ class SceneTask(Task):
     """Angular velocity about the vertical that it then gets [rad/s]."""
     sleeping: Annotated[bool, left_out(False)] = False
     """Bodies may be put to sleep, as far as the engine does so as it comes."""
+    shake: Annotated[tuple[Tone, ...], left_out(())] = ()
+    """Forces on the followed box, or on its shaker, from the start to the end."""
 
     def __post_init__(self) -> None:
         checked_scalar("time_step", self.time_step, "> 0")
@@ -81,6 +102,8 @@ class SceneTask(Task):
             return f"formulation = {variant.formulation}; allowed in this scene: {needed}"
         if variant.unchanged.preset_name not in GENERAL:
             return f"preset = {variant.preset_name} is for the chain; allowed in scenes: {', '.join(GENERAL)}"
+        if isinstance(self.scene, ContactScene) and self.scene.shaker and not engine(variant.engine).scene_shakers:
+            return f"shaker = {self.scene.shaker.mass:g} kg in a box; allowed in {variant.engine}: none"
         return engine(variant.engine).scene_gap(needed)
 
 
@@ -114,10 +137,10 @@ def followed(task: SceneTask, world: SceneWorld) -> Result:
     begin = time.perf_counter()
     try:
         settling = round(task.settling / task.time_step)
-        first = world.run(settling)[-1:] if settling else None
+        first = _rows(task, world, 0, settling)[-1:] if settling else None
         if any(task.launch) or task.spin:
             world.launch(in_world(task.scene, task.launch), task.spin)
-        rows = world.run(task.steps)
+        rows = _rows(task, world, settling, task.steps)
     finally:
         world.close()
     every = rows if first is None else np.concatenate([first, rows])
@@ -127,6 +150,17 @@ def followed(task: SceneTask, world: SceneWorld) -> Result:
         series=dict(_series(task, first, rows)) if finished else {},
         seconds=time.perf_counter() - begin,
     )
+
+
+def _rows(task: SceneTask, world: SceneWorld, begin: int, steps: int) -> FloatArray:
+    """Take steps from the one with this number on, under the force at the start of each where one swings."""
+    if not task.shake:
+        return world.run(steps)
+    rows = []
+    for step in range(begin, begin + steps):
+        world.push(swinging(task.shake, step * task.time_step))
+        rows.append(world.run(1))
+    return np.concatenate(rows)
 
 
 def _series(task: SceneTask, first: FloatArray | None, rows: FloatArray) -> Iterator[tuple[str, tuple[float, ...]]]:

@@ -33,6 +33,10 @@ class PointMass:
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
                 self.bound = friction * normal * scene.friction * GRAVITY * math.cos(scene.slope)
+        self.mass, self.pushed = scene.boxes[-1].mass if isinstance(scene, ContactScene) else 1.0, 0.0
+        self.shaker = scene.shaker if isinstance(scene, ContactScene) else None
+        self.inside, self.carried = np.zeros(2), self.shaker.mass if self.shaker else 0.0
+        self.bound *= 1 + self.carried / self.mass
         self.links = scene.links if isinstance(scene, ArmScene) else 1
         self.box = isinstance(scene, ContactScene)
         self.way, self.velocity = np.full(3, fall), np.zeros(3)
@@ -42,8 +46,17 @@ class PointMass:
     def launch(self, velocity, spin) -> None:
         self.velocity, self.spin = self.axes @ velocity, spin
 
+    def push(self, force) -> None:
+        """Push the mass or its shaker, whose way from its place and rate are those while the mass is at rest."""
+        self.pushed = force / self.mass
+        if self.shaker:
+            spring = self.shaker.stiffness * self.inside[0] + self.shaker.damping * self.inside[1]
+            self.inside[1] += self.step_size * ((force - spring) / self.shaker.mass + self.load[0])
+            self.inside[0] += self.step_size * self.inside[1]
+            self.pushed = (spring - force) / self.mass
+
     def step(self) -> None:
-        free = self.velocity - self.belt + self.step_size * self.load
+        free = self.velocity - self.belt + self.step_size * (self.load + np.array([self.pushed, 0.0, 0.0]))
         speed = math.sqrt(free @ free)
         self.velocity = self.belt + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
         self.way = self.way + self.step_size * (self.velocity + self.creep)
@@ -62,7 +75,9 @@ def judged(scenario: SceneScenario, **wrong: float) -> list[Finding]:
     class Twin(Evaluator):
         def evaluate(self, tasks):
             worlds = [(task, PointMass(task, **wrong)) for task in tasks]
-            return [followed(task, SteppedWorld(one.step, one.state, one.launch)) for task, one in worlds]
+            return [
+                followed(task, SteppedWorld(one.step, one.state, one.launch, push=one.push)) for task, one in worlds
+            ]
 
     with opened_store(None) as store, Twin(store, InProcessExecutor()) as twin:
         return scenario.run([JOINT if scenario.formulation == "joint" else CONTACT], twin)

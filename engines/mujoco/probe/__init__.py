@@ -15,7 +15,14 @@ import numpy as np
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.mujoco.probe import friction, stops
 from multibody_xval.engines.mujoco.probe.friction import RESTING, Motion, NotJudged
-from multibody_xval.engines.mujoco.probe.lines import AS_IT_IS, recipe_lines, with_options
+from multibody_xval.engines.mujoco.probe.lines import (
+    ALL,
+    AS_IT_IS,
+    WITH_SWEEPS,
+    recipe_lines,
+    with_options,
+    with_sweeps,
+)
 from multibody_xval.engines.mujoco.probe.load import Loaded, loaded
 from multibody_xval.engines.mujoco.probe.start import Start, started
 from multibody_xval.engines.mujoco.probe.stops import Stop
@@ -125,6 +132,8 @@ def probe(
             runs = {
                 line: _run(model, start, skipped, (before, steps, tenth), advance) for line, model in models.items()
             }
+        if WITH_SWEEPS in runs and _sweeps_help(runs[WITH_SWEEPS], runs[ALL]):
+            models, runs = with_sweeps(models), with_sweeps(runs)
         result = _result(models, runs, min(steps, WATCHED), (own, start, state, skipped))
         _check(path, runs[AS_IT_IS], result, (skipped, settling, own.notes))
         return result
@@ -155,6 +164,17 @@ def _run(
         if (settling + step + 1) % counted_steps == 0:
             advance()
     return run
+
+
+def _sweeps_help(kept: _Run, off: _Run) -> bool:
+    """Tell whether a model with sweeps without softness creeps less than one without, and stops no joint later."""
+    late = any(time > off.stopped.get(dof, math.inf) for dof, time in kept.stopped.items())
+    return not late and kept.stopped.keys() >= off.stopped.keys() and _largest(kept) < _largest(off)
+
+
+def _largest(run: _Run) -> float:
+    """Give the largest creep of what is held; infinite where nothing is, as in a model that explodes."""
+    return max((motion.creep for motion in run.motions.values() if motion.held), default=math.inf)
 
 
 def _looked_at(steps: int) -> set[int]:

@@ -2,19 +2,26 @@
 
 import copy
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from multibody_xval.engines.interface.presets import Formulation, Preset
 from multibody_xval.engines.interface.scene import SceneSetting
+from multibody_xval.engines.mujoco.presets import CONVERGED
 from multibody_xval.engines.mujoco.scene import JOINT_ATTRIBUTES, written
 
 AS_IT_IS, ALL = "as it is", "all"
 """Names of the model without the recipe, and with all lines of it."""
 
+NO_SWEEPS = 'noslip_iterations="0"'
+"""Line for a model that has sweeps without softness: they may help beside the recipe, or not."""
+
+WITH_SWEEPS, WITHOUT_SWEEPS = f"{ALL} but {NO_SWEEPS}", f"{ALL}, {NO_SWEEPS}"
+"""Names of all other lines with the model's own sweeps, and of all lines where those help."""
+
 ENUMERATIONS = {"cone": "mjtCone.mjCONE_", "solver": "mjtSolver.mjSOL_", "integrator": "mjtIntegrator.mjINT_"}
 """Of options that are words."""
 
-TOLERANCE = 1e-14
+TOLERANCE = CONVERGED[0]
 """Of the solver: with MuJoCo's own 1e-8 a load that swings makes the recipe drift."""
 
 ITERATIONS = {"iterations": 100, "ls_iterations": 50}
@@ -36,10 +43,22 @@ def recipe_lines(presets: Sequence[Preset], model: Any) -> Recipe:
         setting = SceneSetting(preset, model.opt.timestep)
         for name in preset.options:
             value = setting.changed(name)
-            if value is not None:
+            if value is not None and name != "tolerance":  # a model's own may be finer
                 lines[f'{JOINT_ATTRIBUTES.get(name, name)}="{written(setting, name)}"'] = ((name, value),)
     lines.update(_of_solver(model.opt))
-    return {AS_IT_IS: (), **lines, ALL: tuple(each for line in lines.values() for each in line)}
+    every = tuple(each for line in lines.values() for each in line)
+    but_sweeps = tuple(each for name, line in lines.items() for each in line if name != NO_SWEEPS)
+    kept = {WITH_SWEEPS: but_sweeps} if NO_SWEEPS in lines else {}
+    return {AS_IT_IS: (), **lines, **kept, ALL: every}
+
+
+AnyLine = TypeVar("AnyLine")
+
+
+def with_sweeps(lines: Mapping[str, AnyLine]) -> dict[str, AnyLine]:
+    """Let all lines be those with the model's own sweeps, and name the others: the best ones stay last."""
+    others = {name: line for name, line in lines.items() if name not in (WITH_SWEEPS, ALL)}
+    return {**others, WITHOUT_SWEEPS: lines[ALL], ALL: lines[WITH_SWEEPS]}
 
 
 def _of_solver(option: Any) -> dict[str, tuple[tuple[str, Any], ...]]:
@@ -51,7 +70,7 @@ def _of_solver(option: Any) -> dict[str, tuple[tuple[str, Any], ...]]:
     if few:
         lines[" ".join(f'{name}="{count}"' for name, count in few.items())] = tuple(few.items())
     if option.noslip_iterations > 0:
-        lines['noslip_iterations="0"'] = (("noslip_iterations", 0),)
+        lines[NO_SWEEPS] = (("noslip_iterations", 0),)
     return lines
 
 

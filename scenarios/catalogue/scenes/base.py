@@ -19,7 +19,7 @@ from multibody_xval.scenarios.catalogue.base import Scenario
 from multibody_xval.scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from multibody_xval.scenarios.runs.scene import SceneTask
+from multibody_xval.scenarios.runs.scene import SceneTask, Tone
 from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
 from multibody_xval.scenarios.verdicts.judge import decide, missing
 from reference_lcp.validation import FloatArray
@@ -70,6 +70,7 @@ class SceneCase:
     launch: Vector = (0.0, 0.0, 0.0)
     spin: float = 0.0
     sleeping: bool = False
+    shake: tuple[Tone, ...] = ()
 
     def task(self, variant: Variant, time_step: float) -> SceneTask:
         """Give the task of a variant."""
@@ -82,6 +83,7 @@ class SceneCase:
             launch=self.launch,
             spin=self.spin,
             sleeping=self.sleeping,
+            shake=self.shake,
         )
 
 

@@ -214,6 +214,17 @@ def test_bodies_that_overlap_at_the_start_are_no_creep(capsys, tmp_path) -> None
     assert found["held"] == []
 
 
+def test_own_sweeps_of_noslip_stay_where_they_help_beside_the_recipe(capsys, tmp_path) -> None:
+    file = tmp_path / "slope.xml"
+    text = contact_model(on_slope(0.5), SceneSetting(Variant("mujoco", "contact", "default").preset, STEP))
+    file.write_text(text.replace("<option", '<option noslip_iterations="3"'))
+    found = measured(capsys, file, "--time", "0.5")
+    (box,) = found["held"]
+    assert [*found["cost"]][-2:] == ['all, noslip_iterations="0"', "all"]
+    assert box["creep"]["all"] < 1e-3
+    assert box["creep"]['all, noslip_iterations="0"'] == pytest.approx(0.062, rel=0.1)
+
+
 def test_model_with_few_iterations_gets_those_that_the_recipe_needs(capsys, tmp_path) -> None:
     found = measured(capsys, MODELS / "stack20.xml")
     assert max(each["creep"]["as it is"] for each in found["held"]) == pytest.approx(3478, rel=1e-2)

@@ -21,7 +21,7 @@ from tests.scenarios.in_process import findings
 from tests.scenarios.point_mass import CONTACT, JOINT, judged
 
 SCENES = [scenario for scenario in CATALOGUE.values() if isinstance(scenario, SceneScenario)]
-HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "joint-hold", "arm-hold")
+HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "held-while-shaken", "joint-hold", "arm-hold")
 SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
 
 needs_mujoco = pytest.mark.needs("mujoco")
@@ -74,7 +74,7 @@ def test_drift_after_the_stop_is_found() -> None:
     assert {each.metric.name for each in disagreeing(found)} == {"drift"}
 
 
-@each_of([name for name in HOLDING if name != "joint-hold"])
+@each_of([name for name in HOLDING if name not in ("joint-hold", "held-while-shaken")])
 def test_what_falls_at_once_and_rests_is_found(name) -> None:
     """It does not creep when that is measured."""
     found = judged(CATALOGUE[name], fall=0.01)

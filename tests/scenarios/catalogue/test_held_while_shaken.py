@@ -1,0 +1,158 @@
+"""What friction holds while its load swings: MuJoCo's recipe, in plain MuJoCo and in the scenes."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.scene import GRAVITY
+from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.reports.reproducers.recipe import code_lines
+from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.scenes.shaken import FRICTION, HeldWhileShaken, pushed
+from multibody_xval.scenarios.runs.scene import built, followed, swinging
+from multibody_xval.scenarios.runs.store import opened_store
+from tests.scenarios.in_process import evaluator
+
+SCENE = CATALOGUE["held-while-shaken"]
+RECIPE = Variant("mujoco", "contact", "recommended")
+SHAKER = Path(__file__).parents[2] / "reports" / "cli" / "probe_models" / "shaker.xml"
+FEW = SHAKER.with_name("stack20.xml")
+
+SHAKEN = [
+    (0.0, 4, 120, 5e-4, 26.3), (0.0, 4, 200, 1e-4, -29.4), (0.1, 3, 60, 1e-3, 111.7), (0.1, 1, 14, 2e-3, 38.1),
+    (0.1, 3, 30, 2e-3, -34.3),
+]  # fmt: skip
+"""Slope [rad], force [N] and frequency [Hz], time step [s], and drift without the line of the tolerance [µm/s]."""
+
+
+def pasted(model, without: str = "") -> None:
+    """Paste the recipe's lines in Python into a loaded model, but for those that set an attribute."""
+    import mujoco
+
+    lines = [line for line in code_lines("mujoco") if line.startswith("model.")]
+    assert any("opt.tolerance" in line for line in lines)
+    kept = {name: getattr(model.opt, name) for name in [without] if name}
+    exec("\n".join(lines), {"model": model, "mujoco": mujoco})
+    for name, value in kept.items():
+        setattr(model.opt, name, value)
+
+
+def drift(slope: float, force: float, frequency: float, step: float, without: str = "") -> float:
+    """Give the velocity of the box of the case in its second second, in plain MuJoCo [µm/s]."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(SHAKER))
+    pasted(model, without)
+    model.opt.timestep = step
+    model.opt.gravity[:] = GRAVITY * math.sin(slope), 0, -GRAVITY * math.cos(slope)
+    data, way = mujoco.MjData(model), []
+    for _ in range(round(2 / step)):
+        data.ctrl[0] = force * math.sin(2 * math.pi * frequency * data.time)
+        mujoco.mj_step(model, data)
+        way.append(data.qpos[0])
+    return 1e6 * (way[-1] - way[len(way) // 2])
+
+
+@pytest.mark.needs("mujoco")
+@pytest.mark.parametrize(("slope", "force", "frequency", "step", "_"), SHAKEN)
+def test_pasted_recipe_holds_a_box_with_a_shaken_mass(slope, force, frequency, step, _) -> None:
+    assert abs(drift(slope, force, frequency, step)) < 0.25
+
+
+@pytest.mark.needs("mujoco")
+@pytest.mark.parametrize(("slope", "force", "frequency", "step", "before"), SHAKEN)
+def test_recipe_without_its_tolerance_lets_the_box_drift(slope, force, frequency, step, before) -> None:
+    found = drift(slope, force, frequency, step, "tolerance")
+    assert abs(found) > 10
+    assert found == pytest.approx(before, rel=0.5)
+
+
+@pytest.mark.needs("mujoco")
+@pytest.mark.parametrize("iterations", [4, 20])
+def test_pasted_recipe_sets_the_iterations_that_a_model_has_too_few_of(iterations) -> None:
+    import mujoco
+
+    text = FEW.read_text(encoding="utf-8").replace('iterations="20"', f'iterations="{iterations}"', 1)
+    slips = {}
+    for without in ("", "ls_iterations"):
+        model = mujoco.MjModel.from_xml_string(text)
+        pasted(model, without)
+        data, ways = mujoco.MjData(model), []
+        for step in range(1500):
+            mujoco.mj_step(model, data)
+            if step in (499, 1499):
+                ways.append(data.qpos.reshape(-1, 7)[:, :3].copy())
+        relative = np.diff(ways[1] - ways[0], axis=0, prepend=0)
+        slips[without] = 1e6 * np.max(np.linalg.norm(relative, axis=1)) / 2
+    assert slips[""] <= 0.2
+    assert slips["ls_iterations"] > 100
+
+
+def judged(variant: Variant, cases) -> dict[str, float]:
+    with opened_store(None) as store, evaluator(store) as running:
+        return {each.case: abs(each.value) for each in SCENE.judged([variant], cases, running)}
+
+
+@pytest.mark.slow
+@pytest.mark.needs("mujoco")
+def test_mujoco_s_recipe_holds_all_that_is_shaken_and_variations_that_it_was_not_found_with() -> None:
+    found = judged(RECIPE, (*SCENE.cases, *SCENE.held_out))
+    assert len(found) == 3 * (len(SCENE.cases) + len(SCENE.held_out))
+    assert max(found.values()) < 0.25
+
+
+@pytest.mark.needs("mujoco")
+def test_mujoco_s_recipe_without_its_tolerance_does_not() -> None:
+    cases = [case for case in SCENE.cases if case.name in ("slope, mass inside, 60 Hz", "slope, mass inside, 30 Hz")]
+    assert max(judged(RECIPE, cases).values()) < 0.25
+    assert max(judged(RECIPE.changed("tolerance", 1e-8), cases).values()) > 10
+
+
+def load(case) -> float:
+    """Give the largest load over the bound while the box is watched, with the box at rest; its shaker in fine steps."""
+    scene, step = case.scene, 2e-5
+    own, shaker = scene.boxes[-1].mass, scene.shaker
+    whole = own + (shaker.mass if shaker else 0.0)
+    weight = GRAVITY * math.sin(scene.slope)
+    largest = place = rate = 0.0
+    for number in range(round((case.settling + case.time) / step)):
+        force = swinging(case.shake, number * step)
+        if shaker:
+            spring = shaker.stiffness * place + shaker.damping * rate
+            rate += step * ((force - spring) / shaker.mass + weight)
+            place += step * rate
+            force = spring - force
+        if number * step >= case.settling:
+            largest = max(largest, abs(own * weight + force))
+    return largest / (FRICTION * whole * GRAVITY * math.cos(scene.slope))
+
+
+@pytest.mark.parametrize("case", [*HeldWhileShaken.cases, *HeldWhileShaken.held_out], ids=lambda case: case.name)
+def test_load_of_what_is_shaken_stays_below_the_bound(case) -> None:
+    assert 0.01 < load(case) < 0.98
+
+
+def test_time_that_is_watched_has_whole_periods_and_steps_of_three_sizes() -> None:
+    for case in (*SCENE.cases, *SCENE.held_out):
+        assert all((tone.frequency * case.time).is_integer() for tone in case.shake)
+    for name in engine_names():
+        if "contact" in engine(name).scene_worlds:
+            assert len(SCENE.steps(Variant(name, "contact", "default"))) == 3
+
+
+@pytest.mark.parametrize("name", ["box2d", "mujoco", "ode", "pybullet", "pymunk", "rapier", "sapien", "siconos"])
+def test_force_above_the_bound_moves_the_box_in_every_engine_and_one_below_does_not(name) -> None:
+    """So what is held was pushed: in half a period a force of 1.6 bounds moves a box, and does not tip it over."""
+    if engine(name).unavailable_reason() is not None:
+        pytest.skip("not installed")
+    ways = []
+    for part in (1.6, 0.5):
+        case = replace(pushed("", 0.0, ((part, 5),)), time=0.1, settling=0.0)
+        task = case.task(Variant(name, "contact", "default"), 0.001)
+        ways.append(np.max(np.abs(followed(task, built(task)).series["along"])))
+    assert ways[0] > 1e-3
+    assert ways[1] < 2e-4
