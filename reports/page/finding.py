@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pandas as pd
 
 from multibody_xval.reports.figures.panels import TITLES
+from multibody_xval.reports.page.tables import at_headline
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures
 
 NAMED_AT_MOST = 4
@@ -22,8 +23,10 @@ def finding(rows: pd.DataFrame) -> str:
     off = own.groupby("configuration", sort=False).verdict.transform(lambda verdicts: (verdicts == DEVIATES).any())
     parts = [_judged(one, deviates=deviates) for deviates, one in own.groupby(off, sort=True)]
     default = rows[(rows.options == TITLES["default"]) & ~rows.judged & rows.error_db.notna()]
+    deep = at_headline(default)
     if not default.empty:
-        parts.append(f"with default options, vibration amplitudes are wrong by up to {_largest(default)}")
+        size = _largest(default if deep.empty else deep)
+        parts.append(f"with default options, vibration amplitudes are wrong by up to {size}")
     text = "; ".join(parts)
     return f"{text[0].upper()}{text[1:]}."
 
