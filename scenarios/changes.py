@@ -40,7 +40,7 @@ def compared(before: pd.DataFrame, now: pd.DataFrame, ruler: pd.DataFrame, db: f
     for side in ("_before", "_now"):
         texts = {"status": NOT_RUN, "engine": "", "version": "", "options": "", "reason": ""}
         rows = rows.fillna({f"{name}{side}": text for name, text in texts.items()})
-    rows = rows.assign(**_changes(rows, 100 * (10 ** (db / 20) - 1)))
+    rows = _changes(rows, 100 * (10 ** (db / 20) - 1))
     case = pd.DataFrame([{name: getattr(own, name) for name in CASE} for own in rows.case], rows.index, CASE)
     first = [*POINT, "change", "what"]
     return pd.concat([rows[first], case, rows.drop(columns=first)], axis=1)
@@ -74,8 +74,8 @@ def _apart(one: object, other: object) -> float:
     return float(np.max(np.abs(np.subtract(one, other))))
 
 
-def _changes(rows: pd.DataFrame, least: float) -> dict[str, object]:
-    """Say what has become of each row, and in words what has changed."""
+def _changes(rows: pd.DataFrame, least: float) -> pd.DataFrame:
+    """Add what has become of each row, and in words what has changed."""
     left = (rows.open_before + rows.open_now).clip(lower=least).fillna(least)
     scale = rows.ratio_before.abs().clip(lower=FLOOR)
     moved = 100 * (rows.ratio_now - rows.ratio_before).abs() / scale > left
@@ -95,7 +95,7 @@ def _changes(rows: pd.DataFrame, least: float) -> dict[str, object]:
     )
     words = [_status_words(rows), _ratio_words(rows).where(moved, ""), ("stuck fraction " + stuck.map("{:.2g}".format))]
     words[2] = words[2].where(other_stuck, "")
-    return {"change": change, "what": [", ".join(filter(None, own)) for own in zip(*words, strict=True)]}
+    return rows.assign(change=change, what=[", ".join(filter(None, own)) for own in zip(*words, strict=True)])
 
 
 def _direction(moved: pd.Series, farther: pd.Series, left: pd.Series | float) -> np.ndarray:

@@ -59,13 +59,9 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
     both = pd.concat([before, now], ignore_index=True)
     ruler = both[both.status == "periodic"].drop_duplicates(RUN)
     rows = compared(before, now, ruler, db)
-    alone, of_reference = (
-        rows[["status_before", "status_now"]].eq(NOT_RUN).any(axis=1),
-        _is_reference(rows.configuration),
-    )
-    return rows[~(alone & of_reference)].sort_values(
-        "configuration", key=_is_reference, kind="stable", ignore_index=True
-    )
+    alone = (rows.status_before == NOT_RUN) | (rows.status_now == NOT_RUN)
+    rows = rows[~(alone & _is_reference(rows.configuration))]
+    return rows.sort_values("configuration", key=_is_reference, kind="stable", ignore_index=True)
 
 
 def _is_reference(names: pd.Series) -> pd.Series:
@@ -87,13 +83,11 @@ def changes_between(before: str, now: str, means: Means, db: float = LEAST_DB) -
     configs = [config for pair in found for config in pair]
     table = points(computed(runs_at(configs, guard_cases()), means, f"{before} and {now}"))
     table["options"] = [identity(config)[1] for config in table.config]
-    sides = [
-        pd.concat(
-            [table[table.config == pair[k]].assign(configuration=" -> ".join(map(full_name, pair))) for pair in found]
-        )
-        for k in (0, 1)
-    ]
-    return compared(*sides, table, db)
+    named = [(" -> ".join(map(full_name, pair)), pair) for pair in found]
+    one, other = (
+        pd.concat([table[table.config == pair[k]].assign(configuration=name) for name, pair in named]) for k in (0, 1)
+    )
+    return compared(one, other, table, db)
 
 
 def checked_db(db: float) -> float:

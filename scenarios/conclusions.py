@@ -1,6 +1,7 @@
 """What one would conclude about the paper's claims with each configuration, in a sentence."""
 
 import math
+from typing import Any
 
 import pandas as pd
 
@@ -8,7 +9,7 @@ from multibody_xval.scenarios.claims import KEY, MOVED, OPEN, STATED, bands, cla
 from multibody_xval.scenarios.model import REFERENCE, Config
 from multibody_xval.scenarios.report_plan import FRICTION_RATIOS
 
-PRESETS = {"default": "default options", "recommended": "recipe", "tuned": "tuned to the chain"}
+TITLES = {"default": "default options", "recommended": "recipe", "tuned": "tuned to the chain"}
 """Presets in words."""
 
 
@@ -71,7 +72,7 @@ def _called(own: pd.DataFrame) -> str:
         return "the reference"
     preset, *settings = row.preset.split(":")
     title = Config(row.engine, row.formulation, ":".join(["tuned", *settings])).title
-    return f"{title} ({PRESETS.get(preset, preset)})"
+    return f"{title} ({TITLES.get(preset, preset)})"
 
 
 def _joined(parts: list[str]) -> str:
@@ -83,6 +84,6 @@ def _farthest(off: "pd.Series[float]", mine: "pd.Series[float]", right: "pd.Seri
     """Say how far the lower edge is off at most; nothing where it is by less than `MOVED`."""
     if not off.abs().max() >= MOVED:
         return ""
-    worst = off.abs().idxmax()
+    worst: Any = off.abs().idxmax()
     size = f"{mine[worst]:.4f} instead of {edge_text(right[worst])}"
     return f"; its lower edge is off by up to {abs(off[worst]):.2g} (friction ratio {worst:g}: {size})"

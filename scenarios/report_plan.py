@@ -40,7 +40,7 @@ QUICK_ONCE = (Formulation.CONTACT, "default")
 SLOW = ("exudyn-regularised", "exudyn-bristle")
 """Engines that take a hundred times as long as others: on the grid they are measured where claims and edges need it."""
 
-FREQUENCY_RATIOS = tuple(np.round(np.r_[0.1:0.5:0.1, 0.5:1.6:0.05, 1.6:3.05:0.1], 4).tolist())
+FREQUENCY_RATIOS = tuple(round(float(eta), 4) for eta in np.r_[0.1:0.5:0.1, 0.5:1.6:0.05, 1.6:3.05:0.1])
 QUICK_FREQUENCY_RATIOS = (
     0.3, 0.62, 0.7, 0.8, 0.8505, 0.8686, 0.9, 0.95, 1.0, 1.1, 1.2, 1.3, 1.4, 1.422, 1.5, 1.6,
 )  # fmt: skip

@@ -81,7 +81,8 @@ def compare(
         changes = _changes(names, stores, store, workers, decibel)
     from multibody_xval.reports.changes import WRITTEN, Comparison
 
-    comparison = Comparison(changes, *(names or map(str, stores)), decibel, strict)
+    before, now = names or map(str, stores)
+    comparison = Comparison(changes, before, now, decibel, strict)
     _print(comparison)
     for written in outs:
         write_whole(written, WRITTEN[written.suffix](comparison))
@@ -109,7 +110,8 @@ def _changes(
 
     if stores:
         return compare(*stores, db=decibel)
-    return changes_between(*names, Means(store=store, workers=workers), decibel)
+    before, now = names
+    return changes_between(before, now, Means(store=store, workers=workers), decibel)
 
 
 def _print(comparison: Comparison) -> None:

@@ -72,7 +72,7 @@ def figure3(
     from multibody_xval.scenarios.store import existing_store
 
     with keeping(store):
-        if run:
+        if run or store is None:
             runs = runs_at(configs, claim_cases())
             if any(each.suffix in CHART_ENDINGS for each in outs):
                 runs += [Run(REFERENCE, case, case.steps()) for case in curve_cases()]

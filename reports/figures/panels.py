@@ -1,7 +1,6 @@
 """Figures of the page: functions of tables that give panels."""
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from multibody_xval.reports.figures.svg import Panel
-from multibody_xval.scenarios.conclusions import PRESETS
+from multibody_xval.scenarios.conclusions import TITLES
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
 from multibody_xval.scenarios.result_tables import is_reference
 
-FREQUENCY, TITLES = "frequency_ratio", PRESETS
+FREQUENCY = "frequency_ratio"
 
 COLOURS = {"default options": "#d55e00", "recipe": "#009e73", "tuned to the chain": "#0072b2"}
 MARKERS = {"default options": "o", "recipe": "s", "tuned to the chain": "."}
@@ -86,7 +85,7 @@ def _draw_level(rows: pd.DataFrame, reference: pd.DataFrame | None, axes: Axes) 
 
 def _by_options(rows: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     """Give the rows of every preset, the usual ones first."""
-    groups: dict[Any, pd.DataFrame] = dict(list(rows.groupby("options", sort=False)))
+    groups = {str(name): own for name, own in rows.groupby("options", sort=False)}
     order = [*(name for name in TITLES.values() if name in groups), *(name for name in groups if name not in COLOURS)]
     return [(name, groups[name]) for name in order]
 

@@ -1,6 +1,7 @@
 """Figures of studies: functions of tables, drawn by matplotlib."""
 
 import io
+from typing import Any
 
 import pandas as pd
 from matplotlib import rc_context
@@ -13,7 +14,9 @@ from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_refere
 
 SHAPES = "os^Dv<>p*hX"
 LOWEST_DB = -80.0
-STYLE = {"svg.hashsalt": "multibody-xval", "svg.fonttype": "path", "font.size": 9.0, "savefig.dpi": 200.0}
+STYLE: dict[Any, Any] = {
+    "svg.hashsalt": "multibody-xval", "svg.fonttype": "path", "font.size": 9.0, "savefig.dpi": 200.0,
+}  # fmt: skip
 
 
 def figure_file(figure: Figure, ending: str) -> bytes:
@@ -41,10 +44,13 @@ def transmittance(points: pd.DataFrame, edges: pd.DataFrame) -> Figure:
         colours[friction] = line.get_color()
         at = own_edges.frequency_ratio[frictions == friction]
         axes.plot(at, [THRESHOLD_DB] * len(at), "|", color=line.get_color(), ms=9, mew=1.4)
-    for number, (name, own) in enumerate(rest.groupby("config", sort=False)):
-        look = {"s": 14 + 5 * number, "marker": SHAPES[number % len(SHAPES)], "facecolors": "none", "linewidths": 0.7}
+    config: Any
+    for number, (config, own) in enumerate(rest.groupby("config", sort=False)):
         ink = [colours.get(friction, "0.3") for friction in own.friction_ratio]
-        axes.scatter(own.frequency_ratio, own.transmittance_db, edgecolors=ink, label=title(name), **look)
+        axes.scatter(
+            own.frequency_ratio, own.transmittance_db, 14 + 5 * number, marker=SHAPES[number % len(SHAPES)],
+            facecolors="none", edgecolors=ink, linewidths=0.7, label=title(config),
+        )  # fmt: skip
     axes.set(xlabel="frequency ratio $\\omega/\\omega_r$", ylabel="transmittance / dB")
     axes.set(xlim=RANGE, ylim=(LOWEST_DB, 40))
     figure.legend(loc="outside upper center", ncols=3, frameon=False, fontsize=8)
@@ -56,6 +62,7 @@ def costs(table: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(7.2, 4.4), layout="constrained")
     axes = figure.subplots()
     whole = table[table.complete & (table.error_db > 0)]
+    config: Any
     for number, (config, own) in enumerate(whole.groupby("config", sort=False)):
         shape = SHAPES[number % len(SHAPES)]
         axes.plot(own.milliseconds, own.error_db, marker=shape, ms=4, mfc="none", lw=0.9, label=title(config))

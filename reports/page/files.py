@@ -51,9 +51,9 @@ def check_loses_nothing(folder: Path, stored: Sequence[Stored]) -> None:
     if list(earlier) != names:
         return
     own = pd.Series([tuple(map(str, _names(row))) for row in stored], dtype=object).value_counts()
-    for *names, count in earlier.value_counts().reset_index().itertuples(index=False, name=None):
-        if count > (held := own.get(tuple(names), 0)):
-            problem = f"{folder / PAGE} shows more than the stores hold: of {':'.join(names)} {count} points"
+    for *found, count in earlier.value_counts().reset_index().itertuples(index=False, name=None):
+        if count > (held := own.get(tuple(found), 0)):
+            problem = f"{folder / PAGE} shows more than the stores hold: of {':'.join(map(str, found))} {count} points"
             raise ParameterError(f"{problem} for {held}; allowed: another --out, or without --no-run")
 
 

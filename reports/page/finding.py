@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from multibody_xval.reports.figures.panels import TITLES
 from multibody_xval.reports.page.tables import at_headline
+from multibody_xval.scenarios.conclusions import TITLES
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures
 
 NAMED_AT_MOST = 4

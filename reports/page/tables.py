@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from multibody_xval.reports.figures.panels import FREQUENCY, TITLES
+from multibody_xval.reports.figures.panels import FREQUENCY
 from multibody_xval.scenarios.claims import OPEN, STATED
-from multibody_xval.scenarios.conclusions import conclusions
+from multibody_xval.scenarios.conclusions import TITLES, conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import VERDICTS
 from multibody_xval.scenarios.model import Case, Config, Status, value_text
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
-from multibody_xval.scenarios.result_tables import is_reference
+from multibody_xval.scenarios.result_tables import CONFIG, full_name, is_reference, rows_of
 from multibody_xval.scenarios.store import Stored
 
 STICK_SLIP = Case(friction_ratio=0.1, frequency_ratio=1.5)
@@ -133,12 +133,8 @@ def edge_table(edges: pd.DataFrame) -> pd.DataFrame:
     """Give the edges as people read them, those of the reference first."""
     if edges.empty:
         return pd.DataFrame(columns=["title", "options", "configuration", "place", "edge", FREQUENCY, "verdict"])
-    configs = [Config(*own) for own in zip(edges.engine, edges.formulation, edges.preset, strict=True)]
-    own = edges.assign(
-        config=pd.Series(configs, edges.index, dtype=object),
-        case=edges.curve,
-        configuration=edges[["engine", "formulation", "preset"]].agg(":".join, axis=1),
-    )
+    configs = pd.Series([Config(*own) for own in rows_of(edges, *CONFIG)], edges.index, dtype=object)
+    own = edges.assign(config=configs, case=edges.curve, configuration=configs.map(full_name))
     names = [
         "title", "options", "configuration", "place", "steps", "edge", FREQUENCY, "exact", "exact_bar", "error",
         "allowed", "judged", "verdict", "absent",
@@ -179,11 +175,6 @@ def mode_table(stored: Sequence[Stored], case: Case) -> pd.DataFrame:
     ]  # fmt: skip
     names = ["configuration", "version", "config", "steps", "cell", "begin", "length", "mode"]
     return pd.DataFrame(rows, columns=names)
-
-
-def full_name(config: Config) -> str:
-    """Give engine, formulation and preset, as the column `configuration` has them."""
-    return ":".join([config.engine, config.formulation, config.preset_name])
 
 
 def phases(changes: Sequence[tuple[float, str]], stuck: float) -> list[tuple[float, float, str]]:

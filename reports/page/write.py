@@ -23,8 +23,6 @@ from multibody_xval.scenarios.store import Stored
 if TYPE_CHECKING:
     import xarray as xr
 
-FIGURE_NAMES = ("headline", "transmittance", "errors", "edges", "stick_slip")
-
 SECTIONS = {
     "transmittance": "Transmittance", "errors": "Errors", "edges": "Band edges", "claims": "Claims of the paper",
     "verdicts": "Results by configuration", "stick_slip": "Stick and slip", "engines": "Engines and options",
@@ -102,9 +100,8 @@ def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
     """Keep the exact motion, and default and tuned joints at their finest steps; the reference where there is none."""
     if table.empty:
         return table
-    own = table.assign(
-        case=pd.Series([case] * len(table), table.index), preset=[config.preset_name for config in table.config]
-    )
+    cases = pd.Series([case] * len(table), table.index, dtype=object)
+    own = table.assign(case=cases, preset=[config.preset_name for config in table.config])
     last = "exact" if EXACT in set(own.config) else REFERENCE.preset_name
     kept = own.config.map(
         lambda config: (

@@ -1,6 +1,5 @@
 """An engine's recipe in its own syntax: what to write in one's own model so that friction holds."""
 
-import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -45,19 +44,6 @@ def recipe_text(name: str) -> str:
     values = {str(kind): _values(adapter, kind, step) for kind in presets}
     text = environment(markup=False).from_string(beside(adapter, TEMPLATE).read_text(encoding="utf-8"))
     return text.render(**values, formula=_formulas(presets.values()), step=f"{step:g}").strip() + "\n"
-
-
-def code_lines(name: str) -> list[str]:
-    """Give the lines of a recipe that are code and set something, without their comments.
-
-    Raises
-    ------
-    ParameterError
-        As `recipe_text`.
-    """
-    indented = [line.strip() for line in recipe_text(name).splitlines() if line.startswith("    ")]
-    code = (re.sub(r"\s+(#|<!--).*$", "", line) for line in indented)
-    return [line for line in code if "=" in line or "(" in line]
 
 
 def _values(adapter: Engine, kind: Formulation, step: float) -> Mapping[str, str]:

@@ -29,9 +29,6 @@ from reference_lcp.errors import ParameterError, checked_choice, shortened
 from reference_lcp.terminal import visible
 from reference_lcp.validation import FloatArray
 
-MOST_LINES = 60
-"""A script stays readable in a tracker."""
-
 LONGEST_LINE = 128
 """Characters, where numbers of many digits stand in a line."""
 
@@ -78,11 +75,6 @@ def reproducer_of(variant: Variant) -> Reproducer:
         allowed = ", ".join(_reproducible())
         raise ParameterError(f"{variant} has no reproducer; allowed: {allowed}")
     return reproducer
-
-
-def has_reproducer(variant: Variant) -> bool:
-    """Whether there is a template for a variant."""
-    return _template(variant) is not None
 
 
 def _template(variant: Variant) -> Reproducer | None:

@@ -125,7 +125,7 @@ class Proof:
 def standard_points() -> list[OperatingPoint]:
     """Give the points of the default and the quick report, and those of the accuracy map."""
     cases = (*grid(quick=False), *grid(quick=True), *MAP, *SIX)
-    known = {OperatingPoint(float(case.friction_ratio), case.frequency_ratio) for case in cases}
+    known = {OperatingPoint(**case.as_data()) for case in cases}
     return sorted(known | {OperatingPoint(friction, eta) for friction, etas in RESOLVED.items() for eta in etas})
 
 

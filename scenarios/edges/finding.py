@@ -112,6 +112,7 @@ def curves(table: pd.DataFrame) -> Iterator[Curve]:
     eta, rows = own.frequency_ratio.to_numpy(), own.index.to_numpy()
     level = own.transmittance_db.where(own.status == "periodic").to_numpy()
     configs, cases = own.config.tolist(), own.curve.tolist()
+    key: Any
     for key, places in own.groupby(CURVE, sort=False, dropna=False).indices.items():
         first = places[0]
         yield Curve(configs[first], cases[first], int(key[-1]), key, eta[places], level[places], rows[places])

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -88,7 +89,7 @@ def _errors(rows: pd.DataFrame) -> dict[str, object]:
         "map_percent": percent.max(), "map_median_percent": percent.median(),
         "stick_velocity": rows.stick_velocity.max(), "order": _order(list(six.values())),
         "periodic": int((rows.status == "periodic").sum()), "points": len(rows),
-        "worst": rows.case[on_map.idxmax()] if on_map.notna().any() else None,
+        "worst": next(iter(rows.case[on_map.dropna().nlargest(1).index]), None),
         "reason": lost.reason.iloc[0] if len(lost) else "",
     }  # fmt: skip
 
@@ -104,6 +105,7 @@ def _order(errors: list["pd.Series[float]"]) -> float:
 def remarks(table: pd.DataFrame) -> list[str]:
     """Say where the largest error of each configuration is, what is not periodic, and why runs failed."""
     lines = []
+    row: Any
     for row in table.itertuples():
         parts = []
         if row.worst is not None:

@@ -17,12 +17,10 @@ from typing import Any, NamedTuple, Self
 from pydantic import TypeAdapter
 
 from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
-from multibody_xval.scenarios.runs.result import Result
 from multibody_xval.scenarios.runs.task import SteadyStateTask
 from multibody_xval.scenarios.verdicts.steady_case import EXACT
-from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
-from reference_lcp.exact.proof.prove import ProvenSteadyState, prove
+from reference_lcp.exact.proof.prove import ProvenSteadyState
 
 TABLE = "proven.csv"
 
@@ -98,20 +96,6 @@ def _task_of(row: Mapping[str, str]) -> SteadyStateTask:
 def proven_level(task: SteadyStateTask) -> ProvenLevel | None:
     """Give what is proven of the steady state of a task; ``None`` where it is none of the table."""
     return proven_levels().get(steady_state_of(task))
-
-
-def newly_proven(task: SteadyStateTask) -> ProvenLevel | None:
-    """Prove the steady state of a task that the table does not have; ``None`` where that fails."""
-    try:
-        return ProvenLevel.of(prove(exact_chain(task), digits=DIGITS + 1))
-    except NotProven:
-        return None
-
-
-def with_proven_level(task: SteadyStateTask, result: Result) -> Result:
-    """Give the result of an exact motion, its level and phase as they are proven where the table has them."""
-    level = proven_level(task)
-    return result if level is None or not result.converged else replace(result, **level.numbers)
 
 
 def exact_chain(task: SteadyStateTask) -> ExactChain:

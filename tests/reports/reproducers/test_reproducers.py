@@ -24,7 +24,7 @@ from multibody_xval.engines.ode import ODE
 from multibody_xval.engines.sapien import Sapien
 from multibody_xval.engines.shared.script_units import script_in_si
 from multibody_xval.reports.reproducers.questions import QUESTIONS
-from multibody_xval.reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
+from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, script
 from multibody_xval.scenarios.runs.evaluator import Evaluator
 from multibody_xval.scenarios.runs.executor import InProcessExecutor
 from multibody_xval.scenarios.runs.result import Result, ResultStatus
@@ -54,6 +54,9 @@ for script in sys.argv[1:]:
 
 CODE = 'x"""\nimport os; os.system("touch run")\n"""\\'
 """A reason that leaves the docstring of a script."""
+
+MOST_LINES = 60
+"""A script stays readable in a tracker."""
 
 DIGITS = 1e-11
 """The script prints twelve digits."""

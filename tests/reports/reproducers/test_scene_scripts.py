@@ -12,7 +12,7 @@ from multibody_xval.reports.reproducers.scene_script import (
     has_scene_script,
     scene_script,
 )
-from multibody_xval.reports.reproducers.script import LONGEST_LINE, MOST_LINES
+from multibody_xval.reports.reproducers.script import LONGEST_LINE
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.runs.executor import InProcessExecutor
 from multibody_xval.scenarios.runs.store import opened_store
@@ -20,6 +20,7 @@ from reference_lcp.errors import ParameterError
 from reference_lcp.process import run_command
 from tests.reports.reproducers.test_reproducers import (
     DIGITS,
+    MOST_LINES,
     Hostile,
     HostileMissing,
     WithoutEngines,

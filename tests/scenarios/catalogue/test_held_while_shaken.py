@@ -10,7 +10,7 @@ import pytest
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.reports.reproducers.recipe import code_lines
+from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue.registry import CATALOGUE
 from multibody_xval.scenarios.catalogue.scenes.shaken import FRICTION, HeldWhileShaken, pushed
 from multibody_xval.scenarios.runs import TIME_LIMIT
@@ -36,7 +36,7 @@ def pasted(model, without: str = "") -> None:
     """Paste the recipe's lines in Python into a loaded model, but for those that set an attribute."""
     import mujoco
 
-    lines = [line for line in code_lines("mujoco") if line.startswith("model.")]
+    lines = [own for line in recipe_text("mujoco").splitlines() if (own := line.strip()).startswith("model.")]
     assert any("opt.tolerance" in line for line in lines)
     kept = {name: getattr(model.opt, name) for name in [without] if name}
     exec("\n".join(lines), {"model": model, "mujoco": mujoco})

@@ -20,7 +20,6 @@ from multibody_xval.scenarios.model import Result as CaseResult
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.runs.parameters import ChainRatios, Excitation, Modulation
-from multibody_xval.scenarios.runs.result import Result, ResultStatus
 from multibody_xval.scenarios.runs.task import SteadyStateTask
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.verdicts.proven import (
@@ -29,7 +28,6 @@ from multibody_xval.scenarios.verdicts.proven import (
     proven_level,
     proven_levels,
     steady_state_of,
-    with_proven_level,
 )
 from multibody_xval.scenarios.verdicts.steady_case import CONVERGED, EXACT
 from reference_lcp.errors import ExitCode
@@ -162,17 +160,6 @@ def test_closed_forms_of_the_catalogue_are_what_is_proven() -> None:
             assert abs(float(level.transmittance_db) - closed.transmittance_db) <= 2 * closed.bar_db + FLOATS_DB
             phase = math.remainder(float(level.phase) - closed.phase, 2 * math.pi)
             assert abs(phase) <= 2 * math.radians(closed.phase_bar) + FLOATS_DB
-
-
-def test_level_and_phase_of_an_exact_motion_are_those_that_are_proven() -> None:
-    known = proven_levels()[task()]
-    motion = Result(status=ResultStatus.CONVERGED, transmittance_db=1.0, phase=1.0, stuck_fraction=(0.5,) * 7)
-    right = with_proven_level(task(), motion)
-    assert (right.transmittance_db, right.phase) == (float(known.transmittance_db), float(known.phase))
-    assert right.stuck_fraction == motion.stuck_fraction
-    assert with_proven_level(task(frequency_ratio=0.91), motion) is motion
-    lost = Result(status=ResultStatus.PERIOD_LIMIT)
-    assert with_proven_level(task(), lost) is lost
 
 
 def test_every_search_for_a_steady_state_asks_for_the_same_one() -> None:
