@@ -118,8 +118,12 @@ class InProcess:
         done.set_result(job[0](*job[1]))
         return done
 
-    def give_up(self, serves: str) -> None:
+    def is_lost(self, serves: str) -> bool:
         """Nothing is ever on its way."""
+        return False
+
+    def give_up(self, serves: str) -> None:
+        """Likewise."""
 
 
 @contextmanager

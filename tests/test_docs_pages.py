@@ -76,3 +76,13 @@ def test_table_of_engines_has_all_that_were_measured_with_version_precision_and_
 def test_every_preset_of_an_engine_has_a_row_in_the_table_of_laws(name: str) -> None:
     rows = [line.split(" | ")[0] for line in (DOCS / "laws.md").read_text(encoding="utf-8").splitlines()]
     assert [str(own) for own in variants_of(name, optional=True) if f"| {own}" not in rows] == []
+
+
+def test_table_of_stated_accuracies_is_that_of_the_presets() -> None:
+    page = (DOCS / "agreement.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([\w:-]+)` \| ([\d.]+) \| (.*) \|$", page, re.MULTILINE)
+    shown = {name: (float(value), why) for name, value, why in rows}
+    every = [own for name in engine_names() for own in variants_of(name, optional=True) if own.preset.accuracy]
+    stated = {str(own): (100 * own.preset.accuracy_of("transmittance"), own.preset.accuracy_reason) for own in every}
+    assert stated
+    assert {name: (pytest.approx(value), why) for name, (value, why) in stated.items()} == shown
