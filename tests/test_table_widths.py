@@ -37,14 +37,13 @@ LINES = [
     "run laws --engine mujoco:joint:default --workers 1",
     pytest.param("run work-precision --engine mujoco:contact:default --steps 100 --workers 1", marks=pytest.mark.slow),
     "sweep sweep.toml --store sweep.sqlite --workers 1",
-    "compare run.sqlite lost.sqlite",
-    "report --sweep sweep.toml --store sweep.sqlite --no-run",
+    "compare sweep.sqlite lost.sqlite",
 ]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sweep, its store, a store of a scenario, and a copy of that which has lost a result."""
+    """A sweep, its store, a copy of that which has lost a result, and a store of a scenario."""
     folder = tmp_path_factory.mktemp("tables")
     (folder / "sweep.toml").write_text(SWEEP)
     for words in (
@@ -52,11 +51,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ["run", "locked-limit", "--engine", "mujoco:all:all", "--store", str(folder / "run.sqlite")],
     ):
         assert run_command(app, [*words, "--workers", "1"]) in (ExitCode.DONE, ExitCode.FAILED)
-    (folder / "lost.sqlite").write_bytes((folder / "run.sqlite").read_bytes())
+    (folder / "lost.sqlite").write_bytes((folder / "sweep.sqlite").read_bytes())
     with closing(sqlite3.connect(folder / "lost.sqlite", isolation_level=None)) as store:
-        store.execute(
-            "DELETE FROM answers WHERE rowid = (SELECT max(rowid) FROM answers WHERE content LIKE '%mujoco%')"
-        )
+        store.execute("DELETE FROM results WHERE rowid = (SELECT max(rowid) FROM results WHERE run LIKE '%mujoco%')")
     return folder
 
 

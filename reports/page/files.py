@@ -7,6 +7,7 @@ import pandas as pd
 
 from multibody_xval.reports.figures.svg import Panel, pdf
 from multibody_xval.scenarios.store import Stored
+from multibody_xval.scenarios.tables import csv_text
 from reference_lcp.errors import ParameterError
 from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
 
@@ -23,7 +24,7 @@ def write_files(
     checked_output_folder("figures", folder / FIGURES)
     for name, table in data.items():
         if len(table):
-            write_whole(folder / f"{name}.csv", table.to_csv(index=False))
+            write_whole(folder / f"{name}.csv", csv_text(table, missing=""))
     for name, own in drawn.items():
         if own:
             write_whole(folder / FIGURES / f"{name}.pdf", pdf(own))
