@@ -157,8 +157,8 @@ BRISTLE_TUNED = Preset(
     split_tolerance=1e-9,
     accuracy={"transmittance": 0.015},
     accuracy_reason=(
-        "A stuck contact is a spring that gives way, and short sticks are missed or made up. Deep in the band it is off "
-        "by up to 2.1 %, so that this preset is measured and not judged."
+        "A stuck contact is a spring that gives way, and short sticks are missed or made up. Deep in the band it is "
+        "off by up to 2.1 %, so that this preset is measured and not judged."
     ),
 )
 
