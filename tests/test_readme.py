@@ -122,7 +122,7 @@ def measured() -> dict[tuple[str, str, str], str]:
     return cells
 
 
-UNSTEADY = "unsteady"
+UNSTEADY = "not periodic"
 
 
 def cell(size: float, known: int, every: int) -> str:
@@ -155,7 +155,9 @@ def test_errors_in_the_table_of_results_are_those_of_the_measured_table() -> Non
 def test_numbers_of_the_first_sentence_are_those_of_the_measured_table() -> None:
     default, recommended, tuned = measured_errors()["mujoco", "joint"].split(" → ")
     assert recommended == tuned
-    assert f"joint friction is {default} dB off by default, and {tuned} dB tuned" in " ".join(README.split())
+    shown, factor = " ".join(README.split()), 10 ** (float(default) / 20)
+    assert f"changes the vibration amplitude by up to {default} dB (a factor of {factor:.2g})" in shown
+    assert f"the error is {tuned} dB ({100 * (10 ** (float(tuned) / 20) - 1):.2g} %)" in shown
 
 
 def worst_points() -> dict[tuple[str, str, str], tuple[float, float]]:
