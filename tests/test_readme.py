@@ -85,10 +85,9 @@ def test_every_command_is_one_of_the_suite() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("two_points")
 def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest.CaptureFixture[str]) -> None:
     """In one folder, as a reader would type them; reports have two points, since `.ci/run` writes one with all."""
-    monkeypatch.setattr("multibody_xval.scenarios.report_plan.QUICK_FRICTION_RATIOS", (0.3,))
-    monkeypatch.setattr("multibody_xval.scenarios.report_plan.QUICK_FREQUENCY_RATIOS", (0.6, 0.9))
     monkeypatch.chdir(tmp_path)
     for line in SUITE:
         command, _, file = line.partition(" > ")

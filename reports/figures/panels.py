@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from multibody_xval.reports.figures.svg import Panel
+from multibody_xval.reports.formatting import significant
 from multibody_xval.scenarios.conclusions import TITLES
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
@@ -67,7 +68,7 @@ def _level_text(rows: pd.DataFrame) -> str:
     for options, own in rows.groupby("options", sort=False):
         steady = own[own.status == Status.PERIODIC]
         worst = steady.error_db.abs().max()
-        error = "" if np.isnan(worst) else f", up to {worst:.2g} dB from the exact motion"
+        error = "" if np.isnan(worst) else f", up to {significant(worst)} dB from the exact motion"
         parts.append(f"{options}: {len(steady)} of {len(own)} points periodic{error}")
     return "; ".join(parts) + "."
 
@@ -121,7 +122,7 @@ def dots(rows: pd.DataFrame, column: str, least: float, title: str, label: str) 
     if known.empty:
         return []
     titles = list(dict.fromkeys(known.title))[::-1]
-    text = "; ".join(f"{name} {own[column].max():.2g}" for name, own in known.groupby("title", sort=False))
+    text = "; ".join(f"{name} {significant(own[column].max())}" for name, own in known.groupby("title", sort=False))
     draw = partial(_draw_dots, known.assign(size=known[column].abs().clip(lower=least)), titles, label)
     return [Panel(title, f"Largest, {label}: {text}.", draw, 0.26 * len(titles) + 0.85, 6.0)]
 

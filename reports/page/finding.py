@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
+from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.page.tables import at_headline
 from multibody_xval.scenarios.conclusions import TITLES
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures
@@ -42,7 +43,7 @@ def _judged(rows: pd.DataFrame, *, deviates: bool) -> str:
             f" and deviate{several} at none" * (agreeing < len(rows))
         )
     off = rows[rows.verdict == DEVIATES]
-    size = f"up to {off.error_percent.max():.2g} % of the amplitude"
+    size = f"up to {significant(off.error_percent.max())} % of the amplitude"
     return f"{' and '.join(names)} deviate{several} at {len(off):,} of {len(rows):,}, by {size}"
 
 
@@ -66,7 +67,7 @@ def _largest(rows: pd.DataFrame) -> str:
     if sizes.isna().all():
         return "none is known"
     worst = rows.assign(size=sizes).sort_values("size", na_position="first").iloc[-1]
-    return f"{sizes.max():.2g} dB ({worst.title})"
+    return f"{significant(sizes.max())} dB ({worst.title})"
 
 
 def reasons_to_fail(
@@ -79,8 +80,8 @@ def reasons_to_fail(
         for name, found in own.groupby("configuration", sort=False):
             off = found[found.verdict == DEVIATES]
             if len(off):
-                worst = (off.frequency_ratio - off.exact).abs().max()
+                worst = significant((off.frequency_ratio - off.exact).abs().max())
                 lines.append(
-                    f"{name}: {len(off)} of {len(found)} band edges deviate, by up to {worst:.2g} in frequency ratio"
+                    f"{name}: {len(off)} of {len(found)} band edges deviate, by up to {worst} in frequency ratio"
                 )
     return lines

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.reports.figures.panels import FREQUENCY
+from multibody_xval.reports.formatting import significant
 from multibody_xval.scenarios.claims import OPEN, STATED
 from multibody_xval.scenarios.conclusions import TITLES, conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
@@ -108,7 +109,7 @@ def error_text(error_db: float, points: int, periodic: int, status: str) -> str:
     """Give an error for people, with how many points have one where that is not all of them."""
     if not periodic:
         return {Status.NOT_PERIODIC.value: "no steady state"}.get(status, status)
-    text = "unknown" if np.isnan(error_db) else f"{error_db:.2g}"
+    text = "unknown" if np.isnan(error_db) else significant(error_db)
     return text if periodic == points else f"{text} ({periodic} of {points})"
 
 

@@ -12,7 +12,6 @@ import pytest
 
 from multibody_xval.reports.cli.report import app
 from multibody_xval.reports.page import sources
-from multibody_xval.scenarios import report_plan
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import Config, Result, Run
@@ -173,16 +172,10 @@ def test_a_tolerance_of_a_sweep_judges_its_points(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
-def test_the_report_of_an_engine_has_its_three_presets(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(report_plan, "QUICK_FRICTION_RATIOS", (0.3,))
-    monkeypatch.setattr(report_plan, "QUICK_FREQUENCY_RATIOS", (0.6, 0.9))
-    report_plan.grid.cache_clear()
+@pytest.mark.usefixtures("here", "two_points")
+def test_the_report_of_an_engine_has_its_three_presets(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["--quick", "--engine", "mujoco", "--out", str(tmp_path / "out")]
     assert run_command(app, arguments) == ExitCode.DONE, capsys.readouterr()
-    report_plan.grid.cache_clear()
     headline = pd.read_csv(tmp_path / "out" / "headline.csv").set_index("title")
     assert list(headline) == ["default options", "recipe", "tuned to the chain"]
     assert headline.loc["MuJoCo, joint"].astype(str).tolist() == ["15", "0.12", "0.12"]

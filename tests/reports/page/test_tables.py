@@ -24,6 +24,8 @@ def parts(results: dict[Run, Result]) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 def test_an_error_says_how_many_points_have_one() -> None:
     assert tables.error_text(0.1234, 5, 5, "periodic") == "0.12"
+    assert tables.error_text(1.0, 5, 5, "periodic") == "1.0"
+    assert tables.error_text(1234.5, 5, 5, "periodic") == "1,200"
     assert tables.error_text(0.1234, 5, 4, "periodic") == "0.12 (4 of 5)"
     assert tables.error_text(float("nan"), 3, 0, "not periodic") == "no steady state"
     assert tables.error_text(float("nan"), 3, 0, "unsupported") == "unsupported"
