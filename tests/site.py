@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from multiprocessing import forkserver
 from pathlib import Path
 from unittest.mock import patch
 
@@ -37,8 +38,15 @@ class Site:
         """Let this process, and those that it starts, see its engines."""
         with patch.dict(os.environ, self.environment), patch.object(sys, "path", [self._folder, *sys.path]):
             importlib.invalidate_caches()
-            registry._entry_points.cache_clear()
+            forget()
             try:
                 yield
             finally:
-                registry._entry_points.cache_clear()
+                forget()
+
+
+def forget() -> None:
+    """Forget which engines there are, and end the process that forks workers: it sees those of its own start."""
+    registry._entry_points.cache_clear()
+    if sys.platform == "linux":
+        forkserver._forkserver._stop()

@@ -93,15 +93,6 @@ def test_a_lock_that_is_held_ends_the_wait_with_one_line(file, statement, impati
     assert kept(file, [0.5, 0.9]) == [0.5]
 
 
-def test_a_writer_does_not_wait_for_one_who_reads_all_results(file) -> None:
-    """A report may take minutes between two results; it holds no lock then."""
-    with ResultStore(file) as reader, ResultStore(file) as writer:
-        results = reader.all_results()
-        next(results)
-        writer.keep([(steady(0.9), result(0.9))])
-        assert [result.transmittance_db for _, result in results] == [0.9]
-
-
 def test_a_disk_that_has_room_again_in_time_loses_nothing(file, monkeypatch, capsys) -> None:
     monkeypatch.setattr(module, "PATIENCE_SECONDS", 0.0)
     large = result(0.9, values=10_000)

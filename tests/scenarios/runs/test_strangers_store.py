@@ -75,10 +75,7 @@ def test_a_store_that_would_keep_nothing_is_refused(sweep_folder, capsys, name) 
     assert capsys.readouterr().err.startswith("error: store ")
 
 
-@pytest.mark.parametrize(
-    "command",
-    ["run unit-cell", "run all", "run record", "report --quick", "report --sweep sweep.toml"],
-)
+@pytest.mark.parametrize("command", ["run unit-cell", "run all", "run record"])
 def test_a_misspelt_store_is_not_made_where_nothing_is_run(sweep_folder, capsys, command) -> None:
     arguments = [*command.split(), "--no-run", "--store", "misspelt.sqlite"]
     assert run_command(app, arguments) == ExitCode.WRONG_INPUT
