@@ -145,11 +145,11 @@ def test_a_study_of_a_graded_chain_takes_twenty_lines(tmp_path: Path) -> None:
     done = python(tmp_path, "study.py", MPLBACKEND="agg")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "graded.pdf").read_bytes().startswith(b"%PDF")
-    edges = [line.split() for line in done.stdout.splitlines() if line.endswith("agree")]
-    assert [(row[1], row[2]) for row in edges] == [
-        (engine, friction) for engine in ("reference", "mujoco") for friction in ("0.1", "0.3")
+    edges = [line.split() for line in done.stdout.splitlines() if line.endswith("agrees")]
+    assert [(row[1], row[4]) for row in edges] == [
+        (friction, engine) for friction in ("0.1", "0.3") for engine in ("reference", "mujoco")
     ]
-    assert [row[3] for row in edges[:2]] == [row[3] for row in edges[2:]], "MuJoCo tuned takes the reference's step"
+    assert [row[2] for row in edges[::2]] == [row[2] for row in edges[1::2]], "MuJoCo tuned takes the reference's step"
     assert done.stdout.splitlines()[-1].startswith("<SteadyState −5.71")
 
 

@@ -78,6 +78,14 @@ def processes_of(session: int) -> list[int]:
     return found
 
 
+def left_of(session: int) -> list[int]:
+    """Give the processes that have not ended 5 s after the command of their session."""
+    end = time.monotonic() + 5
+    while processes_of(session) and time.monotonic() < end:
+        time.sleep(0.1)
+    return processes_of(session)
+
+
 def goes_on(store: Path) -> None:
     """A second command computes the rest alone."""
     before = rows(store)
@@ -100,7 +108,7 @@ def test_after_an_interrupt_nothing_runs_and_a_second_command_goes_on(store) -> 
         own.send_signal(signal.SIGINT)
         own.communicate(timeout=30)
     assert own.returncode == 130
-    assert processes_of(own.pid) == []
+    assert left_of(own.pid) == []
     assert 0 < rows(store) < RUNS
     goes_on(store)
 
@@ -110,10 +118,7 @@ def test_after_a_kill_nothing_runs_and_a_copy_of_the_file_alone_is_whole(store) 
         wait_for_rows(store)
         own.kill()
         own.communicate(timeout=30)
-    end = time.monotonic() + 5
-    while processes_of(own.pid) and time.monotonic() < end:
-        time.sleep(0.1)
-    assert processes_of(own.pid) == []
+    assert left_of(own.pid) == []
     copy = Path(shutil.copy(store, store.with_name("copy.sqlite")))
     with opened(copy) as found:
         assert len(list(found.rows())) == rows(store) > 0
