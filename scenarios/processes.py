@@ -93,7 +93,7 @@ class LocalPool:
             self._make_room()
             name = self._names[serves] = f"{WORKERS}{uuid.uuid4().hex[:10]}"
             self._pools[serves] = ProcessPool(self.slots, initializer=_begin, initargs=[name], context=self._context)
-        future: Future[Any] = self._pools[serves].schedule(function, args=arguments, timeout=limit)
+        future: Future[Any] = self._pools[serves].schedule(_by_one, args=[function, *arguments], timeout=limit)
         self._jobs[serves] = [*(own for own in self._jobs.get(serves, []) if not own.done()), future]
         return future
 
@@ -201,6 +201,16 @@ def _begin(name: str) -> None:
     leave, worker = os._exit, os.getpid()
     os._exit = lambda code: leave(code or EXITED if os.getpid() == worker else code)  # type: ignore[assignment]
     os.environ |= {MARK: name, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def _by_one(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Run a job; a copy of its process that an engine has forked ends here: it would take jobs of the pool too."""
+    worker = os.getpid()
+    try:
+        return function(*arguments)
+    finally:
+        if os.getpid() != worker:
+            os._exit(EXITED)
 
 
 def _end(name: str) -> None:

@@ -49,4 +49,4 @@ def forget() -> None:
     """Forget which engines there are, and end the process that forks workers: it sees those of its own start."""
     registry._entry_points.cache_clear()
     if sys.platform == "linux":
-        forkserver._forkserver._stop()
+        forkserver._forkserver._stop()  # type: ignore[attr-defined]

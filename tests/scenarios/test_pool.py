@@ -80,6 +80,20 @@ def test_what_an_engine_prints_or_changes_does_no_harm(pool, name, capfd) -> Non
     assert not any(capfd.readouterr())
 
 
+def test_a_copy_that_an_engine_has_forked_of_its_process_takes_no_other_run(pool) -> None:
+    """It would die unnoticed, and its runs wait for their time limit."""
+    ran("faulty-forks", pool)
+    for _ in range(4):
+        results, seconds = timed(lambda: ran("faulty-killed", pool))
+        assert "by signal SIGKILL" in results[DEADLY].reason
+        assert seconds < PATIENT
+
+
+def timed(action: Callable[[], dict[float, Result]]) -> tuple[dict[float, Result], float]:
+    begin = time.monotonic()
+    return action(), time.monotonic() - begin
+
+
 @pytest.mark.slow  # waits until the pool is given up
 @pytest.mark.parametrize("name", ["faulty-sending", "faulty-garbles"])
 def test_garbage_in_the_pipe_of_a_pool_ends_its_run_alone(pool, monkeypatch, name: str) -> None:
@@ -103,7 +117,9 @@ def test_what_an_engine_failed_at_is_kept_until_it_is_asked_for_again(pool, tmp_
     runs = [row.run for row in store.rows()]
     run_missing(runs, store, pool, known=lambda results: ended.append(dict(results)))
     assert [len(results) for results in ended] == [len(runs)]
-    found = run_missing(runs, store, pool, lambda own: ended.append(dict(own)), seconds_a_run=PATIENT, retry_failed=True)
+    found = run_missing(
+        runs, store, pool, lambda own: ended.append(dict(own)), seconds_a_run=PATIENT, retry_failed=True
+    )
     assert [len(results) for results in ended[1:] if results] == [1]
     assert len(found) == len(runs)
 
