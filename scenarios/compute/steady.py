@@ -67,14 +67,22 @@ def most_periods(config: Config, cases: Sequence[Case]) -> int:
 
 
 def beside_euler(simulation: Simulation, steps: int, tolerance: float, limit: int) -> list[PeriodicOrbit]:
-    """Search from the steady states of Euler's scheme, by Newton's steps with the Jacobians there, mixed."""
+    """Search from the steady states of Euler's scheme, by Newton's steps with the Jacobians there, mixed.
+
+    A step may lead to where an engine's motion grows without bound: such a search begins anew, from harmonic balance.
+    """
     if simulation.lanes[0].chain.cells > LONGEST_CHAIN:
         return periodic_orbits(simulation, steps, tolerance=tolerance)
     euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
     ends = [orbit.trajectory.end for orbit in euler]
     start = State.stack([State(end.positions, end.velocities) for end in ends])
     newton = PeriodInverse.of(euler).newton
-    return searched(simulation, start, steps, tolerance, limit, LONGEST_MULTIPLE, newton)
+    orbits = searched(simulation, start, steps, tolerance, limit, LONGEST_MULTIPLE, newton)
+    lost = [number for number, orbit in enumerate(orbits) if orbit.status is OrbitStatus.DIVERGED]
+    if lost:
+        again = periodic_orbits(simulation.subset(lost), steps, tolerance=tolerance)
+        orbits = [again[lost.index(number)] if number in lost else orbit for number, orbit in enumerate(orbits)]
+    return orbits
 
 
 def _read(config: Config, orbit: PeriodicOrbit, known: SteadyState | None) -> Result:
