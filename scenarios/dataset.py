@@ -12,7 +12,7 @@ import xarray as xr
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Config, Status
-from multibody_xval.scenarios.result_tables import of_config
+from multibody_xval.scenarios.result_tables import CLOSED, of_config
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_file import content_of, sweep_of
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS, Sweep
@@ -192,7 +192,7 @@ def _described(config: Config, case: Case) -> dict[str, Any]:
     """Give what a row says of its configuration and its case."""
     names = {"engine": config.engine, "formulation": str(config.formulation), "preset": config.preset_name}
     place = {**{name: getattr(case, name) for name in CASE}, "case": case, "curve": replace(case, frequency_ratio=1.0)}
-    own = of_config(config, swings=bool(case.modulation))
+    own = of_config(config, swings=bool(case.modulation), opens=case.modulation > CLOSED)
     return {"configuration": ":".join(names.values()), **names, **place, **own}
 
 

@@ -22,6 +22,9 @@ from reference_lcp.errors import ParameterError, RunError, checked_path, shown
 SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
 
+TABLES = {"results"}
+"""Of the file: a store of `run NAME` has others, under the same marks."""
+
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
 
@@ -65,12 +68,12 @@ class Store:
 
     def _prepare(self) -> None:
         """Make the table of a new file; refuse another kind of file."""
-        tables = self._file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        made = "SELECT name FROM sqlite_master WHERE type = 'table'"
+        tables = {name for (name,) in self._file.execute(made).fetchall()}
         marks = [self._file.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")]
-        if tables and marks != [APPLICATION_ID, FORMAT]:
-            what = f"is of format {marks[1]}" if marks[0] == APPLICATION_ID else "is no store of this suite"
+        if tables and (marks != [APPLICATION_ID, FORMAT] or tables != TABLES):
             raise ParameterError(
-                f"store {self.path} {what}; allowed: one of format {FORMAT}, or a new file to compute anew"
+                f"store {self.path} {_other(*marks)}; allowed: one of format {FORMAT}, or a new file to compute anew"
             )
         if not tables:
             self._file.execute(f"PRAGMA application_id = {APPLICATION_ID}")
@@ -185,6 +188,13 @@ def identity(config: Config) -> tuple[str, str]:
     preset = config.preset
     options = {**preset.options, **preset.modulated_options}
     return version, json.dumps({name: repr(option.value) for name, option in sorted(options.items())})
+
+
+def _other(mark: int, form: int) -> str:
+    """Say what a file is that is no store of this format."""
+    if mark != APPLICATION_ID:
+        return "is no store of this suite"
+    return "is one of `run NAME` or `check`, not of `sweep` or `report`" if form == FORMAT else f"is of format {form}"
 
 
 def is_kept(result: Result, *, retry_failed: bool) -> bool:

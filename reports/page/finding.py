@@ -38,13 +38,17 @@ def _judged(rows: pd.DataFrame, *, deviates: bool) -> str:
     several = "s" * (rows.configuration.nunique() == 1)
     if not deviates:
         agreeing = int((rows.verdict == AGREES).sum())
-        count = f"{agreeing:,} of {len(rows):,}" if agreeing < len(rows) else f"all {len(rows):,}"
-        return f"{' and '.join(names)} agree{several} with the exact motion at {count} operating points" + (
-            f" and deviate{several} at none" * (agreeing < len(rows))
+        count = f"{agreeing:,} of {len(rows):,} simulations" if agreeing < len(rows) else _all_of(len(rows))
+        return f"{' and '.join(names)} agree{several} with the exact motion in {count}" + (
+            f" and deviate{several} in none" * (agreeing < len(rows))
         )
     off = rows[rows.verdict == DEVIATES]
     size = f"up to {significant(off.error_percent.max())} % of the amplitude"
-    return f"{' and '.join(names)} deviate{several} at {len(off):,} of {len(rows):,}, by {size}"
+    return f"{' and '.join(names)} deviate{several} in {len(off):,} of {len(rows):,} simulations, by {size}"
+
+
+def _all_of(count: int) -> str:
+    return f"all {count:,} simulations" if count > 1 else "the only simulation"
 
 
 def _name(options: str, rows: pd.DataFrame) -> str:

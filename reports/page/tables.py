@@ -78,13 +78,16 @@ def engines_only(rows: pd.DataFrame) -> pd.DataFrame:
 def largest_errors(rows: pd.DataFrame) -> pd.DataFrame:
     """Give, a row a configuration, how many points it has and how many are periodic, its errors, and where it is worst.
 
+    Points that an engine does not support are not counted: they say nothing about steady states.
+
     Columns: ``title``, ``options``, ``configuration``, ``points``, ``periodic``, ``median_percent``,
     ``largest_percent``, ``largest_db``, ``largest_deg``, ``worst_case`` and ``status``, the commonest.
     """
-    own = rows.assign(db=rows.error_db.abs(), deg=rows.error_deg.abs(), periodic=rows.status == Status.PERIODIC)
+    own = rows.assign(db=rows.error_db.abs(), deg=rows.error_deg.abs(), periodic=rows.status == Status.PERIODIC,
+                      supported=rows.status != Status.UNSUPPORTED)  # fmt: skip
     groups = own.groupby(["title", "options", "configuration"])
     found = groups.agg(
-        points=("status", "size"), periodic=("periodic", "sum"), median_percent=("error_percent", "median"),
+        points=("supported", "sum"), periodic=("periodic", "sum"), median_percent=("error_percent", "median"),
         largest_percent=("error_percent", "max"), largest_db=("db", "max"), largest_deg=("deg", "max"),
         status=("status", lambda status: status.mode().iloc[0]),
     )  # fmt: skip

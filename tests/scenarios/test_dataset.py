@@ -10,7 +10,7 @@ import xarray as xr
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.dataset import by_tolerance, dataset, judged_table, sweep_in
 from multibody_xval.scenarios.judge import judged
-from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.model import Config, failed
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.sweep_file import sweep_of
 from multibody_xval.scenarios.sweep_plan import Sweep
@@ -50,6 +50,14 @@ def test_the_judged_points_come_back(table: pd.DataFrame, data: xr.Dataset) -> N
              "version", "judged", "shares_scheme", "mass_ratio"]  # fmt: skip
     one, other = (own.sort_values(order).reset_index(drop=True)[names] for own in (again, expected))
     pd.testing.assert_frame_equal(one, other, check_dtype=False)
+
+
+def test_where_contacts_open_nothing_is_judged_in_a_dataset_either() -> None:
+    grid = {"friction_ratio": [0.3], "frequency_ratio": [0.9], "modulation": [0.5, 1.5]}
+    sweep = sweep_of({"engines": ["pybullet:contact"], "grid": grid, "chain": {"cells": 1}})
+    again = judged_table(dataset(sweep, judged(points(now({run: failed("crashed") for run in sweep.runs()})))))
+    assert dict(zip(again.modulation, again.judged, strict=True)) == {0.5: True, 1.5: False}
+    assert dict(zip(again.modulation, again.shares_scheme, strict=True)) == {0.5: True, 1.5: False}
 
 
 def test_a_part_has_the_points_of_that_part(data: xr.Dataset) -> None:

@@ -81,7 +81,7 @@ def test_a_dataset_makes_a_page_without_edges(stored: list[Stored], tmp_path: Pa
     data = dataset(sweep_of(SWEEP), judged(points(stored)))
     page = report(data, tmp_path / "own").read_text()
     assert 'id="edges"' not in page
-    assert "agrees with the exact motion at all 3 operating points" in page
+    assert "agrees with the exact motion in all 3 simulations" in page
     write_dataset(data, tmp_path / "own.nc")
     again = report(tmp_path / "own.nc", tmp_path / "again").read_text()
     same = [text.partition('<section id="made">')[0] for text in (page, again)]
