@@ -59,7 +59,8 @@ def band_edges(
         One row an edge: the axes of the sweep, such as ``friction_ratio``; ``edge`` (lower or upper);
         ``frequency_ratio`` η_r, NaN where there is no such edge; ``error_bar``, how far from it the edge of the exact
         motion may be. Where there are other configurations than the reference: ``configuration``, the ``exact`` edge,
-        the ``error``, what is ``allowed`` of it, and the ``verdict``. Last, the ``reason`` why there is no such edge.
+        the ``error``, the edge that is ``expected`` (of presets that share the scheme, the reference's at equal steps),
+        what is ``allowed`` from that, and the ``verdict``. Last, the ``reason`` why there is no such edge.
 
     Raises
     ------

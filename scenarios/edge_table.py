@@ -22,10 +22,10 @@ from reference_lcp.errors import ParameterError
 CURVE = [*CONFIG, "curve", "steps"]
 """Columns by which the edges of a curve are found."""
 
-COMPARED = ["configuration", "exact", "error", "allowed", "verdict"]
+COMPARED = ["configuration", "exact", "error", "expected", "allowed", "verdict"]
 """Columns where there is another configuration than the reference."""
 
-NUMBERS = (FREQUENCY, "interpolation", "exact", "exact_bar", "error", "allowed")
+NUMBERS = (FREQUENCY, "interpolation", "exact", "exact_bar", "error", "expected", "allowed")
 """What `edges.judged_edges` gives of an edge."""
 
 Runs = dict[Run, None]

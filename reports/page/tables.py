@@ -141,7 +141,7 @@ def edge_table(edges: pd.DataFrame) -> pd.DataFrame:
     own = edges.assign(config=configs, case=edges.curve, configuration=configs.map(full_name))
     names = [
         "title", "options", "configuration", "place", "steps", "edge", FREQUENCY, "exact", "exact_bar", "error",
-        "allowed", "judged", "verdict", "absent",
+        "expected", "allowed", "judged", "verdict", "absent",
     ]  # fmt: skip
     return labelled(own)[names].reset_index(drop=True)
 

@@ -46,7 +46,7 @@ def test_edges_without_friction_are_those_of_the_linear_chain(found: pd.DataFram
 
 def test_columns_begin_with_the_case_and_its_edge(found: pd.DataFrame, data: xr.Dataset) -> None:
     first = ["friction_ratio", "edge", "frequency_ratio", "error_bar"]
-    assert list(found) == [*first, "configuration", "exact", "error", "allowed", "verdict", "reason"]
+    assert list(found) == [*first, "configuration", "exact", "error", "expected", "allowed", "verdict", "reason"]
     assert set(found.configuration) == set(data.configuration.values.tolist())
     alone = band_edges(data.sel(configuration="reference"))
     assert list(alone) == [*first, "reason"]
@@ -64,6 +64,9 @@ def test_an_edge_that_friction_moves_deviates_with_soft_friction(found: pd.DataF
     rows = found[(found.friction_ratio == 0.3) & (found.edge == "lower")].set_index("configuration")
     assert rows.verdict.to_dict() == {"reference": "agrees", "mujoco": "agrees", "mujoco:joint:default": "deviates"}
     assert abs(rows.error["mujoco:joint:default"]) > 10 * rows.allowed["mujoco:joint:default"]
+    own = rows.loc["mujoco"]  # shares the scheme: beside the reference, not the exact motion
+    assert own.expected == rows.frequency_ratio["reference"]
+    assert abs(own.frequency_ratio - own.expected) <= own.allowed < abs(own.error)
 
 
 def test_a_curve_without_an_edge_has_a_row_that_says_why(found: pd.DataFrame) -> None:
