@@ -62,7 +62,9 @@ def dask(address: str) -> Iterator[DaskPool]:
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it prints tracebacks of a cluster that is lost
     try:
-        client = Client(address, timeout=f"{CONNECT_SECONDS}s")  # type: ignore[no-untyped-call]
+        client = Client(  # type: ignore[no-untyped-call]  # not the default one, which files that are written would ask
+            address, timeout=f"{CONNECT_SECONDS}s", set_as_default=False
+        )
     except (OSError, ValueError) as problem:
         reason = " ".join(str(problem).split())
         raise ParameterError(

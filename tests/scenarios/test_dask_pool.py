@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval import sweep
+from multibody_xval.scenarios.dataset_file import write_dataset
 from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
 from reference_lcp.errors import ParameterError, RunError
@@ -90,3 +92,11 @@ def test_a_scheduler_that_dies_ends_the_command_in_a_line_and_keeps_what_is_stor
         computed(runs_of(REFERENCE.engine, *many), Means(scheduler=address, store=store))
     assert time.monotonic() - begin < 120
     assert len(stored_results(store)) > 0
+
+
+def test_a_scheduler_that_was_misspelt_is_no_longer_asked(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="cannot be reached"):
+        sweep("reference", 0.3, [0.9], scheduler="-1")
+    with pytest.raises(ValueError, match="No client"):
+        pytest.importorskip("distributed").default_client()
+    write_dataset(sweep("reference", 0.3, [0.9], chain={"cells": 2}, workers=1), tmp_path / "own.nc")
