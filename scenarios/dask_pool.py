@@ -58,14 +58,17 @@ class DaskPool:
 @contextmanager
 def dask(address: str) -> Iterator[DaskPool]:
     """Give the workers of a dask cluster that runs already; it and its workers have to be trusted."""
-    from distributed import Client
+    from distributed import Client, default_client
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it prints tracebacks of a cluster that is lost
+    for name in ("distributed", "distributed.client"):  # which print tracebacks of a cluster that is lost
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        client = Client(  # type: ignore[no-untyped-call]  # not the default one, which files that are written would ask
-            address, timeout=f"{CONNECT_SECONDS}s", set_as_default=False
-        )
+        client = Client(address, timeout=f"{CONNECT_SECONDS}s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:
+        with suppress(Exception):
+            stale = default_client()  # type: ignore[no-untyped-call]  # else files that are written ask it
+            if stale.status != "running":
+                stale.close(timeout=CLOSE_SECONDS)
         reason = " ".join(str(problem).split())
         raise ParameterError(
             f"scheduler = {shown(address)} cannot be reached: {reason}; allowed: the address of one that runs"
