@@ -4,14 +4,13 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 
 import numpy as np
-import scipy.linalg
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import default_engine_names, engine, engine_names
 from multibody_xval.engines.interface.variant import ALL, GENERAL, variants_named, variants_of
+from multibody_xval.scenarios import frequency_grid
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
-from reference_lcp.chain.linear_response import stuck_basis
 
 HEADLINE = tuple(
     Case(friction_ratio=friction, frequency_ratio=eta)
@@ -124,12 +123,7 @@ def claim_frequency_ratios() -> tuple[float, ...]:
 @cache
 def resonances() -> tuple[float, ...]:
     """Give the natural frequencies over ω_r of the paper's chain with contacts that slide freely, or never slide."""
-    chain = Case(friction_ratio=0.0, frequency_ratio=1.0).chain
-    found: set[float] = set()
-    for basis in (np.eye(2 * chain.cells), stuck_basis(chain)):
-        stiffness, mass = (basis.T @ matrix @ basis for matrix in (chain.stiffness_matrix, chain.mass_matrix))
-        squares = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
-        found |= set(np.round(np.sqrt(squares) / chain.resonator_frequency, 4).tolist())
+    found = set(np.round(frequency_grid.resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)), 4).tolist())
     return tuple(sorted(eta for eta in found if min(FREQUENCY_RATIOS) < eta < max(FREQUENCY_RATIOS)))
 
 

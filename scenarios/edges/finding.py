@@ -13,10 +13,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from multibody_xval.scenarios.exact_values import LADDER
+from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import Case, Config
-from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference, rows_of
+from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
 
 THRESHOLD_DB, DEPTH_DB = 0.0, -10.0
@@ -121,10 +121,8 @@ def curves(table: pd.DataFrame) -> Iterator[Curve]:
 def _finer(table: pd.DataFrame) -> pd.Series:
     """Tell which rows the reference has only to show its error: they lack finer ones, and are not the coarsest."""
     own = table[is_reference(table)]
-    known = set(rows_of(own, "case", "steps"))
-    whole = [all((case, steps * factor) in known for factor in LADDER) for case, steps in rows_of(own, "case", "steps")]
     coarsest = own.groupby("case", sort=False).steps.transform("min") == own.steps
-    return (~coarsest & ~np.array(whole, dtype=bool)).reindex(table.index, fill_value=False)
+    return (~coarsest & ~has_ruler(own)).reindex(table.index, fill_value=False)
 
 
 def _asked_steps(rows: pd.DataFrame) -> pd.Series:
