@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from multibody_xval.scenarios.judge import FLOOR, judged, resolution
+from multibody_xval.scenarios.judge import FLOOR, amplitude, judged, resolution
 from multibody_xval.scenarios.model import CASE
 from multibody_xval.scenarios.result_tables import is_exact, is_reference
 
@@ -62,7 +62,7 @@ def _measured(table: pd.DataFrame, ruler: pd.DataFrame) -> pd.DataFrame:
     exact = dict(zip(finest.case, finest.stuck, strict=True))
     apart = [_apart(own, exact.get(case, ())) for own, case in zip(rows.stuck, rows.case, strict=True)]
     return rows.assign(
-        open=100 * resolution(rows) / rows.exact.abs().clip(lower=FLOOR),
+        open=100 * resolution(rows) / amplitude(rows),
         stuck_error=pd.Series(apart, rows.index, dtype=float).where(rows.exact.notna()),
     )
 

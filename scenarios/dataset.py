@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,8 @@ import xarray as xr
 
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
-from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Config, Status
-from multibody_xval.scenarios.result_tables import CLOSED, of_config
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Status
+from multibody_xval.scenarios.result_tables import described
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_file import content_of, sweep_of
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS, Sweep
@@ -182,18 +181,10 @@ def _with_cases(rows: pd.DataFrame, sweep: Sweep) -> pd.DataFrame:
     """Add what a row says of its configuration and its case."""
     configs = [Config.parse(str(name)) for name in rows.configuration]
     cases = [sweep.case_at({name: row[name] for name in sweep.axes}) for row in rows.to_dict("records")]
-    described = [_described(*own) for own in zip(configs, cases, strict=True)]
-    none = _described(REFERENCE, Case(friction_ratio=0.0, frequency_ratio=1.0))
-    columns = pd.DataFrame(described, index=rows.index, columns=list(none))
+    labels = [described(*own) for own in zip(configs, cases, strict=True)]
+    none = described(REFERENCE, Case(friction_ratio=0.0, frequency_ratio=1.0))
+    columns = pd.DataFrame(labels, index=rows.index, columns=list(none))
     return columns.assign(**rows[[name for name in rows if name not in none]])
-
-
-def _described(config: Config, case: Case) -> dict[str, Any]:
-    """Give what a row says of its configuration and its case."""
-    names = {"engine": config.engine, "formulation": str(config.formulation), "preset": config.preset_name}
-    place = {**{name: getattr(case, name) for name in CASE}, "case": case, "curve": replace(case, frequency_ratio=1.0)}
-    own = of_config(config, swings=bool(case.modulation), opens=case.modulation > CLOSED)
-    return {"configuration": ":".join(names.values()), **names, **place, **own}
 
 
 def by_tolerance(table: pd.DataFrame, tolerance_db: float | None) -> pd.DataFrame:

@@ -75,13 +75,13 @@ def _distance(rows: pd.DataFrame) -> pd.Series:
 
 def _allowed(rows: pd.DataFrame, effect: pd.Series) -> pd.Series:
     """Give how far from what is expected T may be, over U0; a stated accuracy is that of what friction does, too."""
-    stated = np.minimum(rows.accuracy * _amplitude(rows), COARSE_SHARE * effect)
+    stated = np.minimum(rows.accuracy * amplitude(rows), COARSE_SHARE * effect)
     other = rows.exact_bar + np.maximum(rows.scheme_error, stated) + resolution(rows)
     repeats = rows.reference_residual.fillna(0) * MARGIN * rows.growth
     return other.where(~rows.shares_scheme, resolution(rows) + repeats)
 
 
-def _amplitude(rows: pd.DataFrame) -> pd.Series:
+def amplitude(rows: pd.DataFrame) -> pd.Series:
     """Give the exact amplitude that parts refer to, over U0: that of the floor where it is below."""
     return rows.exact.abs().clip(lower=FLOOR)
 
@@ -109,7 +109,7 @@ def _errors(rows: pd.DataFrame) -> dict[str, pd.Series]:
         "exact_deg": pd.Series(np.degrees(np.angle(rows.exact)), rows.index),
         "error_db": on_scale(level) - on_scale(exact_level),
         "error_deg": turn,
-        "error_percent": 100 * (rows.ratio - rows.exact).abs() / _amplitude(rows),
+        "error_percent": 100 * (rows.ratio - rows.exact).abs() / amplitude(rows),
     }
 
 
@@ -127,7 +127,7 @@ def _verdicts(rows: pd.DataFrame, effect: pd.Series) -> np.ndarray:
     """Say of each row what it is."""
     known = rows.distance.notna() & rows.allowed.notna()
     beyond = rows.distance > rows.allowed
-    coarse = ~rows.shares_scheme & (rows.scheme_error > LARGEST_ACCURACY * _amplitude(rows))
+    coarse = ~rows.shares_scheme & (rows.scheme_error > LARGEST_ACCURACY * amplitude(rows))
     near = beyond & coarse & (rows.distance <= OTHER_SCHEMES * rows.allowed)
     by_step = (rows.exact_bar + rows.scheme_error + resolution(rows)).where(~rows.shares_scheme, rows.allowed)
     verdicts = np.select(

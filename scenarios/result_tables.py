@@ -40,18 +40,24 @@ def points(stored: Iterable[Stored]) -> pd.DataFrame:
 
 
 def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
-    own, case = run.config, run.case
     ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
     return {
-        "configuration": full_name(own),
-        "engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version,
-        **_values(case), "case": case, "curve": _curve(case), "steps": run.steps,
+        **described(run.config, run.case), "version": version, "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
         "transitions": len(result.transitions), "stick_velocity": result.stick_velocity,
         "seconds": result.seconds, "reason": result.reason,
-        **of_config(own, swings=bool(case.modulation), opens=case.modulation > CLOSED),
+    }  # fmt: skip
+
+
+def described(config: Config, case: Case) -> dict[str, Any]:
+    """Give what a row says of its configuration and its case."""
+    return {
+        "configuration": full_name(config),
+        "engine": config.engine, "formulation": str(config.formulation), "preset": config.preset_name,
+        **_values(case), "case": case, "curve": curve_of(case),
+        **of_config(config, swings=bool(case.modulation), opens=case.modulation > CLOSED),
     }  # fmt: skip
 
 
@@ -115,7 +121,8 @@ def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
 
 
 @lru_cache(maxsize=4096)
-def _curve(case: Case) -> Case:
+def curve_of(case: Case) -> Case:
+    """Give what the points of one curve share: the case with a frequency ratio of 1."""
     return replace(case, frequency_ratio=1.0)
 
 

@@ -1,7 +1,6 @@
 """Tables of the page: functions of judged points."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,7 +13,7 @@ from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import VERDICTS
 from multibody_xval.scenarios.model import Case, Config, Status, value_text
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
-from multibody_xval.scenarios.result_tables import CONFIG, full_name, is_reference, rows_of
+from multibody_xval.scenarios.result_tables import CONFIG, curve_of, full_name, is_reference, rows_of
 from multibody_xval.scenarios.store import Stored
 
 STICK_SLIP = Case(friction_ratio=0.1, frequency_ratio=1.5)
@@ -32,7 +31,7 @@ def labelled(rows: pd.DataFrame) -> pd.DataFrame:
     ending = (" " + rows.version.replace("", "(not installed)")).where(several, "")
     titles = {config: _title(config) for config in rows.config.unique()}
     base = rows.preset.str.partition(":")[0]
-    curves = rows.case.map(lambda case: replace(case, frequency_ratio=1.0))
+    curves = rows.case.map(curve_of)
     places = {curve: place(curve) for curve in curves.unique()}
     return rows.assign(
         title=rows.config.map(titles) + ending, configuration=rows.configuration + ending,
