@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from multibody_xval.scenarios.evaluate import Propose
 from multibody_xval.scenarios.frequency_grid import MOST_VALUES, AdaptiveGrid, missing, resonances
 from multibody_xval.scenarios.model import CASE, DEFAULTS, PER_CELL, SINGLE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
@@ -132,6 +133,11 @@ class Sweep:
             return self._runs(self._needed({}))
         places = itertools.product(self.places, self.axes[FREQUENCY])
         return self._runs((config, place, eta) for place, eta in places for config in self.configs)
+
+    @property
+    def proposals(self) -> list[tuple[str, Propose]]:
+        """Give what the first runs lead to, by its name: the points of adaptive curves."""
+        return [] if self.grid is None else [("adaptive curves", self.propose)]
 
     def propose(self, table: pd.DataFrame) -> list[Run]:
         """Give the runs that adaptive curves need next, by the points so far; none where they are resolved."""

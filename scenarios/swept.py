@@ -16,8 +16,7 @@ from multibody_xval.scenarios.sweep_plan import Sweep
 
 def swept(sweep: Sweep, means: Means) -> xr.Dataset:
     """Run a sweep, and give its judged points as labelled arrays."""
-    then = [("adaptive curves", sweep.propose)] if sweep.grid is not None else []
-    return _judged(sweep, points(computed(sweep.runs(), means, then=then)))
+    return _judged(sweep, points(computed(sweep.runs(), means, then=sweep.proposals)))
 
 
 def stored_sweep(sweep: Sweep, store: Path) -> xr.Dataset:

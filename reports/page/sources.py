@@ -1,7 +1,6 @@
 """Where the results of a page come from: planned runs, a sweep, stores alone, or a dataset."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config
 from multibody_xval.scenarios.report_plan import left_out, report_configs, report_runs
+from multibody_xval.scenarios.result_tables import curve_of
 from multibody_xval.scenarios.store import Stored, checked_store, existing_store
 from reference_lcp.errors import ParameterError, checked_path
 
@@ -49,8 +49,7 @@ def sweep_page(
 
     plan = sweep.with_config(REFERENCE)
     own = _prepared(means, folder, store, source)
-    then = [("adaptive curves", plan.propose)] if plan.grid is not None else []
-    stored = computed(plan.runs(), own, then=[*then, EDGES])
+    stored = computed(plan.runs(), own, then=[*plan.proposals, EDGES])
     named = partial(_is_of, [config for config in sweep.configs if config != REFERENCE])
     return write_page(
         stored, folder, command, named=named, judge=lambda table: by_tolerance(judged(table), sweep.tolerance_db)
@@ -94,7 +93,7 @@ def _of_sweep(stored: Sequence[Stored], sweep: "Sweep") -> list[Stored]:
     """Give the results on the curves of a sweep, and those of the ruler there."""
     configs = {*sweep.configs, REFERENCE, EXACT}
     curves = {place.case for place in sweep.places}
-    return [row for row in stored if row.run.config in configs and replace(row.run.case, frequency_ratio=1.0) in curves]
+    return [row for row in stored if row.run.config in configs and curve_of(row.run.case) in curves]
 
 
 def dataset_page(file: Path, folder: Path, command: str) -> Written:

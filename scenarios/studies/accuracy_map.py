@@ -11,7 +11,7 @@ import pandas as pd
 from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
-from multibody_xval.scenarios.result_tables import CONFIG
+from multibody_xval.scenarios.result_tables import CONFIG, full_name
 from reference_lcp.defaults import STICK_SLIP_POINTS
 
 MAP_STEPS = 800
@@ -82,7 +82,6 @@ def _errors(rows: pd.DataFrame) -> dict[str, object]:
     size = rows.error_db.abs()
     on_map, six = size[rows.on_map], {steps: size[rows.at_six & (rows.steps == steps)] for steps in ORDER_STEPS}
     percent = rows.error_percent[rows.on_map]
-    lost = rows[rows.status.isin(["failed", "unsupported"])]
     return {
         **{f"six_{steps}_db": six[steps].max() for steps in ORDER_STEPS[:2]},
         "map_db": on_map.max(), "map_median_db": on_map.median(),
@@ -90,8 +89,13 @@ def _errors(rows: pd.DataFrame) -> dict[str, object]:
         "stick_velocity": rows.stick_velocity.max(), "order": _order(list(six.values())),
         "periodic": int((rows.status == "periodic").sum()), "points": len(rows),
         "worst": next(iter(rows.case[on_map.dropna().nlargest(1).index]), None),
-        "reason": lost.reason.iloc[0] if len(lost) else "",
+        "reason": first_failure(rows),
     }  # fmt: skip
+
+
+def first_failure(rows: pd.DataFrame) -> str:
+    """Give the reason of the first run that has no motion at all; empty without one."""
+    return next(iter(rows.reason[rows.status.isin(["failed", "unsupported"])]), "")
 
 
 def _order(errors: list["pd.Series[float]"]) -> float:
@@ -115,7 +119,7 @@ def remarks(table: pd.DataFrame) -> list[str]:
         if row.reason:
             parts.append(f"first failure: {row.reason}")
         if parts:
-            lines.append(f"{':'.join((row.engine, row.formulation, row.preset))}: {'; '.join(parts)}")
+            lines.append(f"{full_name(Config(row.engine, row.formulation, row.preset))}: {'; '.join(parts)}")
     return lines
 
 
@@ -126,10 +130,11 @@ PATTERNS = {"order": "{:.2f}", "stick_velocity": "{:.1e}"}
 def shown(table: pd.DataFrame) -> pd.DataFrame:
     """Give the table as people read it: texts, a dash where there is no number."""
     numbers = [name for name in HEADINGS if name not in (*CONFIG, "periodic")]
-    texts = {name: [_text(value, PATTERNS.get(name, "{:.3f}")) for value in table[name]] for name in numbers}
+    texts = {name: [number_text(value, PATTERNS.get(name, "{:.3f}")) for value in table[name]] for name in numbers}
     periodic = [f"{own}/{total}" for own, total in zip(table.periodic, table.points, strict=True)]
     return table.assign(**texts, periodic=periodic)[[*HEADINGS]].rename(columns=HEADINGS)
 
 
-def _text(value: float, pattern: str) -> str:
+def number_text(value: float, pattern: str) -> str:
+    """Give a number as people read it, a dash where there is none."""
     return "–" if math.isnan(value) else pattern.format(value)

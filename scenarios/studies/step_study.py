@@ -9,7 +9,7 @@ from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import CONFIG
-from multibody_xval.scenarios.studies.accuracy_map import SIX
+from multibody_xval.scenarios.studies.accuracy_map import SIX, first_failure, number_text
 
 USUAL_STEPS = (50, 100, 200, 400, 800)
 """Steps per period of every configuration: from what games take, a few steps a stick, to a minute of an engine."""
@@ -85,7 +85,6 @@ def _row(rows: pd.DataFrame) -> dict[str, object]:
     steps = int(rows.steps.iloc[0])
     a_step = (steady.seconds / (steady.periods * steps)).median()
     milliseconds = 1e3 * a_step / TIMED.lane(steps).time_step
-    lost = rows[rows.status.isin(["failed", "unsupported"])]
     complete = len(steady) == len(SIX)
     error = steady.error_db.abs().max()
     return {
@@ -94,7 +93,7 @@ def _row(rows: pd.DataFrame) -> dict[str, object]:
         "seconds": steady.seconds.median(), "step_seconds": a_step,
         "milliseconds": milliseconds, "product": error * milliseconds if complete else math.nan,
         "periodic": len(steady), "points": len(rows), "complete": complete,
-        "reason": lost.reason.iloc[0] if len(lost) else "",
+        "reason": first_failure(rows),
     }  # fmt: skip
 
 
@@ -126,6 +125,6 @@ def _remarks(own: pd.DataFrame) -> Iterator[str]:
 def shown(table: pd.DataFrame) -> pd.DataFrame:
     """Give the table as people read it: texts, a dash where there is no number."""
     numbers = ("error_db", "error_percent", "milliseconds", "product")
-    texts = {name: ["–" if math.isnan(value) else f"{value:.3g}" for value in table[name]] for name in numbers}
+    texts = {name: [number_text(value, "{:.3g}") for value in table[name]] for name in numbers}
     periodic = [f"{own}/{len(SIX)}" for own in table.periodic]
     return table.assign(**texts, steps=table.steps.astype(str), periodic=periodic)[[*HEADINGS]].rename(columns=HEADINGS)
