@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from multibody_xval.reports.figures.style import COLUMN, INK, PALETTE, PRINT_STYLE
 from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
@@ -19,8 +20,8 @@ from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
 from reference_lcp.studies.plot import checked_picture_format
 
-COLUMN, PAGE_WIDTH, PANEL_HEIGHT = 3.5, 7.2, 2.0
-"""Width of one column of a journal and of two, and height of a row of panels [inch]."""
+PAGE_WIDTH, PANEL_HEIGHT = 7.2, 2.0
+"""Width of two columns of a journal, and height of a row of panels [inch]."""
 
 MOST_CASES = 24
 """Cases that one figure shows."""
@@ -28,24 +29,15 @@ MOST_CASES = 24
 LOWEST_DB = -80.0
 """Lowest transmittance that is drawn: beyond, the motion is less than the ten-thousandth part of the base's."""
 
-INK, SOFT, LINE = "#1b1f24", "#57606a", "#d5dae0"
+SOFT = "#57606a"
 
-COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Black, and Okabe and Ito's palette, which colour-blind readers can distinguish."""
+COLOURS = (INK, *PALETTE)
 
 DASHES = ((), (5.0, 1.5), (1.0, 1.0), (4.0, 1.0, 1.0, 1.0), (8.0, 2.0), (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))
 """Lengths of dashes and gaps over the width of the line."""
 
-PRINT: dict[Any, Any] = {
-    **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize", "figure.labelsize"), 8.0),
-    **dict.fromkeys(("legend.fontsize", "xtick.labelsize", "ytick.labelsize"), 7.0),
-    **dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"), INK),
-    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
-    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
-    "axes.titlepad": 3.0, "lines.linewidth": 1.1, "axes.grid": True, "axes.axisbelow": True, "grid.color": LINE,
-    "grid.linewidth": 0.5, "savefig.dpi": 300.0, "pdf.fonttype": 42, "svg.hashsalt": "multibody-xval",
-}  # fmt: skip
-"""Style of figures: 8 points in a column's width, thin lines, text that can be searched."""
+PRINT: dict[Any, Any] = {**PRINT_STYLE, "legend.columnspacing": 2.0}
+"""Style of figures for print; names of configurations are long."""
 
 
 def drawn_curves(data: xr.Dataset, file: str | Path | None) -> Figure:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import Store, Workers, check_outs, keeping
+from multibody_xval.reports.cli.options import Store, Workers, check_outs, engine_option, keeping
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import visible
@@ -21,12 +20,10 @@ if TYPE_CHECKING:
 
 Pair = Annotated[
     list[str] | None,
-    typer.Option(
-        "--engine",
-        metavar="ENGINE[:FORMULATION[:PRESET]]",
-        help="Instead of stores, what is before and what is now: both compute 24 points. An engine alone stands for "
-        "its presets default, recommended and tuned.",
-        autocompletion=complete_variant,
+    engine_option(
+        "Instead of stores, what is before and what is now: both compute 24 points. An engine alone stands for its "
+        "presets default, recommended and tuned.",
+        "ENGINE[:FORMULATION[:PRESET]]",
     ),
 ]
 

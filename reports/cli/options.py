@@ -36,6 +36,12 @@ ENGINE_HELP = (
     "formulations or presets. May be repeated. "
 )
 
+
+def engine_option(text: str, metavar: str = NAME_METAVAR) -> Any:
+    """Give the option ``--engine``, with its help and its completion."""
+    return typer.Option("--engine", metavar=metavar, help=text, autocompletion=complete_variant)
+
+
 Settings = Annotated[
     list[str] | None,
     typer.Option(
@@ -61,15 +67,7 @@ Scheduler = Annotated[
 class Engines:
     """The variants that a command is about."""
 
-    chosen: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--engine",
-            metavar=NAME_METAVAR,
-            help=f"{ENGINE_HELP}Without it: all:all:all.",
-            autocompletion=complete_variant,
-        ),
-    ] = None
+    chosen: Annotated[list[str] | None, engine_option(f"{ENGINE_HELP}Without it: all:all:all.")] = None
     settings: Settings = None
 
     @property
@@ -102,12 +100,7 @@ class GridEngines(Engines):
 
     chosen: Annotated[
         list[str] | None,
-        typer.Option(
-            "--engine",
-            metavar=NAME_METAVAR,
-            help=f"{ENGINE_HELP}Without it: joints of all engines, with default options and tuned.",
-            autocompletion=complete_variant,
-        ),
+        engine_option(f"{ENGINE_HELP}Without it: joints of all engines, with default options and tuned."),
     ] = None
 
     def variants(self) -> list[Variant]:

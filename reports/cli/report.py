@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import NAME_METAVAR, Computing, Engines, Settings, grouped, keeping
+from multibody_xval.reports.cli.options import Computing, Engines, Settings, engine_option, grouped, keeping
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.terminal import announce_compilation, visible
 
@@ -37,12 +36,9 @@ class Shown:
     ] = False
     chosen: Annotated[
         list[str] | None,
-        typer.Option(
-            "--engine",
-            metavar=NAME_METAVAR,
-            help="An engine, with its default, recommended and tuned presets; or one preset of it. `all`: every "
-            "engine. May be repeated. Without it: the engines that come with the suite.",
-            autocompletion=complete_variant,
+        engine_option(
+            "An engine, with its default, recommended and tuned presets; or one preset of it. `all`: every engine. "
+            "May be repeated. Without it: the engines that come with the suite."
         ),
     ] = None
     settings: Settings = None
