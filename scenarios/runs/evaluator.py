@@ -86,10 +86,6 @@ class Evaluator(Closing):
         if recalled:
             self.progress.recall(recalled)
 
-    def know(self, results: Iterable[tuple[Task, Result]]) -> None:
-        """Take results that something else than the store has; what was blocked is tried again."""
-        self._results.update((task, own) for task, own in results if own.status is not ResultStatus.BLOCKED)
-
     def new_tasks(self, tasks: Sequence[Task]) -> list[Task]:
         """Give the tasks that this evaluator has not evaluated so far, each once."""
         return list(dict.fromkeys(task for task in tasks if task not in self._results))
