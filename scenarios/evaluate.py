@@ -100,8 +100,10 @@ def computed(
         run(runs)
         for _, propose in then:
             steps.begin()
-            while new := [own for own in propose(points(now(found))) if own not in found]:
+            table = points(now(found))
+            while new := [own for own in propose(table) if own not in found]:
                 run(new)
+                table = pd.concat([table, points(now({own: found[own] for own in new}))], ignore_index=True)
         return now(found)
 
 

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation
-from multibody_xval.engines.interface.registry import default_engine_names, engine, engine_names
+from multibody_xval.engines.interface.registry import default_engine_names, engine_names
 from multibody_xval.engines.interface.variant import ALL, GENERAL, variants_named, variants_of
 from multibody_xval.scenarios import frequency_grid
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
@@ -30,14 +30,15 @@ ON_GRID = ("default", "tuned")
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
 
-QUICK_SLOW: dict[str, tuple[float, ...]] = {"tuned": (0.3,), "default": ()}
-"""Friction ratios of engines in `SLOW` in the quick report, by preset."""
-
-QUICK_ONCE = (Formulation.CONTACT, "default")
-"""Of theirs, what is measured at one of the headline's points alone there: a third of the whole quick report."""
-
 SLOW = ("exudyn-regularised", "exudyn-bristle")
-"""Engines that take a hundred times as long as others: on the grid they are measured where claims and edges need it."""
+"""Engines that take a hundred times as long as others: they are measured where claims and edges need it."""
+
+SLOW_FRICTION_RATIOS: dict[str, tuple[float, ...]] = {"tuned": FRICTION_RATIOS, "default": QUICK_FRICTION_RATIOS}
+QUICK_SLOW_FRICTION_RATIOS: dict[str, tuple[float, ...]] = {"tuned": (0.3,), "default": ()}
+"""Friction ratios of engines in `SLOW`, by preset."""
+
+SLOWEST = (Formulation.CONTACT, "default")
+"""Of theirs, what is measured at one of the headline's points alone: it takes a third of a quick report."""
 
 FREQUENCY_RATIOS = tuple(round(float(eta), 4) for eta in np.r_[0.1:0.5:0.1, 0.5:1.6:0.05, 1.6:3.05:0.1])
 QUICK_FREQUENCY_RATIOS = (
@@ -75,21 +76,30 @@ def report_runs(configs: Iterable[Config], *, quick: bool) -> list[Run]:
     configs = list(dict.fromkeys(configs))
     runs = runs_at([REFERENCE], grid(quick))
     for own in configs:
-        runs += runs_at([own], headline_cases(own, quick=quick), HEADLINE_STEPS)
+        runs += runs_at([own], headline_cases(own), HEADLINE_STEPS)
         runs += runs_at([own], grid_cases(own, quick=quick))
     return list(dict.fromkeys(runs))
 
 
-def headline_cases(config: Config, *, quick: bool) -> Sequence[Case]:
+def headline_cases(config: Config) -> Sequence[Case]:
     """Give the headline's points at which a configuration is measured."""
-    once = quick and config.engine in SLOW and (config.formulation, config.unchanged.preset_name) == QUICK_ONCE
-    return HEADLINE[:1] if once or not config.preset.settles else HEADLINE
+    return HEADLINE[:1] if is_slowest(config) or not config.preset.settles else HEADLINE
+
+
+def is_default(config: Config) -> bool:
+    """Whether a configuration has an engine's default options, or changes some of those."""
+    return config.unchanged.preset_name == "default"
+
+
+def is_slowest(config: Config) -> bool:
+    """Whether a configuration is one of the slowest of all."""
+    return config.engine in SLOW and (config.formulation, config.unchanged.preset_name) == SLOWEST
 
 
 def grid_cases(config: Config, *, quick: bool) -> list[Case]:
-    """Give the cases of the grid at which a configuration is measured."""
+    """Give the cases of the grid: with default options, and of slow engines, what claims and edges need."""
     own = [case for case in grid(quick) if case.friction_ratio in frictions(config, quick=quick)]
-    if quick or config.engine not in SLOW:
+    if quick or not (config.engine in SLOW or is_default(config)):
         return own
     return [case for case in own if case.frequency_ratio in claim_frequency_ratios()]
 
@@ -100,9 +110,10 @@ def frictions(config: Config, *, quick: bool) -> Sequence[float]:
     measured = preset in ON_GRID or preset not in PRESETS
     if config.formulation != Formulation.JOINT or not measured or not config.preset.settles:
         return ()
-    if quick and config.engine in SLOW:
-        return QUICK_SLOW.get(preset, QUICK_FRICTION_RATIOS)
-    return QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
+    ratios = QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS
+    if config.engine in SLOW:
+        return (QUICK_SLOW_FRICTION_RATIOS if quick else SLOW_FRICTION_RATIOS).get(preset, ratios)
+    return ratios
 
 
 @cache
@@ -130,24 +141,30 @@ def resonances() -> tuple[float, ...]:
 def left_out(configs: Iterable[Config], *, quick: bool) -> str:
     """Say in a line what a report does not measure, with the command that does; empty where it measures all."""
     configs = list(configs)
-    never = [str(own) for own in configs if not own.preset.settles]
+    slow = list(dict.fromkeys(own.engine for own in configs if own.engine in SLOW))
+    skipped = _listed(set(FRICTION_RATIOS) - set(QUICK_FRICTION_RATIOS))
     sentences = []
-    slow = " and ".join(dict.fromkeys(engine(own.engine).capabilities.title for own in configs if own.engine in SLOW))
     if quick:
-        parts = [f"friction ratios {_listed(set(FRICTION_RATIOS) - set(QUICK_FRICTION_RATIOS))}"]
+        parts = [f"friction ratios {skipped}"]
         if slow:
-            kept = _listed(QUICK_SLOW["tuned"])
-            parts.append(f"{slow}: friction ratios other than {kept}, and most points with default options")
-        sentences.append(f"Left out of the quick report: {'; '.join(parts)}; all of it: {REPORT}.")
-    elif slow:
-        count = len(claim_frequency_ratios())
-        sentences.append(
-            f"{slow}: the {count} frequency ratios of {len(set(FREQUENCY_RATIOS) | set(resonances()))} "
-            f"that claims and band edges need; others: multibody-xval sweep."
-        )
-    if never:
+            kept = _listed(QUICK_SLOW_FRICTION_RATIOS["tuned"])
+            parts.append(f"{_words(slow)}: friction ratios other than {kept}, and most points with default options")
+        sentences.append(f"Left out of the quick report: {'; '.join(parts)}; more of it: {REPORT}.")
+    elif coarse := [*slow, *(["default options"] if any(map(is_default, configs)) else [])]:
+        count, every = len(claim_frequency_ratios()), len({*FREQUENCY_RATIOS, *resonances()})
+        parts = [f"{_words(coarse)} at {count} of {every} frequency ratios, which claims and band edges need"]
+        if slow:
+            parts.append(f"{_words(slow)} with default options not at friction ratios {skipped}")
+        sentences.append(f"Measured in part: {'; '.join(parts)}; all of it: multibody-xval sweep.")
+    if once := [str(own) for own in configs if is_slowest(own)]:
+        sentences.append(f"At one point alone, since they are slow: {', '.join(once)}.")
+    if never := [str(own) for own in configs if not own.preset.settles]:
         sentences.append(f"At one point alone, since they hardly ever settle: {', '.join(never)}.")
     return " ".join(sentences)
+
+
+def _words(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
 
 
 def _listed(values: Iterable[float]) -> str:

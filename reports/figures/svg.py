@@ -11,6 +11,7 @@ import matplotlib as mpl
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 STYLE: dict[Any, Any] = {
     "font.size": 8.0, "axes.titlesize": 8.0, "svg.fonttype": "none", "axes.titley": 1.02, "axes.spines.top": False,
@@ -20,6 +21,9 @@ STYLE: dict[Any, Any] = {
     "ytick.color": "#57606a", "xtick.labelcolor": "#1b1f24", "ytick.labelcolor": "#1b1f24",
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"], "svg.hashsalt": "multibody-xval",
 }  # fmt: skip
+
+INTERVALS = 4
+"""Between ticks: panels are small, and every tick takes time."""
 
 WIDTH, LETTERS, COLUMNS = 3.4, 48, 3
 """Of a panel [inch], of a line of its title, and panels in a row of a PDF."""
@@ -104,4 +108,6 @@ def _drawn(axes: Axes, panel: Panel) -> None:
     top = 1 - (0.1 + 0.15 * len(lines)) / panel.height
     sides = {"left": 0.62 / panel.width, "right": 1 - 0.08 / panel.width}
     axes.figure.subplots_adjust(**sides, top=top, bottom=0.42 / panel.height)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(INTERVALS))
     panel.draw(axes)

@@ -16,7 +16,7 @@ from scipy.interpolate import PchipInterpolator
 from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import Case, Config
-from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference
+from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference, rows_of
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
 
 THRESHOLD_DB, DEPTH_DB = 0.0, -10.0
@@ -107,14 +107,15 @@ class Curve(NamedTuple):
 def curves(table: pd.DataFrame) -> Iterator[Curve]:
     """Give every curve of a table."""
     own = table[~is_exact(table) & ~_finer(table)]
-    own = own.assign(steps=_asked_steps(own)).sort_values("frequency_ratio", kind="stable")
-    own = own.drop_duplicates([*CURVE, "frequency_ratio"])
+    of_curve = own.groupby(CURVE[:-1], sort=False, dropna=False).ngroup()
+    own = own.assign(of_curve=of_curve, steps=_asked_steps(own, of_curve)).sort_values("frequency_ratio", kind="stable")
+    own = own.drop_duplicates(["of_curve", "steps", "frequency_ratio"])
     eta, rows = own.frequency_ratio.to_numpy(), own.index.to_numpy()
     level = own.transmittance_db.where(own.status == "periodic").to_numpy()
-    configs, cases = own.config.tolist(), own.curve.tolist()
-    key: Any
-    for key, places in own.groupby(CURVE, sort=False, dropna=False).indices.items():
+    configs, cases, keys = own.config.tolist(), own.curve.tolist(), list(rows_of(own, *CURVE))
+    for places in own.groupby(["of_curve", "steps"], sort=False).indices.values():
         first = places[0]
+        key = keys[first]
         yield Curve(configs[first], cases[first], int(key[-1]), key, eta[places], level[places], rows[places])
 
 
@@ -125,14 +126,12 @@ def _finer(table: pd.DataFrame) -> pd.Series:
     return (~coarsest & ~has_ruler(own)).reindex(table.index, fill_value=False)
 
 
-def _asked_steps(rows: pd.DataFrame) -> pd.Series:
+def _asked_steps(rows: pd.DataFrame, of_curve: pd.Series) -> pd.Series:
     """Give the steps per period that were asked for, also where a case needs more."""
     needed = {case: case.steps(FEWEST_STEPS_PER_PERIOD) for case in dict.fromkeys(rows.case)}
     free = rows.steps.where(rows.steps > rows.case.map(needed).astype(float))
-    curve = [rows[name] for name in CURVE[:-1]]
-    of_curve = free.groupby(curve, sort=False, dropna=False).transform("min")
-    fewest = rows.steps.groupby(curve, sort=False, dropna=False).transform("min")
-    return free.fillna(of_curve).fillna(fewest).astype(int)
+    fewest = rows.steps.groupby(of_curve).transform("min")
+    return free.fillna(free.groupby(of_curve).transform("min")).fillna(fewest).astype(int)
 
 
 def brackets(level_db: NDArray[np.float64]) -> dict[str, int]:

@@ -21,6 +21,8 @@ DEFAULT = Config("mujoco", preset_name="default")
 CONTACT = Config("mujoco", "contact")
 UNSETTLED = Config("mujoco", "contact", "default")
 SLOW = Config("exudyn-regularised")
+SLOW_DEFAULT = Config("exudyn-regularised", preset_name="default")
+SLOWEST = Config("exudyn-regularised", "contact", "default")
 
 
 def of(config: Variant, runs: list[Run]) -> list[Run]:
@@ -43,7 +45,7 @@ def test_the_ruler_of_every_run_is_planned_too() -> None:
 
 def test_the_quick_report_measures_slow_engines_at_one_friction_ratio() -> None:
     assert frictions(SLOW, quick=True) == (0.3,)
-    assert frictions(Config("exudyn-bristle", preset_name="default"), quick=True) == ()
+    assert frictions(SLOW_DEFAULT, quick=True) == ()
     assert frictions(SLOW, quick=False) == report_plan.FRICTION_RATIOS
 
 
@@ -54,21 +56,39 @@ def test_the_default_report_measures_slow_engines_where_claims_and_edges_need_it
     ]
     assert {case.friction_ratio for case in own} == set(report_plan.FRICTION_RATIOS)
     assert grid_cases(TUNED, quick=False) == list(grid(False))
-    said = left_out([SLOW], quick=False)
-    assert said.startswith(f"Exudyn, regularised: the {len(claim_frequency_ratios())} frequency ratios of ")
+    assert frictions(SLOW_DEFAULT, quick=False) == report_plan.QUICK_FRICTION_RATIOS
 
 
-def test_a_slow_contact_is_measured_at_one_point_of_the_quick_headline() -> None:
-    slow = Config("exudyn-regularised", "contact", "default")
-    assert headline_cases(slow, quick=True) == HEADLINE[:1]
-    assert headline_cases(slow, quick=False) == headline_cases(SLOW, quick=True) == HEADLINE
+def test_default_options_are_measured_where_claims_and_edges_need_it_at_every_friction_ratio() -> None:
+    assert grid_cases(DEFAULT, quick=False) == [
+        Case(friction_ratio=own, frequency_ratio=eta)
+        for own in report_plan.FRICTION_RATIOS
+        for eta in claim_frequency_ratios()
+    ]
+    assert grid_cases(DEFAULT, quick=True) == list(grid(True))
+
+
+def test_the_slowest_contact_is_measured_at_one_point_of_the_headline() -> None:
+    assert headline_cases(SLOWEST) == HEADLINE[:1]
+    assert headline_cases(SLOW) == headline_cases(CONTACT) == HEADLINE
 
 
 def test_what_is_left_out_is_said_with_the_command_that_has_it() -> None:
     said = left_out([TUNED, SLOW, UNSETTLED], quick=True)
     assert said == (
-        "Left out of the quick report: friction ratios 0.1, 0.6, 5; Exudyn, regularised: friction ratios other than "
-        "0.3, and most points with default options; all of it: multibody-xval report. "
+        "Left out of the quick report: friction ratios 0.1, 0.6, 5; exudyn-regularised: friction ratios other than "
+        "0.3, and most points with default options; more of it: multibody-xval report. "
         "At one point alone, since they hardly ever settle: mujoco:contact:default."
     )
     assert left_out([TUNED], quick=False) == ""
+    count = len(claim_frequency_ratios())
+    every = len({*report_plan.FREQUENCY_RATIOS, *report_plan.resonances()})
+    need = f"at {count} of {every} frequency ratios, which claims and band edges need"
+    assert left_out([DEFAULT], quick=False) == (
+        f"Measured in part: default options {need}; all of it: multibody-xval sweep."
+    )
+    assert left_out([SLOW, SLOW_DEFAULT, SLOWEST], quick=False) == (
+        f"Measured in part: exudyn-regularised and default options {need}; exudyn-regularised with default options "
+        "not at friction ratios 0.1, 0.6, 5; all of it: multibody-xval sweep. "
+        "At one point alone, since they are slow: exudyn-regularised:contact:default."
+    )
