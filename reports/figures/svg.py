@@ -109,5 +109,5 @@ def _drawn(axes: Axes, panel: Panel) -> None:
     sides = {"left": 0.62 / panel.width, "right": 1 - 0.08 / panel.width}
     axes.figure.subplots_adjust(**sides, top=top, bottom=0.42 / panel.height)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(INTERVALS))
+        axis.set_major_locator(MaxNLocator(INTERVALS, steps=[1, 2, 5, 10]))
     panel.draw(axes)
