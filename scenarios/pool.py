@@ -20,6 +20,9 @@ from multibody_xval.scenarios.store import Store, is_kept
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
 
+Kind = tuple[Config, int, int, str]
+"""Configuration, steps, cells and kind of case that one simulation may take together."""
+
 Ended = Callable[[dict[Run, Result]], Any]
 """Takes results."""
 
@@ -72,9 +75,9 @@ def batches(runs: Iterable[Run]) -> list[list[Run]]:
     The reference is first, which has results within a second; then the slowest, engines with default options. Any two
     are neighbours in a batch: an engine that takes one for the other is not to find the same friction there.
     """
-    groups: dict[tuple[Config, int, int], list[Run]] = defaultdict(list)
+    groups: dict[Kind, list[Run]] = defaultdict(list)
     for run in runs:
-        groups[run.config, run.steps, run.case.cells].append(run)
+        groups[run.config, run.steps, run.case.cells, run.case.kind].append(run)
     found = []
     for kind in sorted(groups, key=_order):
         size, mixed = kind[0].batch_lanes, sorted(groups[kind], key=lambda run: zlib.crc32(run.text.encode()))
@@ -82,8 +85,8 @@ def batches(runs: Iterable[Run]) -> list[list[Run]]:
     return found
 
 
-def _order(kind: tuple[Config, int, int]) -> tuple[bool, bool, bool, int]:
-    config, steps, _ = kind
+def _order(kind: Kind) -> tuple[bool, bool, bool, int]:
+    config, steps, *_ = kind
     return config != REFERENCE, config.engine == REFERENCE.engine, config.preset_name == "tuned", steps
 
 
