@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from pydantic import TypeAdapter
 
-from multibody_xval.engines.interface.scene import ArmScene, ContactScene, JointScene, Scene, Vector
+from multibody_xval.engines.interface.scene import ArmScene, ContactScene, JointScene, Scene, Vector, formulation_of
 from reference_lcp.validation import checked_scalar
 
 SCENES: dict[str, type[Any]] = {"boxes": ContactScene, "joint": JointScene, "arm": ArmScene}
@@ -74,6 +74,11 @@ class SceneMotion:
         data = _adapter(SceneMotion).dump_python(self, mode="json", exclude_defaults=True)
         name = next(name for name, own in SCENES.items() if isinstance(self.scene, own))
         return {"kind": self.kind, "of": name, **data}
+
+    @property
+    def formulation(self) -> str:
+        """Where the friction acts."""
+        return str(formulation_of(self.scene))
 
     @property
     def title(self) -> str:

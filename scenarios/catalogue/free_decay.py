@@ -1,0 +1,134 @@
+"""Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
+
+import math
+
+import numpy as np
+
+from multibody_xval.scenarios.catalogue.broadband import chain_motion
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, nothing, steps_a_row
+from multibody_xval.scenarios.model import EXACT, AnyCase, Case, ChainMotion, Result, Run
+from reference_lcp.chain.drives import StillBase
+from reference_lcp.validation import FloatArray
+
+ROWS_PER_PERIOD = 100
+"""Rows to a period 2π / ω_r: a time is read to one of them."""
+
+STEPS_A_ROW = 4
+
+EXACT_REFINEMENT = 2
+"""Rows of the exact motion to a step: heat of dashpots is a sum over them, good to 3e-7 of the energy."""
+
+SCALE = 0.01
+"""Displacement scale [m]: the U0 of the friction ratio."""
+
+ROUND_OFF = 1e-6
+"""Of energies and offsets: the heat of the exact motion's dashpots, see `EXACT_REFINEMENT`."""
+
+
+def let_go(shape: str, periods: int, friction_ratio: float, **ratios: float) -> ChainMotion:
+    """Give a chain that is let go, and followed for so many periods 2π / ω_r."""
+    chain = Case(friction_ratio=friction_ratio, frequency_ratio=1.0, **ratios).chain  # type: ignore[arg-type]
+    return ChainMotion(
+        friction_ratio=friction_ratio, drive=StillBase(SCALE), time=periods * 2 * math.pi / chain.resonator_frequency,
+        rows=periods * ROWS_PER_PERIOD, shape=shape, recorded="decay", **ratios,  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+# an outer mass of 10,000 inner ones on a spring of 40,000 inner ones: it moves by less than 1e-4
+OSCILLATOR = let_go(
+    "inner masses displaced", 8, 0.06 * 0.25e-4, cells=1, mass_ratio=1e-4, stiffness_ratio=0.25e-4, damping_ratio=0.0
+)
+
+
+def half_width(run: Run) -> float:
+    """F / k_i of cell 1, over the displacement scale: half of the dead band."""
+    chain = chain_motion(run.case).chain
+    return float(chain.friction_bound[0] / chain.inner_stiffness[0]) / SCALE
+
+
+def rest_time(result: Result, run: Run) -> float:
+    """Give when the last contact came to rest, over the period of the resonator."""
+    return result.series["rest"][0] * chain_motion(run.case).chain.resonator_frequency / (2 * math.pi)
+
+
+def offsets(result: Result, run: Run) -> FloatArray:
+    """Give v − u at the end of all cells, over F / k_i."""
+    return np.array(result.series["offsets"]) / half_width(run)
+
+
+def heat(result: Result, run: Run) -> float:
+    """Give the heat of contacts; of the exact motion what is missing: friction jumps between rows, dashpots do not."""
+    left, dashpots, contacts, _ = result.series["energy"]
+    return 1 - left - dashpots if run.config == EXACT else contacts
+
+
+def balance(result: Result, _run: Run) -> float:
+    """Give the energy that is missing."""
+    return 1 - sum(result.series["energy"][:3])
+
+
+def loss_a_cycle(swing: FloatArray) -> float:
+    """Amplitude that an oscillation from 1 loses from one turn to the next but one, on average while it swings."""
+    turns = [1.0]
+    sides = np.sign(swing)
+    starts = np.flatnonzero(np.diff(sides, prepend=sides[0]) != 0)
+    turns += [float(np.max(np.abs(stretch))) for stretch in np.split(swing, starts)[1:]]
+    return 2 * (turns[0] - turns[-1]) / (len(turns) - 1) if len(turns) > 1 else math.nan
+
+
+def share(name: str, meaning: str, **parts: object) -> Quantity:
+    """Give a share of the initial energy; those of one energy share the error of the step."""
+    known = {"resolution": lambda _run, _exact: ROUND_OFF, "effect": lambda _case, _exact: 1.0, **parts}
+    return Quantity(name=name, unit="", meaning=f"{meaning}, over the initial energy.", **known)  # type: ignore[arg-type]
+
+
+def is_oscillator(case: AnyCase) -> bool:
+    """Whether a case is the friction oscillator."""
+    return case == OSCILLATOR
+
+
+FREE_DECAY = Scenario(
+    name="free-decay",
+    question="When does friction stop a chain that is let go, where, and into what does its energy go?",
+    expects="the event-driven motion, exact to round-off, and closed forms; of presets that share the scheme the "
+    "reference at equal steps",
+    source="Free vibration with Coulomb damping, 4 F / k a cycle: J. P. Den Hartog, Mechanical Vibrations; chain: "
+    "figure 3 of Sethi, Banerjee and Manna.",
+    cases={
+        "friction oscillator": OSCILLATOR,
+        "inner masses let go": let_go("inner masses displaced", 30, 0.1),
+        "stretched chain let go": let_go("stretched", 80, 0.02),
+    },
+    quantities=(
+        Quantity(
+            name="time to rest", unit="T_r", read=rest_time, resolution=lambda _run, _exact: 1 / ROWS_PER_PERIOD,
+            meaning="When the last contact came to rest, over the period 2π / ω_r of the resonator.",
+        ),
+        Quantity(
+            name="offsets", unit="", read=offsets, resolution=lambda _run, _exact: ROUND_OFF,
+            effect=lambda _case, _exact: 1.0, meaning="Largest difference of v − u at the end, over F / k_i.",
+        ),
+        Quantity(
+            name="dead band", unit="", read=lambda result, run: max(0.0, float(np.max(np.abs(offsets(result, run)))) - 1),
+            exact=nothing, resolution=lambda _run, _exact: ROUND_OFF, effect=lambda _case, _exact: 1.0,
+            meaning="By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.",
+        ),
+        share("heat of contacts", "Energy that contacts have turned into heat", read=heat, group="energy"),
+        share("energy left", "At the end", read=lambda result, _run: result.series["energy"][0], group="energy"),
+        share("balance", "Initial energy less what is left and all heat", read=balance, exact=nothing, group="energy"),
+        share(
+            "growth", "Largest growth over the least so far", read=lambda result, _run: result.series["energy"][3],
+            exact=nothing,
+        ),
+        Quantity(
+            name="loss a cycle", unit="", exact=lambda _case: 1.0, resolution=lambda _run, _exact: 1e-4, of=is_oscillator,
+            read=lambda result, run: loss_a_cycle(np.array(result.series["swing"])) / (4 * half_width(run)),
+            meaning="Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.",
+        ),
+    ),
+    steps=steps_a_row(STEPS_A_ROW),
+    exact_refinement=EXACT_REFINEMENT,
+)  # fmt: skip
+"""Dry friction stops a motion after a finite time, anywhere within a dead band; dashpots never do."""
+
+SCENARIOS = (FREE_DECAY,)
