@@ -76,8 +76,9 @@ def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
         if own.run in names
         for quantity, part in _parts(scenario, own, ruler, levels)
     ]
-    table = pd.DataFrame(rows, columns=[*dict.fromkeys([*COLUMNS, *DECIDING, "status", "shares_scheme", "group"])])
-    table = table.astype({**dict.fromkeys(DECIDING, float), "shares_scheme": bool, "judged": bool})
+    columns = dict.fromkeys([*COLUMNS, *DECIDING, "status", "shares_scheme", "group"])
+    table = pd.DataFrame(rows, columns=list(columns), dtype=object)  # values are real or complex, row by row
+    table = table.astype({**dict.fromkeys(DECIDING, float), "shares_scheme": bool, "judged": bool, "steps": int})
     table = table.assign(scheme_error=_shared(table))
     return table.assign(**decided(table))[COLUMNS]
 
@@ -133,7 +134,7 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     amplitude = DB / 10 ** (float(np.real(known.exact)) / 20) if quantity.unit == "dB" else quantity.per_amplitude
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)
-    size = DB if quantity.unit == "dB" else largest(known.exact) or (effect if math.isfinite(effect) else 0.0)
+    size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
     return {
         "value": _shown(value, known.exact), "exact": 0.0 if _is_array(known.exact) else known.exact,
         "exact_bar": known.bar, "exact_kind": known.kind, "scheme_error": known.scheme_error,
