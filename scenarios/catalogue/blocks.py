@@ -7,11 +7,12 @@ monotone, as long as it is as large at rest as in motion.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, no_step, nothing, steps_a_row
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import AnyCase, BlockMotion, Result, Run
 from multibody_xval.scenarios.motions import Block
@@ -88,6 +89,10 @@ def no_way(run: Run, _exact: Number) -> float:
     return 1e6 * (left_speed(run) * block_motion(run.case).time / block_motion(run.case).rows + rounded(run))
 
 
+at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0), accuracy="drift")
+"""A number of a block that friction should hold: whatever the step, nothing slips."""
+
+
 def slips(result: Result) -> np.ndarray:
     """Give the slip of the block at the rows, over the displacement scale."""
     return np.array(result.series["slip"])
@@ -149,9 +154,9 @@ STOPPING_DISTANCE = Scenario(
             resolution=lambda run, _exact: 2 * FOLLOWED / block_motion(run.case).rows,  # one row of each reading
             meaning="When the block came within a thousandth of its way of where it is in the end, over T.",
         ),
-        Quantity(
-            name="drift", unit="µm/s", read=last_drift, exact=nothing, step_error=no_step, resolution=no_drift(1 / 8),
-            accuracy="drift", meaning="Mean velocity of the slip in the last quarter of the time, at rest.",
+        at_rest(
+            name="drift", unit="µm/s", read=last_drift, resolution=no_drift(1 / 8),
+            meaning="Mean velocity of the slip in the last quarter of the time, at rest.",
         ),
     ),
     steps=steps_a_row(STEPS_A_ROW),
@@ -197,24 +202,21 @@ def quarters(result: Result, run: Run) -> np.ndarray:
     return np.diff(way(result, run)[:: ROWS // 4]) / (HOLD_TIME / 4)
 
 
-HELD = tuple(
-    Quantity(exact=nothing, step_error=no_step, accuracy="drift", **own)  # type: ignore[arg-type]
-    for own in (
-        {
-            "name": "drift", "unit": "µm/s", "resolution": no_drift(1 / 2),
-            "read": lambda result, run: float(np.mean(quarters(result, run)[2:])),
-            "meaning": "Mean velocity of the slip in the second half of the time, as the load pulls.",
-        },
-        {
-            "name": "growth of drift", "unit": "µm/s", "resolution": no_drift(1 / 8),
-            "read": lambda result, run: float(quarters(result, run)[3] - quarters(result, run)[1]),
-            "meaning": "Drift in the last quarter less that in the second one.",
-        },
-        {
-            "name": "sag", "unit": "µm", "resolution": no_way, "read": lambda result, run: float(way(result, run)[1]),
-            "meaning": "Slip in the first hundredth of the time, as the load pulls.",
-        },
-    )
+HELD = (
+    at_rest(
+        name="drift", unit="µm/s", resolution=no_drift(1 / 2),
+        read=lambda result, run: float(np.mean(quarters(result, run)[2:])),
+        meaning="Mean velocity of the slip in the second half of the time, as the load pulls.",
+    ),
+    at_rest(
+        name="growth of drift", unit="µm/s", resolution=no_drift(1 / 8),
+        read=lambda result, run: float(quarters(result, run)[3] - quarters(result, run)[1]),
+        meaning="Drift in the last quarter less that in the second one.",
+    ),
+    at_rest(
+        name="sag", unit="µm", resolution=no_way, read=lambda result, run: float(way(result, run)[1]),
+        meaning="Slip in the first hundredth of the time, as the load pulls.",
+    ),
 )  # fmt: skip
 
 STATIC_HOLD = Scenario(

@@ -4,12 +4,13 @@ There is no chain, and nothing is chosen for one: a preset may only have options
 """
 
 import math
+from functools import partial
 
 import numpy as np
 
 from multibody_xval.engines.interface.scene import Box, ContactScene
 from multibody_xval.scenarios.catalogue.blocks import ROUND_OFF, ROUNDINGS
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, no_step, nothing, scene_steps
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
 from multibody_xval.scenarios.model import AnyCase, Result, Run, SceneMotion
 
 SETTLING = 1.0
@@ -60,14 +61,16 @@ def sag(result: Result, run: Run) -> float:
     return 1e3 * float(np.linalg.norm([result.series["from the start"][axis] for axis in in_the_plane(run)]))
 
 
+at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0))
+"""A number of a body that friction should hold."""
+
 HELD = (
-    Quantity(
-        name="drift", unit="µm/s", read=drift, exact=nothing, step_error=no_step, resolution=drift_resolution,
-        accuracy="drift", meaning=f"Mean velocity over {HOLDING:g} s of a body that friction should hold.",
+    at_rest(
+        name="drift", unit="µm/s", read=drift, resolution=drift_resolution, accuracy="drift",
+        meaning=f"Mean velocity over {HOLDING:g} s of a body that friction should hold.",
     ),
-    Quantity(
-        name="sag", unit="mm", read=sag, exact=nothing, step_error=no_step,
-        resolution=lambda _run, _exact: SAG_RESOLUTION,
+    at_rest(
+        name="sag", unit="mm", read=sag, resolution=always(SAG_RESOLUTION),
         meaning="Way of a body that friction should hold since the scene was built.",
     ),
 )  # fmt: skip

@@ -1,11 +1,12 @@
 """Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
 
 import math
+from functools import partial
 
 import numpy as np
 
 from multibody_xval.scenarios.catalogue.broadband import chain_motion
-from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, nothing, steps_a_row
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, always, steps_a_row
 from multibody_xval.scenarios.model import EXACT, AnyCase, Case, ChainMotion, Result, Run
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.validation import FloatArray
@@ -81,15 +82,11 @@ def loss_a_cycle(swing: FloatArray) -> float:
     return 2 * (turns[0] - turns[-1]) / (len(turns) - 1) if len(turns) > 1 else math.nan
 
 
-def share(name: str, meaning: str, **parts: object) -> Quantity:
-    """Give a share of the initial energy; those of one energy share the error of the step."""
-    known = {
-        "accuracy": "transmittance",
-        "resolution": lambda _run, _exact: ROUND_OFF,
-        "effect": lambda _case, _exact: 1.0,
-        **parts,
-    }
-    return Quantity(name=name, unit="", meaning=f"{meaning}, over the initial energy.", **known)  # type: ignore[arg-type]
+of_size = partial(Quantity, unit="", accuracy="transmittance", resolution=always(ROUND_OFF), effect=always(1.0))
+"""Of F / k_i, or of the initial energy."""
+
+share = partial(of_size, group="energy")
+"""Of one energy."""
 
 
 def is_oscillator(case: AnyCase) -> bool:
@@ -111,28 +108,33 @@ FREE_DECAY = Scenario(
     },
     quantities=(
         Quantity(
-            name="time to rest", unit="T_r", read=rest_time, resolution=lambda _run, _exact: 1 / ROWS_PER_PERIOD,
+            name="time to rest", unit="T_r", read=rest_time, resolution=always(1 / ROWS_PER_PERIOD),
             meaning="When the last contact came to rest, over the period 2π / ω_r of the resonator.",
         ),
-        Quantity(
-            name="offsets", unit="", read=offsets, resolution=lambda _run, _exact: ROUND_OFF,
-            effect=lambda _case, _exact: 1.0, accuracy="transmittance", meaning="Largest difference of v − u at the end, over F / k_i.",
-        ),
-        Quantity(
-            name="dead band", unit="", read=beyond, exact=nothing,
-            resolution=lambda _run, _exact: ROUND_OFF, effect=lambda _case, _exact: 1.0, accuracy="transmittance",
+        of_size(name="offsets", read=offsets, meaning="Largest difference of v − u at the end, over F / k_i."),
+        of_size(
+            name="dead band", read=beyond, exact=always(0.0),
             meaning="By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.",
         ),
-        share("heat of contacts", "Energy that contacts have turned into heat", read=heat, group="energy"),
-        share("energy left", "At the end", read=lambda result, _run: result.series["energy"][0], group="energy"),
-        share("balance", "Initial energy less what is left and all heat", read=balance, exact=nothing, group="energy"),
         share(
-            "growth", "Largest growth over the least so far", read=lambda result, _run: result.series["energy"][3],
-            exact=nothing,
+            name="heat of contacts", read=heat,
+            meaning="Energy that contacts have turned into heat, over the initial energy.",
+        ),
+        share(
+            name="energy left", read=lambda result, _run: result.series["energy"][0],
+            meaning="Energy of the chain at the end, over the initial one.",
+        ),
+        share(
+            name="balance", read=balance, exact=always(0.0),
+            meaning="Initial energy less what is left and all heat, over the initial energy.",
+        ),
+        of_size(
+            name="growth", read=lambda result, _run: result.series["energy"][3], exact=always(0.0),
+            meaning="Largest growth of the energy over the least so far, over the initial energy.",
         ),
         Quantity(
-            name="loss a cycle", unit="", exact=lambda _case: 1.0, of=is_oscillator,
-            resolution=lambda _run, _exact: 1e-4,  # the outer mass stands still in the closed form
+            name="loss a cycle", unit="", exact=always(1.0), of=is_oscillator,
+            resolution=always(1e-4),  # the outer mass stands still in the closed form
             read=lambda result, run: loss_a_cycle(np.array(result.series["swing"])) / (4 * half_width(run)),
             meaning="Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.",
         ),

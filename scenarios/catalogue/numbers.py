@@ -115,7 +115,7 @@ def _parts(
         exact, ladder = ruler.exact(own.run.case), ruler.ladder(own.run)
         together = stick_slip(own.run, own.result, exact[1] if exact else None, ladder, about_config(own.run))
     for quantity in scenario.quantities:
-        if not quantity.of(own.run.case):
+        if quantity.of is not None and not quantity.of(own.run.case):
             continue
         if quantity is TRANSMITTANCE:
             yield quantity, levels[own.run, own.version]

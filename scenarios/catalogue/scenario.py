@@ -32,6 +32,14 @@ class Exact(StrEnum):
     """The reference at ever finer steps, extrapolated."""
 
 
+def always(value: float) -> Callable[..., float]:
+    """Give a function that gives a number, whatever the run or the case."""
+    return lambda *_: value
+
+
+NOTHING = always(0.0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
     """A number of a result, and the parts of its judgement; all in its unit."""
@@ -47,7 +55,7 @@ class Quantity:
     step_error: Callable[[Run], float] | None = None
     """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
     finer steps shows that error."""
-    resolution: Callable[[Run, Number], float] = lambda _run, _exact: 0.0
+    resolution: Callable[[Run, Number], float] = NOTHING
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
@@ -57,18 +65,8 @@ class Quantity:
     """Name of the accuracy that presets may state, see `Preset.accuracy`."""
     group: str = ""
     """Quantities of one group share the largest error of the step: shares of one energy, for example."""
-    of: Callable[[AnyCase], bool] = lambda _case: True
-    """Whether a case has it."""
-
-
-def no_step(_run: Run) -> float:
-    """Allow no error of a step, whatever the step."""
-    return 0.0
-
-
-def nothing(_case: AnyCase) -> float:
-    """Expect nothing."""
-    return 0.0
+    of: Callable[[AnyCase], bool] | None = None
+    """Whether a case has it; without it, all have."""
 
 
 TRANSMITTANCE = Quantity(
