@@ -6,7 +6,7 @@ monotone, as long as it is as large at rest as in motion.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -235,4 +235,18 @@ STATIC_HOLD = Scenario(
 )
 """Coulomb friction holds a load below its bound without any motion; regularised friction lets it drift."""
 
-SCENARIOS = (STOPPING_DISTANCE, STATIC_HOLD)
+SWING = 0.2
+"""Amplitude of the vibration's acceleration times m, over the bound, of a load that swings: one of a half stays below
+the bound, whatever it makes of the carrier at first."""
+
+RATCHET = replace(
+    STATIC_HOLD,
+    name="ratchet",
+    question="Does a block under a load that swings below the bound of friction stay where it is?",
+    source="Coulomb's law: |λ_T| < μ λ_N means no slip. Drift of bristles: Dupont, Armstrong and Hayward, American "
+    "Control Conference 2000.",
+    cases={f"{title}, load 0.5, shaken": held(scale, 0.5, SWING) for title, scale in SCALES.items()},
+)
+"""Coulomb friction holds a load that swings below its bound; bristles drift, a little with every swing."""
+
+SCENARIOS = (STATIC_HOLD, RATCHET, STOPPING_DISTANCE)

@@ -4,6 +4,7 @@ There is no chain, and nothing is chosen for one: a preset may only have options
 """
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -109,4 +110,33 @@ SLOPE_HOLD = Scenario(
     steps=scene_steps,
 )
 
-SCENARIOS = (SLOPE_HOLD,)
+STACK_SLOPE = math.radians(12)
+"""Its tangent is 0.43 of the coefficient of friction."""
+
+STACK_HOLD = replace(
+    SLOPE_HOLD,
+    name="stack-hold",
+    question="Does a stack of boxes stay where it is on a slope?",
+    cases={"3 boxes, 12°": watched(ContactScene(slope=STACK_SLOPE, boxes=(Box(),) * 3))},
+    held_out={"4 boxes, 8°": watched(ContactScene(slope=math.radians(8), boxes=(Box(mass=2.0, side=0.14),) * 4))},
+)
+
+HEAVY_ON_LIGHT = replace(
+    SLOPE_HOLD,
+    name="heavy-on-light",
+    question="Does a heavy box stay where it is on a light one, on a slope?",
+    cases={"100 kg on 1 kg, 12°": watched(ContactScene(slope=STACK_SLOPE, boxes=(Box(), Box(mass=100.0))))},
+    held_out={"30 kg on 1 kg, 8°": watched(ContactScene(slope=math.radians(8), boxes=(Box(), Box(mass=30.0))))},
+)
+
+GRIP = replace(
+    SLOPE_HOLD,
+    name="grip",
+    question="Do two fingers hold a box that they press?",
+    cases={
+        f"1 kg, {force:g} N": watched(ContactScene(grip=force, boxes=(Box(side=0.1),))) for force in (10.0, 15.0, 30.0)
+    },
+    held_out={"2 kg, 25 N": watched(ContactScene(grip=25.0, boxes=(Box(mass=2.0, side=0.08),)))},
+)
+
+SCENARIOS = (SLOPE_HOLD, STACK_HOLD, HEAVY_ON_LIGHT, GRIP)
