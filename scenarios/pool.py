@@ -13,12 +13,15 @@ from pebble import ProcessExpired
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.compute.batch import prepare, run_batch
-from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.processes import EXITED, GRACE, LOOK_SECONDS, Job, Pool
 from multibody_xval.scenarios.store import Store, is_kept
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
+
+STEPS_OF_A_SEARCH = 24_000
+"""Of a search for a steady state: sixty periods of 400."""
 
 Kind = tuple[Config, int, int, str]
 """Configuration, steps, cells and kind of case that one simulation may take together."""
@@ -101,7 +104,7 @@ class Attempt(NamedTuple):
         """Give what a pool is to do."""
         serves = self.config.capabilities.package
         if self.batch:
-            return run_batch, [self.batch], seconds_a_run * len(self.batch), serves
+            return run_batch, [self.batch], seconds_a_run * sum(map(length, self.batch)), serves
         return prepare, [self.config], preparation_seconds(self.config), serves
 
     def again(self, problem: BaseException) -> "list[Attempt]":
@@ -109,6 +112,11 @@ class Attempt(NamedTuple):
         if len(self.batch) > 1:
             return [Attempt([run], self.config) for run in self.batch]
         return [] if self.last or isinstance(problem, TimeoutError) else [self._replace(last=True)]
+
+
+def length(run: Run) -> float:
+    """Give how many times as long as a steady state a run may take: a motion is as long as it is."""
+    return 1.0 if isinstance(run.case, Case) else max(1.0, run.steps / STEPS_OF_A_SEARCH)
 
 
 class Running(NamedTuple):

@@ -12,7 +12,7 @@ from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.compute.scenes import followed
 from multibody_xval.scenarios.model import REFERENCE, BlockMotion, Case, ChainMotion, Config, Run, SceneMotion, Status
 from multibody_xval.scenarios.motions import Block
-from multibody_xval.scenarios.pool import batches
+from multibody_xval.scenarios.pool import batches, length
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.scene_motion import Tone
 from multibody_xval.scenarios.store import Store
@@ -108,6 +108,11 @@ def test_kinds_are_not_mixed_in_a_batch() -> None:
     runs = [Run(REFERENCE, case, 400) for case in (CASES[0], DECAY, THROW)]
     one = Run(REFERENCE, ChainMotion(friction_ratio=0.1, drive=StillBase(), time=1.0, rows=50), 400)
     assert sorted(map(len, batches([*runs, one]))) == [1, 1, 1, 1]
+
+
+def test_a_long_motion_may_take_longer_than_a_search() -> None:
+    assert [length(Run(REFERENCE, case, 72_000)) for case in (CASES[0], DECAY)] == [1.0, 3.0]
+    assert length(Run(REFERENCE, DECAY, 400)) == 1.0
 
 
 def test_a_store_keeps_motions_and_tables_of_points_leave_them_out() -> None:
