@@ -27,7 +27,7 @@ from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Conf
 from multibody_xval.scenarios.result_tables import CONFIG, full_name, of_config, points
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
-from reference_lcp.steady.richardson import ROUND_OFF_STEPS, richardson
+from reference_lcp.steady.richardson import ROUND_OFF, ROUND_OFF_STEPS, richardson
 
 COLUMNS = [
     "scenario", "case", "configuration", *CONFIG, "version", "steps", "quantity", "unit", "value", "exact", "exact_bar",
@@ -239,7 +239,8 @@ class _Ruler:
         motion = self.exact(run.case)
         if motion is None:
             return Known()
-        return Known(quantity.read(motion[1], motion[0]), 0.0, str(Exact.MOTION), *scheme)
+        bar = ROUND_OFF * quantity.per_amplitude
+        return Known(quantity.read(motion[1], motion[0]), bar, str(Exact.MOTION), *scheme)
 
 
 def _plain(values: Any) -> Number:
