@@ -190,7 +190,7 @@ class ChainMotion(Motion, ChainRatios):
     @property
     def chain(self) -> Chain:
         """Build the chain."""
-        return ChainRatios.chain.fget(self)  # type: ignore[attr-defined, no-any-return]
+        return ChainRatios.chain.fget(self)  # type: ignore[attr-defined]
 
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""

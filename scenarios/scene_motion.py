@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from multibody_xval.engines.interface.scene import ArmScene, ContactScene, JointScene, Scene, Vector, formulation_of
 from reference_lcp.validation import checked_scalar
 
-SCENES: dict[str, type[Any]] = {"boxes": ContactScene, "joint": JointScene, "arm": ArmScene}
+SCENES: dict[str, Any] = {"boxes": ContactScene, "joint": JointScene, "arm": ArmScene}
 """Scenes by what plain data call them."""
 
 
@@ -95,5 +95,5 @@ def scene_motion_of(data: dict[str, Any]) -> SceneMotion:
 
 
 @cache
-def _adapter(of: type[Any]) -> TypeAdapter[Any]:
+def _adapter(of: Any) -> TypeAdapter[Any]:
     return TypeAdapter(of)

@@ -14,8 +14,8 @@ import numpy as np
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
 from multibody_xval.scenarios.compute.motions import is_pressed
-from multibody_xval.scenarios.model import AnyCase, BlockMotion, Result, Run
-from multibody_xval.scenarios.motions import Block
+from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.motions import Block, BlockMotion
 from reference_lcp.chain.drives import StillBase, Vibration
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 

@@ -12,7 +12,8 @@ import numpy as np
 from multibody_xval.engines.interface.scene import Box, ContactScene
 from multibody_xval.scenarios.catalogue.blocks import ROUND_OFF, ROUNDINGS
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
-from multibody_xval.scenarios.model import AnyCase, Result, Run, SceneMotion
+from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.scene_motion import SceneMotion
 
 SETTLING = 1.0
 """How long bodies are left alone before they are measured [s]."""

@@ -8,11 +8,13 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 
 from multibody_xval.scenarios.catalogue.scenario import Exact, Number, Quantity, Scenario, largest, steps_a_row
-from multibody_xval.scenarios.model import AnyCase, Case, ChainMotion, Result, Run
+from multibody_xval.scenarios.model import AnyCase, Case, Result, Run
+from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import HarmonicBase, MovingBase
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.transient import QUIET, FilteredNoise, RickerPulse, SweptSine
@@ -25,7 +27,7 @@ from reference_lcp.observables.transmittance import (
 )
 from reference_lcp.validation import FloatArray
 
-RATIOS = {"damping_ratio": 0.05, "inner_damping_ratio": 0.02}
+RATIOS: dict[str, Any] = {"damping_ratio": 0.05, "inner_damping_ratio": 0.02}
 """The paper's chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
 
 RESONATOR_FREQUENCY = Case(friction_ratio=0.0, frequency_ratio=1.0).chain.resonator_frequency

@@ -7,7 +7,8 @@ import numpy as np
 
 from multibody_xval.scenarios.catalogue.broadband import chain_motion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, always, steps_a_row
-from multibody_xval.scenarios.model import EXACT, AnyCase, Case, ChainMotion, Result, Run
+from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Result, Run
+from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.validation import FloatArray
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -189,6 +190,6 @@ def steady_steps(_config: Config, case: AnyCase) -> dict[str, int]:
     return {"": case.steps()}
 
 
-def largest(number: Number) -> float:
+def largest(number: Any) -> float:
     """Give the size of a number; of an array, of the largest one."""
     return float(np.max(np.abs(number)))

@@ -110,7 +110,7 @@ def _series(
     across and off the plane, or of every joint.
     """
     kept = kept_rows(len(rows))
-    yield "time", _numbers((step * np.arange(1, len(rows) + 1))[kept])
+    yield "time", _numbers((step * np.arange(1, len(rows) + 1, dtype=np.float64))[kept])
     if not isinstance(case.scene, ContactScene):
         start = np.zeros(rows.shape[1]) if first is None else first[0]
         for joint, values in enumerate((rows - start).T, 1):

@@ -13,7 +13,8 @@ from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.series import series
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, UNKNOWN
-from multibody_xval.scenarios.model import REFERENCE, AnyCase, BlockMotion, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.model import REFERENCE, AnyCase, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.chain.transient import QUIET, RickerPulse
 
