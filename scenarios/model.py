@@ -118,7 +118,7 @@ class Case(ChainRatios):
 
 
 CASE = ["friction_ratio", "frequency_ratio"]
-CASE += [name for name in Case.__dataclass_fields__ if name not in CASE]
+CASE += [own.name for own in fields(Case) if own.name not in CASE]
 """Columns of tables that say what case a row belongs to."""
 
 DEFAULTS = {name: Case.__dataclass_fields__[name].default for name in CASE[2:]}
