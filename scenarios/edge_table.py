@@ -79,7 +79,7 @@ def _runs(table: pd.DataFrame) -> list[Run]:
 def _first_runs(table: pd.DataFrame) -> Runs:
     """Give the runs of points, with the reference's and those of the ruler there."""
     own = _runs(table)
-    return dict.fromkeys([*own, *ruler((run.case, run.steps) for run in own)])
+    return dict.fromkeys([*own, *ruler((run.steady, run.steps) for run in own)])
 
 
 def _rows_of(rows: pd.DataFrame, part: Runs) -> pd.DataFrame:

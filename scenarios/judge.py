@@ -59,9 +59,46 @@ def judged(table: pd.DataFrame, ruler: pd.DataFrame | None = None) -> pd.DataFra
     by = table if ruler is None else ruler
     rows = rows.merge(exact_values(by), on="case", how="left")
     rows = rows.merge(scheme_errors(by), on=["case", "steps"], how="left")
-    effect = _effects(rows)
-    rows = rows.assign(distance=_distance(rows), allowed=_allowed(rows, effect), expected=_expected(rows))
-    return rows.assign(**_errors(rows), verdict=_verdicts(rows, effect))
+    rows = rows.assign(distance=_distance(rows), expected=_expected(rows))
+    return rows.assign(**_errors(rows), **decided(parts_of(rows)))
+
+
+def parts_of(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give what decides on transmittances, over U0; see `decided`."""
+    return pd.DataFrame(
+        {
+            **{name: rows[name] for name in ("status", "shares_scheme", "distance", "exact_bar", "scheme_error")},
+            "stated": rows.accuracy * amplitude(rows),
+            "resolution": resolution(rows),
+            "repeats": rows.reference_residual.fillna(0) * MARGIN * rows.growth,
+            "size": amplitude(rows),
+            "effect": _effects(rows),
+        }
+    )
+
+
+@np.errstate(invalid="ignore")
+def decided(parts: pd.DataFrame) -> dict[str, pd.Series]:
+    """Decide on numbers of any kind: gives ``allowed``, in the unit of each number, and ``verdict``.
+
+    Columns of `parts`, all but the first two in that unit: ``status`` of the run; ``shares_scheme``, whether the
+    reference at equal steps is expected; ``distance`` from what is expected; ``exact_bar``; ``scheme_error``, of
+    Euler's step; ``stated`` accuracy; ``resolution``; ``repeats``, what the reference itself leaves open at equal
+    steps; ``size``, which parts refer to; ``effect``, how much friction changes the number at all.
+    """
+    stated = np.minimum(parts.stated, COARSE_SHARE * parts.effect)
+    other = parts.exact_bar + np.maximum(parts.scheme_error, stated) + parts.resolution
+    allowed = other.where(~parts.shares_scheme, parts.resolution + parts.repeats)
+    known = parts.distance.notna() & allowed.notna()
+    beyond = parts.distance > allowed
+    coarse = ~parts.shares_scheme & (parts.scheme_error > LARGEST_ACCURACY * parts["size"])
+    near = beyond & coarse & (parts.distance <= OTHER_SCHEMES * allowed)
+    by_step = (parts.exact_bar + parts.scheme_error + parts.resolution).where(~parts.shares_scheme, allowed)
+    verdicts = np.select(
+        [~known, beyond & ~near, near | (by_step > COARSE_SHARE * parts.effect)], [UNKNOWN, DEVIATES, TOO_LARGE], AGREES
+    )
+    done = parts.status.isin(["periodic", "finished"])
+    return {"allowed": allowed, "verdict": pd.Series(np.where(done, verdicts, parts.status), parts.index, dtype=object)}
 
 
 def _expected(rows: pd.DataFrame) -> np.ndarray:
@@ -71,14 +108,6 @@ def _expected(rows: pd.DataFrame) -> np.ndarray:
 def _distance(rows: pd.DataFrame) -> pd.Series:
     """Give how far T is from what is expected, over U0."""
     return (rows.ratio - rows.reference.where(rows.shares_scheme, rows.exact)).abs()
-
-
-def _allowed(rows: pd.DataFrame, effect: pd.Series) -> pd.Series:
-    """Give how far from what is expected T may be, over U0; a stated accuracy is that of what friction does, too."""
-    stated = np.minimum(rows.accuracy * amplitude(rows), COARSE_SHARE * effect)
-    other = rows.exact_bar + np.maximum(rows.scheme_error, stated) + resolution(rows)
-    repeats = rows.reference_residual.fillna(0) * MARGIN * rows.growth
-    return other.where(~rows.shares_scheme, resolution(rows) + repeats)
 
 
 def amplitude(rows: pd.DataFrame) -> pd.Series:
@@ -121,19 +150,6 @@ def on_scale(level_db: pd.Series) -> pd.Series:
     """Give levels on the scale of differences: dB, and below the floor linear in the amplitude."""
     linear = FLOOR_DB + DB * (10 ** ((level_db - FLOOR_DB) / 20) - 1)
     return level_db.where(~(level_db < FLOOR_DB), linear)
-
-
-def _verdicts(rows: pd.DataFrame, effect: pd.Series) -> np.ndarray:
-    """Say of each row what it is."""
-    known = rows.distance.notna() & rows.allowed.notna()
-    beyond = rows.distance > rows.allowed
-    coarse = ~rows.shares_scheme & (rows.scheme_error > LARGEST_ACCURACY * amplitude(rows))
-    near = beyond & coarse & (rows.distance <= OTHER_SCHEMES * rows.allowed)
-    by_step = (rows.exact_bar + rows.scheme_error + resolution(rows)).where(~rows.shares_scheme, rows.allowed)
-    verdicts = np.select(
-        [~known, beyond & ~near, near | (by_step > COARSE_SHARE * effect)], [UNKNOWN, DEVIATES, TOO_LARGE], AGREES
-    )
-    return np.where(rows.status == "periodic", verdicts, rows.status)
 
 
 def friction_effect(case: Case, exact: complex) -> float:

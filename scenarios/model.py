@@ -1,26 +1,31 @@
-"""What is run and what comes of it: `Case`, `Config`, `Run`, `Result`; everything else is a table."""
+"""What is run and what comes of it: `Case`, `Config`, `Run`, `Result`; everything else is a table.
+
+A case is the steady state of a chain (`Case`), a motion from a state (`ChainMotion`, `BlockMotion`) or a scene
+(`SceneMotion`).
+"""
 
 import cmath
 import json
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.scenarios.chain_ratios import ChainRatios
+from multibody_xval.scenarios.motions import BlockMotion, ChainMotion, motion_of
+from multibody_xval.scenarios.scene_motion import SceneMotion, scene_motion_of
 from reference_lcp import defaults
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import checked_choice
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
     LARGEST_UNIT,
-    MOST_CELLS,
-    checked_array,
     checked_count,
     checked_scalar,
 )
@@ -32,22 +37,7 @@ REFERENCE = Config("reference")
 EXACT = Config("reference", preset_name="exact")
 """The motion without an error of a time step."""
 
-Ratio = float | tuple[float, ...]
-"""One number for all cells, or one a cell from the base on."""
-
 DRIVES = ("base", "force")
-
-PER_CELL = {
-    "friction_ratio": ">= 0",
-    "mass_ratio": "> 0",
-    "stiffness_ratio": "> 0",
-    "damping_ratio": ">= 0",
-    "inner_damping_ratio": ">= 0",
-    "outer_mass_ratio": "> 0",
-    "chain_stiffness_ratio": "> 0",
-    "friction_profile": ">= 0",
-}
-"""Parameters of a case that may have one value a cell, and what is allowed of them."""
 
 SINGLE = {
     "frequency_ratio": ("> 0", LARGEST_PARAMETER),
@@ -60,7 +50,7 @@ SINGLE = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class Case(ChainRatios):
     """The physics of one steady state of a chain, in ratios; the defaults are the chain of the paper's figure 3.
 
     Raises
@@ -69,31 +59,11 @@ class Case:
         If a value is outside its range, or a list has not one value a cell.
     """
 
-    friction_ratio: Ratio
-    """μ λ_N / (k_c U0) >= 0."""
+    kind: ClassVar[str] = "steady state"
     frequency_ratio: float
     """ω / ω_r > 0, with ω_r of the first cell."""
-    cells: int = defaults.CELLS
-    mass_ratio: Ratio = defaults.MASS_RATIO
-    """m_i / m_o > 0."""
-    stiffness_ratio: Ratio = defaults.STIFFNESS_RATIO
-    """k_i / k_c > 0."""
-    damping_ratio: Ratio = defaults.DAMPING_RATIO
-    """c_c / (2 √(k_c m_o)) >= 0 of the dashpots between the cells."""
-    inner_damping_ratio: Ratio = 0.0
-    """c_i / (2 √(k_i m_i)) >= 0 of those within the cells."""
-    outer_mass_ratio: Ratio = 1.0
-    """Outer masses over the unit of mass > 0."""
-    chain_stiffness_ratio: Ratio = 1.0
-    """Springs between the cells over their unit > 0."""
-    friction_profile: Ratio = 1.0
-    """Friction bounds of the cells over that of `friction_ratio` >= 0."""
-    friction_coefficient: float = defaults.FRICTION_COEFFICIENT
-    """μ > 0; the motion depends on μ λ_N alone."""
     drive: str = "base"
     """``base``: the base moves; ``force``: a force acts on the outer mass of cell 1."""
-    displacement: float = defaults.BASE_AMPLITUDE
-    """U0 [m] > 0 that ratios refer to: amplitude of the base, or P0 / k_c of a force."""
     modulation: float = 0.0
     """a >= 0 of the normal force N0 (1 + a sin(Ω t + φ)); above 1 contacts open."""
     modulation_multiple: int = 1
@@ -112,22 +82,11 @@ class Case:
         return {name: getattr(self, name) for name in CASE}  # hashes of texts differ from process to process
 
     def __post_init__(self) -> None:
-        checked_count("cells", self.cells, 1, MOST_CELLS)
+        super().__post_init__()
         checked_count("modulation_multiple", self.modulation_multiple)
         checked_choice("drive", self.drive, DRIVES)
         for name, (requirement, largest) in SINGLE.items():
             checked_scalar(name, getattr(self, name), requirement, largest)
-        for name, requirement in PER_CELL.items():
-            value = getattr(self, name)
-            checked_array(name, value, requirement, largest=LARGEST_PARAMETER)
-            if isinstance(value, tuple) and len(value) != self.cells:
-                problem = f"{name} has {len(value)} values and the chain {self.cells} cells"
-                raise ParameterError(f"{problem}; allowed: one number, or as many as there are cells")
-
-    @property
-    def chain(self) -> Chain:
-        """Build the chain."""
-        return _setting(self)[0]
 
     @property
     def setting(self) -> tuple[Chain, PeriodicDrive]:
@@ -148,8 +107,8 @@ class Case:
 
     def as_data(self) -> dict[str, Any]:
         """Give plain data, without what is as in the paper's chain."""
-        data = asdict(self)
-        return {name: data[name] for name in data if name not in DEFAULTS or data[name] != DEFAULTS[name]}
+        data = {name: getattr(self, name) for name in CASE}
+        return {name: value for name, value in data.items() if name not in DEFAULTS or value != DEFAULTS[name]}
 
     @property
     def title(self) -> str:
@@ -158,11 +117,12 @@ class Case:
         return ", ".join(f"{name} {value_text(value)}" for name, value in shown.items())
 
 
-DEFAULTS = {own.name: own.default for own in fields(Case) if own.name not in ("friction_ratio", "frequency_ratio")}
-"""The paper's chain, by the names of parameters."""
-
-CASE = [own.name for own in fields(Case)]
+CASE = ["friction_ratio", "frequency_ratio"]
+CASE += [own.name for own in fields(Case) if own.name not in CASE]
 """Columns of tables that say what case a row belongs to."""
+
+DEFAULTS = {name: Case.__dataclass_fields__[name].default for name in CASE[2:]}
+"""The paper's chain, by the names of parameters."""
 
 
 def value_text(value: Any) -> str:
@@ -172,23 +132,28 @@ def value_text(value: Any) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
+AnyCase = Case | ChainMotion | BlockMotion | SceneMotion
+"""Everything that may be run."""
+
+
 def case_of(data: dict[str, Any]) -> Case:
     """Read what `Case.as_data` gives, out of JSON."""
     values: dict[str, Any] = {name: tuple(own) if isinstance(own, list) else own for name, own in data.items()}
     return Case(**values)
 
 
+def any_case_of(data: dict[str, Any]) -> AnyCase:
+    """Read what ``as_data`` of any kind of case gives, out of JSON."""
+    kind = data.get("kind", Case.kind)
+    checked_choice("kind", kind, [own.kind for own in (Case, ChainMotion, BlockMotion, SceneMotion)])
+    if kind == Case.kind:
+        return case_of(data)
+    return scene_motion_of(data) if kind == SceneMotion.kind else motion_of(data)
+
+
 @lru_cache(maxsize=4096)
 def _setting(case: Case) -> tuple[Chain, PeriodicDrive]:
-    bound = checked_array("friction_ratio", case.friction_ratio) * checked_array(
-        "friction_profile", case.friction_profile
-    )
-    names = (
-        "cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio", "outer_mass_ratio",
-        "chain_stiffness_ratio", "friction_coefficient",
-    )  # fmt: skip
-    ratios = {name: getattr(case, name) for name in names}
-    chain = Chain.from_ratios(friction_ratio=bound, base_amplitude=case.displacement, **ratios)
+    chain = case.chain
     base = HarmonicBase.from_ratio(chain, case.frequency_ratio, case.displacement)
     if case.drive == "base":
         return chain, base
@@ -206,11 +171,17 @@ def linear_limits(case: Case) -> tuple[complex, complex]:
 
 @dataclass(frozen=True)
 class Run:
-    """One case by one configuration of an engine, with so many steps per period."""
+    """One case by one configuration of an engine, with so many steps in its period, or in all of a motion."""
 
     config: Config
-    case: Case
+    case: AnyCase
     steps: int
+
+    @property
+    def steady(self) -> Case:
+        """Give the case, which is a steady state."""
+        assert isinstance(self.case, Case), f"{self.case.title} is no steady state"
+        return self.case
 
     @cached_property
     def text(self) -> str:
@@ -221,7 +192,7 @@ class Run:
     def from_text(cls, text: str) -> "Run":
         """Read `text`; the engine need not be installed."""
         data = json.loads(text)
-        return cls(Config.parse(data["config"]), case_of(data["case"]), data["steps"])
+        return cls(Config.parse(data["config"]), any_case_of(data["case"]), data["steps"])
 
 
 class Status(StrEnum):
@@ -229,6 +200,8 @@ class Status(StrEnum):
 
     PERIODIC = "periodic"
     """A certified steady state."""
+    FINISHED = "finished"
+    """A motion to its end."""
     NOT_PERIODIC = "not periodic"
     """The search for a steady state gave up."""
     FAILED = "failed"

@@ -13,12 +13,18 @@ from pebble import ProcessExpired
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.compute.batch import prepare, run_batch
-from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.processes import EXITED, GRACE, LOOK_SECONDS, Job, Pool
 from multibody_xval.scenarios.store import Store, is_kept
 
 PREPARATION_SECONDS = 300.0
 """Time limit of an engine's import, and of the compilation of its first step, unless it states its own."""
+
+STEPS_OF_A_SEARCH = 24_000
+"""Of a search for a steady state: sixty periods of 400."""
+
+Kind = tuple[Config, int, int, str]
+"""Configuration, steps, cells and kind of case that one simulation may take together."""
 
 Ended = Callable[[dict[Run, Result]], Any]
 """Takes results."""
@@ -72,9 +78,9 @@ def batches(runs: Iterable[Run]) -> list[list[Run]]:
     The reference is first, which has results within a second; then the slowest, engines with default options. Any two
     are neighbours in a batch: an engine that takes one for the other is not to find the same friction there.
     """
-    groups: dict[tuple[Config, int, int], list[Run]] = defaultdict(list)
+    groups: dict[Kind, list[Run]] = defaultdict(list)
     for run in runs:
-        groups[run.config, run.steps, run.case.cells].append(run)
+        groups[run.config, run.steps, run.case.cells, run.case.kind].append(run)
     found = []
     for kind in sorted(groups, key=_order):
         size, mixed = kind[0].batch_lanes, sorted(groups[kind], key=lambda run: zlib.crc32(run.text.encode()))
@@ -82,8 +88,8 @@ def batches(runs: Iterable[Run]) -> list[list[Run]]:
     return found
 
 
-def _order(kind: tuple[Config, int, int]) -> tuple[bool, bool, bool, int]:
-    config, steps, _ = kind
+def _order(kind: Kind) -> tuple[bool, bool, bool, int]:
+    config, steps, *_ = kind
     return config != REFERENCE, config.engine == REFERENCE.engine, config.preset_name == "tuned", steps
 
 
@@ -98,7 +104,7 @@ class Attempt(NamedTuple):
         """Give what a pool is to do."""
         serves = self.config.capabilities.package
         if self.batch:
-            return run_batch, [self.batch], seconds_a_run * len(self.batch), serves
+            return run_batch, [self.batch], seconds_a_run * sum(map(length, self.batch)), serves
         return prepare, [self.config], preparation_seconds(self.config), serves
 
     def again(self, problem: BaseException) -> "list[Attempt]":
@@ -106,6 +112,11 @@ class Attempt(NamedTuple):
         if len(self.batch) > 1:
             return [Attempt([run], self.config) for run in self.batch]
         return [] if self.last or isinstance(problem, TimeoutError) else [self._replace(last=True)]
+
+
+def length(run: Run) -> float:
+    """Give how many times as long as a steady state a run may take: a motion is as long as it is."""
+    return 1.0 if isinstance(run.case, Case) else max(1.0, run.steps / STEPS_OF_A_SEARCH)
 
 
 class Running(NamedTuple):

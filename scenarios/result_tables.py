@@ -29,20 +29,25 @@ def now(results: Mapping[Run, Result]) -> list[Stored]:
 
 
 def points(stored: Iterable[Stored]) -> pd.DataFrame:
-    """Give one row a run: configuration, case, numbers, and what of the configuration its judgement needs.
+    """Give one row a run of a steady state: configuration, case, numbers, and what of it its judgement needs.
 
     Columns: those of `CONFIG` and `model.CASE`, ``version``, ``case`` and ``curve`` (`Case` objects), ``steps`` per
     period, ``status``, ``transmittance_db``, ``phase_deg``, ``ratio`` (complex), ``residual``, ``amplification``,
     ``periods``, ``multiple``, ``stuck`` (tuple, a part of the period a cell), ``transitions`` (their number),
     ``stick_velocity`` over ω U0, ``seconds`` of a processor, ``reason``.
     """
-    return pd.DataFrame([_point(*row) for row in stored], columns=_COLUMNS).astype(_TYPES)
+    return pd.DataFrame([_point(*row) for row in steady_ones(stored)], columns=_COLUMNS).astype(_TYPES)
+
+
+def steady_ones(stored: Iterable[Stored]) -> Iterator[Stored]:
+    """Give the results of steady states: stores also hold those of motions and scenes."""
+    return (row for row in stored if isinstance(row.run.case, Case))
 
 
 def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
     ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
     return {
-        **described(run.config, run.case), "version": version, "steps": run.steps,
+        **described(run.config, run.steady), "version": version, "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
@@ -112,7 +117,7 @@ def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
     """Give one row a change between stick and slip: its ``cell``, ``time`` over the period and new ``mode``."""
     rows = [
         {**label, "cell": cell, "time": time, "mode": mode}
-        for run, version, result in stored
+        for run, version, result in steady_ones(stored)
         if result.status is Status.PERIODIC and result.transitions
         for label in [_label(run, version)]
         for cell, time, mode in result.transitions
@@ -129,7 +134,7 @@ def curve_of(case: Case) -> Case:
 def _label(run: Run, version: str) -> dict[str, Any]:
     own = run.config
     names = {"engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version}
-    return {**names, **_values(run.case), "steps": run.steps}
+    return {**names, **_values(run.steady), "steps": run.steps}
 
 
 def _values(case: Case) -> dict[str, Any]:

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from multibody_xval.scenarios.chain_ratios import PER_CELL
 from multibody_xval.scenarios.evaluate import Propose
 from multibody_xval.scenarios.frequency_grid import MOST_VALUES, AdaptiveGrid, missing, resonances
-from multibody_xval.scenarios.model import CASE, DEFAULTS, PER_CELL, SINGLE, Case, Config, Run
+from multibody_xval.scenarios.model import CASE, DEFAULTS, SINGLE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import rows_of
 from reference_lcp.defaults import BASE_AMPLITUDE, FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD

@@ -14,7 +14,7 @@ from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config
 from multibody_xval.scenarios.report_plan import left_out, report_configs, report_runs
-from multibody_xval.scenarios.result_tables import curve_of
+from multibody_xval.scenarios.result_tables import curve_of, steady_ones
 from multibody_xval.scenarios.store import Stored, checked_store, existing_store
 from reference_lcp.errors import ParameterError, checked_path
 
@@ -93,7 +93,8 @@ def _of_sweep(stored: Sequence[Stored], sweep: "Sweep") -> list[Stored]:
     """Give the results on the curves of a sweep, and those of the ruler there."""
     configs = {*sweep.configs, REFERENCE, EXACT}
     curves = {place.case for place in sweep.places}
-    return [row for row in stored if row.run.config in configs and curve_of(row.run.case) in curves]
+    own = (row for row in steady_ones(stored) if row.run.config in configs)
+    return [row for row in own if curve_of(row.run.steady) in curves]
 
 
 def dataset_page(file: Path, folder: Path, command: str) -> Written:

@@ -7,10 +7,22 @@ from dataclasses import replace
 
 from multibody_xval.engines.interface.engine import EngineNotInstalled
 from multibody_xval.scenarios.compute.checked import TrajectoryFault
+from multibody_xval.scenarios.compute.motions import motions
+from multibody_xval.scenarios.compute.scenes import scenes
 from multibody_xval.scenarios.compute.steady import steady_states
 from multibody_xval.scenarios.model import Case, Config, Result, Run, failed, unsupported
+from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
+from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, shortened, text_of
+
+KINDS = {
+    Case.kind: steady_states,
+    ChainMotion.kind: motions,
+    BlockMotion.kind: motions,
+    SceneMotion.kind: scenes,
+}
+"""What computes a batch, by its kind of case."""
 
 CIRCUMSTANCES = (MemoryError, OSError)
 """Errors that say more of the machine than of the engine: too little memory, too many open files, a full disk."""
@@ -20,10 +32,10 @@ LONGEST_REASON = 500
 
 
 def run_batch(runs: Sequence[Run]) -> list[Result]:
-    """Run what shares configuration, steps and cells; what fails together is run one by one."""
+    """Run what shares configuration, steps, cells and kind of case; what fails together is run one by one."""
     begin = time.process_time()
     try:
-        results = steady_states(runs)
+        results = KINDS[runs[0].case.kind](runs)
     except (Exception, SystemExit) as problem:  # whatever an engine raises
         if len(runs) > 1:
             return [run_batch([run])[0] for run in runs]

@@ -1,0 +1,143 @@
+"""Scenes of boxes, as users of an engine write them.
+
+There is no chain, and nothing is chosen for one: a preset may only have options that can be copied into any model.
+"""
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from multibody_xval.engines.interface.scene import Box, ContactScene
+from multibody_xval.scenarios.catalogue.blocks import ROUND_OFF, ROUNDINGS
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
+from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.scene_motion import SceneMotion
+
+SETTLING = 1.0
+"""How long bodies are left alone before they are measured [s]."""
+
+HOLDING = 2.0
+"""How long what should hold is watched [s]."""
+
+DRIFT_RESOLUTION = 0.1
+"""Drift that counts as none [µm/s], [µrad/s]: a tenth of the slowest that has to be found, 1 mm in three hours."""
+
+SAG_RESOLUTION = 1.0
+"""Way since a scene was built that counts as none [mm], [mrad]: bodies that are put in touch settle by less."""
+
+SOURCE = "Coulomb's law for rigid bodies: closed forms."
+
+
+def scene_motion(case: AnyCase) -> SceneMotion:
+    """Give the case, which is a scene."""
+    assert isinstance(case, SceneMotion), "a scene"
+    return case
+
+
+def rounded(run: Run, size: float = 1.0) -> float:
+    """Give by how much roundings of positions of this `size` [m] or angles [rad] move a body at most."""
+    return ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * size
+
+
+def in_the_plane(run: Run) -> tuple[int, int]:
+    """Give the two axes of the plane that holds a box, of along, across and off."""
+    scene = scene_motion(run.case).scene
+    return (2, 1) if isinstance(scene, ContactScene) and scene.grip else (0, 1)
+
+
+def drift(result: Result, run: Run) -> float:
+    """Give the mean velocity in the plane [µm/s]."""
+    ways = [result.series[("along", "across", "off")[axis]][-1] for axis in in_the_plane(run)]
+    return 1e6 * float(np.linalg.norm(ways)) / scene_motion(run.case).time
+
+
+def drift_resolution(run: Run, _exact: Number) -> float:
+    """Give the drift that counts as none [µm/s]."""
+    return DRIFT_RESOLUTION + 1e6 * rounded(run) / scene_motion(run.case).time
+
+
+def sag(result: Result, run: Run) -> float:
+    """Give the way in the plane since the scene was built [mm]."""
+    return 1e3 * float(np.linalg.norm([result.series["from the start"][axis] for axis in in_the_plane(run)]))
+
+
+at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0))
+"""A number of a body that friction should hold."""
+
+HELD = (
+    at_rest(
+        name="drift", unit="µm/s", read=drift, resolution=drift_resolution, accuracy="drift",
+        meaning=f"Mean velocity over {HOLDING:g} s of a body that friction should hold.",
+    ),
+    at_rest(
+        name="sag", unit="mm", read=sag, resolution=always(SAG_RESOLUTION),
+        meaning="Way of a body that friction should hold since the scene was built.",
+    ),
+)  # fmt: skip
+
+
+def on_slope(load: float, *, friction: float = 0.5, turn: float = 0.0, box: Box | None = None) -> ContactScene:
+    """Give a box on a slope whose tangent is a part of the coefficient of friction."""
+    return ContactScene(friction=friction, slope=math.atan(load * friction), turn=turn, boxes=(box or Box(),))
+
+
+def watched(scene: ContactScene, *, sleeping: bool = False) -> SceneMotion:
+    """Give a scene that settles, and is watched."""
+    return SceneMotion(scene=scene, time=HOLDING, settling=SETTLING, sleeping=sleeping)
+
+
+TURN = 0.5
+"""Of boxes that do not lie along the slope [rad]."""
+
+SLOPE_HOLD = Scenario(
+    name="slope-hold",
+    question="Does a box stay where it is on a slope below the critical one, as the engine's users build it?",
+    expects="no motion",
+    source=SOURCE,
+    cases={
+        **{f"load {load:g}": watched(on_slope(load)) for load in (0.1, 0.5, 0.9)},
+        **{f"load {load:g}, turned": watched(on_slope(load, turn=TURN)) for load in (0.5, 0.9)},
+        "load 0.5, 1 g": watched(on_slope(0.5, box=Box(mass=1e-3, side=0.1))),
+        "load 0.5, 1 t": watched(on_slope(0.5, box=Box(mass=1e3, side=1.0))),
+        "load 0.9, may sleep": watched(on_slope(0.9), sleeping=True),
+    },
+    held_out={
+        "load 0.8, turned, 0.3 kg": watched(on_slope(0.8, friction=0.8, turn=0.3, box=Box(mass=0.3, side=0.1))),
+        "load 0.7, 20 kg": watched(on_slope(0.7, friction=0.3, box=Box(mass=20.0, side=0.4))),
+    },
+    quantities=HELD,
+    steps=scene_steps,
+)
+
+STACK_SLOPE = math.radians(12)
+"""Its tangent is 0.43 of the coefficient of friction."""
+
+STACK_HOLD = replace(
+    SLOPE_HOLD,
+    name="stack-hold",
+    question="Does a stack of boxes stay where it is on a slope?",
+    cases={"3 boxes, 12°": watched(ContactScene(slope=STACK_SLOPE, boxes=(Box(),) * 3))},
+    held_out={"4 boxes, 8°": watched(ContactScene(slope=math.radians(8), boxes=(Box(mass=2.0, side=0.14),) * 4))},
+)
+
+HEAVY_ON_LIGHT = replace(
+    SLOPE_HOLD,
+    name="heavy-on-light",
+    question="Does a heavy box stay where it is on a light one, on a slope?",
+    cases={"100 kg on 1 kg, 12°": watched(ContactScene(slope=STACK_SLOPE, boxes=(Box(), Box(mass=100.0))))},
+    held_out={"30 kg on 1 kg, 8°": watched(ContactScene(slope=math.radians(8), boxes=(Box(), Box(mass=30.0))))},
+)
+
+GRIP = replace(
+    SLOPE_HOLD,
+    name="grip",
+    question="Do two fingers hold a box that they press?",
+    cases={
+        f"1 kg, {force:g} N": watched(ContactScene(grip=force, boxes=(Box(side=0.1),))) for force in (10.0, 15.0, 30.0)
+    },
+    held_out={"2 kg, 25 N": watched(ContactScene(grip=25.0, boxes=(Box(mass=2.0, side=0.08),)))},
+)
+
+SCENARIOS = (SLOPE_HOLD, STACK_HOLD, HEAVY_ON_LIGHT, GRIP)

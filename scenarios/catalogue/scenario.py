@@ -1,0 +1,195 @@
+"""Scenarios as data: a question with its cases, and the quantities that answer it."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
+from multibody_xval.scenarios.exact_values import LADDER, needs_exact_motion
+from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
+from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
+from multibody_xval.scenarios.scene_motion import SceneMotion
+from reference_lcp.validation import FloatArray
+
+Number = float | complex | FloatArray
+"""What is read of a result; of an array, the largest difference counts."""
+
+Steps = Callable[[Config, AnyCase], Mapping[str, int]]
+"""Gives the numbers of steps with which a configuration runs a case, by what is added to the case's name."""
+
+
+class Exact(StrEnum):
+    """Where an exact value is from that is not a closed form."""
+
+    MOTION = "exact"
+    """The motion from event to event."""
+    LADDER = "extrapolated"
+    """The reference at ever finer steps, extrapolated."""
+
+
+def always(value: float) -> Callable[..., float]:
+    """Give a function that gives a number, whatever the run or the case."""
+    return lambda *_: value
+
+
+NOTHING = always(0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """A number of a result, and the parts of its judgement; all in its unit."""
+
+    name: str
+    unit: str
+    meaning: str
+    """In a sentence."""
+    read: Callable[[Result, Run], Number] | None = None
+    """Gives it; without it, it is read together with others: level and phase, stick and slip."""
+    exact: Exact | Callable[[AnyCase], Number] = Exact.MOTION
+    """Where the exact value is from, or its closed form."""
+    step_error: Callable[[Run], float] | None = None
+    """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
+    finer steps shows that error."""
+    resolution: Callable[[Run, Number], float] = NOTHING
+    """What cannot be told from the exact value, beside round-off and contacts that give way."""
+    per_amplitude: float = 1.0
+    """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
+    effect: Callable[[AnyCase, Number], float] | None = None
+    """How much friction changes it at all; without it, its size, and where `step_error` is known, any."""
+    accuracy: str = ""
+    """Name of the accuracy that presets may state, see `Preset.accuracy`."""
+    group: str = ""
+    """Quantities of one group share the largest error of the step: shares of one energy, for example."""
+    of: Callable[[AnyCase], bool] | None = None
+    """Whether a case has it; without it, all have."""
+
+
+TRANSMITTANCE = Quantity(
+    name="transmittance", unit="U0", meaning="Fundamental of the last outer mass over that of the drive.",
+    accuracy="transmittance",
+)  # fmt: skip
+
+STICK_SLIP = (
+    Quantity(name="missed", unit="", meaning="Transitions of the exact motion that are not there."),
+    Quantity(name="spurious", unit="", meaning="Transitions that the exact motion does not have."),
+    Quantity(name="time", unit="% T", meaning="Error of the worst transition, of the period.", accuracy="time"),
+    Quantity(name="stuck fraction", unit="", meaning="Of the worst contact.", accuracy="stuck fraction"),
+)
+"""See `multibody_xval.scenarios.catalogue.stick_slip`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """A question whose answer is known, asked of every configuration."""
+
+    name: str
+    """As the command line knows it: lower case, hyphens."""
+    question: str
+    expects: str
+    """What numbers are compared with."""
+    source: str
+    """Where the cases are from: paper, equation, book."""
+    cases: Mapping[str, AnyCase]
+    """By what tables print of them."""
+    quantities: tuple[Quantity, ...]
+    steps: Steps
+    details: Sequence[str] = ()
+    """Parameters of the cases that their names leave out, in lines."""
+    held_out: Mapping[str, AnyCase] = field(default_factory=dict)
+    """Variations that no recipe is found with."""
+    exact_refinement: int = 1
+    """Rows of the exact motion to a step: sums over them need many."""
+
+    def own_runs(self, config: Config) -> dict[str, Run]:
+        """Give the runs of a configuration by the name of the case."""
+        return {
+            f"{name}, {label}" if label else name: Run(config, case, steps)
+            for name, case in self.cases.items()
+            for label, steps in self.steps(config, case).items()
+        }
+
+    def runs(self, configs: Sequence[Config]) -> list[Run]:
+        """Give all runs of configurations, those of the ruler first."""
+        own = [run for config in dict.fromkeys(configs) for run in self.own_runs(config).values()]
+        return list(dict.fromkeys([*self._ruler(own), *own]))
+
+    def _ruler(self, own: Sequence[Run]) -> list[Run]:
+        """Give the reference at ever finer steps, and the exact motions."""
+        if all(quantity.step_error is not None for quantity in self.quantities):
+            return []
+        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER]
+        first = {run.case: run.steps for run in reversed(own)}
+        exact = [Run(EXACT, case, steps * self.exact_refinement) for case, steps in first.items() if self._exact(case)]
+        return [*finer, *exact]
+
+    def _exact(self, case: AnyCase) -> bool:
+        """Whether the exact motion of a case is run: a quantity is read from it, or the transmittance needs it."""
+        asked = any(own.exact is Exact.MOTION and own is not TRANSMITTANCE for own in self.quantities)
+        return asked or (isinstance(case, Case) and needs_exact_motion(case))
+
+    def configs(self, names: Sequence[str]) -> list[Config]:
+        """Give the configurations that names stand for; of scenes those of `GENERAL`, as engines come first.
+
+        Raises
+        ------
+        ParameterError
+            If a name is unknown, or an engine that is named is not installed.
+        """
+        case = next(iter(self.cases.values()))
+        if not isinstance(case, SceneMotion):
+            return variants_named(names or [EVERY_VARIANT])
+        found = [config for name in names or engine_names() for config in _of_scenes(name, case, named=bool(names))]
+        own = [config for config in dict.fromkeys(found) if config.formulation == case.formulation]
+        return own or list(dict.fromkeys(found))
+
+
+def _of_scenes(name: str, case: SceneMotion, *, named: bool) -> list[Config]:
+    """Give the configurations of a name in a scene: of a bare engine, its presets that hold in any model."""
+    parts, settings = name_parts(name)
+    if len(parts) > 1 or settings or name not in engine_names():
+        return variants_named([name])
+    if named:
+        check_installed(name, engine(name).unavailable_reason())
+    elif engine(name).scene_gap(Formulation(case.formulation)):
+        return []
+    presets = engine(name).capabilities.presets.get(Formulation(case.formulation), {})
+    return [Config(name, case.formulation, preset) for preset in GENERAL if preset in presets]
+
+
+COMMON_STEP = 0.001
+"""Time step at which all engines run scenes, beside their own [s]."""
+
+
+def scene_steps(config: Config, case: AnyCase) -> dict[str, int]:
+    """Give the steps of a scene: those of the engine's own time step, and those of the common one."""
+    assert isinstance(case, SceneMotion), "a scene"
+    own, common = engine(config.engine).scene_step, {f"{1e3 * COMMON_STEP:g} ms": round(case.time / COMMON_STEP)}
+    return common if math.isnan(own) or own == COMMON_STEP else {"own step": round(case.time / own), **common}
+
+
+def steps_a_row(count: int = 1) -> Steps:
+    """Give what divides motions into so many steps to each of their rows."""
+    return lambda _config, case: {"": count * motion_rows(case)}
+
+
+def motion_rows(case: AnyCase) -> int:
+    """Give the rows of a motion of a chain or a block."""
+    assert isinstance(case, ChainMotion | BlockMotion), "a motion"
+    return case.rows
+
+
+def steady_steps(_config: Config, case: AnyCase) -> dict[str, int]:
+    """Give the steps per period of a steady state."""
+    assert isinstance(case, Case), "a steady state"
+    return {"": case.steps()}
+
+
+def largest(number: Any) -> float:
+    """Give the size of a number; of an array, of the largest one."""
+    return float(np.max(np.abs(number)))

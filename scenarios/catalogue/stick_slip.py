@@ -1,0 +1,154 @@
+"""When the stick–slip motions of two simulations are the same: the definitions, for every engine alike.
+
+*Mode.* A contact sticks in a step while its friction is below its bound by more than the preset's stick margin
+(`reference_lcp.observables.stick_slip.contact_modes`). The event-driven solver knows its modes without a margin.
+
+*Matching.* A transition of the engine and one that is expected are the same if they are of one cell, to one mode, and
+at most `MATCHING_WINDOW` of the period apart; they are paired one to one, the closest first.
+
+*Grazing.* Whether a phase that barely begins is there can hang on the step. A transition is compared only where the
+step does not decide on it: an expected one if the reference has it with all its numbers of steps; one that is not
+expected if the reference has it with none of them. A slip of the expected motion that travels less than four residuals
+of the engine is read as stick, as it is in the engine's own motion.
+
+*Expected* is the exact motion, and of presets that share the scheme the reference at equal steps. Times may be off by
+one step, the resolution of a sampled motion, and by the error of the scheme or what the preset states; a stuck fraction
+likewise, by one step a stick.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP
+from multibody_xval.scenarios.model import Result, Run
+from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition, match_transitions
+from reference_lcp.steady.richardson import richardson_error
+
+Row = dict[str, Any]
+
+MISSED, SPURIOUS, TIME, STUCK = (quantity.name for quantity in STICK_SLIP)
+
+QUARTER_PERIOD, WHOLE_PERIOD = 0.25, 1.0
+"""What friction changes at all of the time of a transition, and of a stuck fraction: a contact that sticks and slips
+both ways has four transitions."""
+
+
+class Sides(NamedTuple):
+    """What is compared: an engine's motion, what is expected of it, and the reference's by number of steps."""
+
+    own: Result
+    expected: Result
+    ladder: Mapping[int, Result]
+    shares: bool
+
+    @property
+    def steps(self) -> int:
+        """Give the steps per period of the engine."""
+        return min(self.ladder)
+
+    def scheme_error(self, values: Sequence[float]) -> float:
+        """Give the error of the scheme, from values by ascending steps; none beside the reference at equal steps."""
+        return 0.0 if self.shares else richardson_error(tuple(self.ladder), tuple(values), self.steps)
+
+
+def stick_slip(
+    run: Run, own: Result, exact: Result | None, ladder: Mapping[int, Result], about: Mapping[str, Any]
+) -> dict[str, Row]:
+    """Give the numbers of `STICK_SLIP` by name; none where the exact motion or the reference is missing."""
+    if exact is None or not ladder:
+        return {}
+    shares = bool(about["shares_scheme"])
+    expected = ladder[min(ladder)] if shares else as_resolved(exact, run.config.capabilities.residual)
+    sides = Sides(own, expected, ladder, shares)
+    accuracy = run.config.preset.accuracy_of
+    rows = {
+        MISSED: _row(len(missed(sides)), 0.0),
+        SPURIOUS: _row(len(spurious(sides)), 0.0),
+        TIME: _time(sides, accuracy("time")),
+        STUCK: _stuck(sides, accuracy("stuck fraction")),
+    }
+    kind = {"exact_bar": 0.0, "exact_kind": "exact"}
+    what = "reference at equal steps" if shares else "exact value"
+    return {name: row | kind | {"expected": what} for name, row in rows.items()}
+
+
+def _row(
+    value: float, exact: float, scheme: float = 0.0, resolution: float = 0.0, stated: float = 0.0, of: float = math.inf
+) -> Row:
+    sizes = {"scheme_error": scheme, "resolution": resolution, "stated": stated, "size": of, "effect": of}
+    return {"value": value, "exact": exact, "error": value - exact, "distance": abs(value - exact), **sizes}
+
+
+def as_resolved(exact: Result, residual: float) -> Result:
+    """Read the exact motion as an engine's residual lets its own be read: slips too short for it as stick."""
+    shortest = UNREPEATED_SLIP * residual
+    travels = exact.series.get("travels") or (math.inf,) * len(exact.transitions)
+    stuck, transitions = list(exact.stuck), []
+    for cell in dict.fromkeys(change[0] for change in exact.transitions):
+        own = [pair for pair in zip(exact.transitions, travels, strict=True) if pair[0][0] == cell]
+        kinds = [str(Mode.STICK) if travel < shortest else change[2] for change, travel in own]
+        for index, ((_, time, kind), _) in enumerate(own):
+            if kind != kinds[index]:
+                stuck[cell - 1] += (own[(index + 1) % len(own)][0][1] - time) % 1.0
+            if kinds[index] != kinds[index - 1]:
+                transitions.append((cell, time, kinds[index]))
+    return Result(status=exact.status, stuck=tuple(stuck), transitions=tuple(transitions))
+
+
+def _errors(result: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
+    """Give the time errors, over the period, of the expected transitions that a result has."""
+    return match_transitions(result.transitions, expected, 1.0).errors
+
+
+def _decided(sides: Sides) -> list[TimedTransition]:
+    """Give the expected transitions that the reference has with all its numbers of steps."""
+    scheme = [_errors(own, sides.expected.transitions) for own in sides.ladder.values()]
+    return [change for change in sides.expected.transitions if all(change in errors for errors in scheme)]
+
+
+def missed(sides: Sides) -> list[TimedTransition]:
+    """Give the expected transitions that an engine does not have, whatever the step."""
+    own = _errors(sides.own, sides.expected.transitions)
+    return [change for change in _decided(sides) if change not in own]
+
+
+def spurious(sides: Sides) -> list[TimedTransition]:
+    """Give the transitions of an engine that are not expected, and that the reference has with no number of steps."""
+    extra = match_transitions(sides.own.transitions, sides.expected.transitions, 1.0).spurious
+    scheme = [_errors(own, extra) for own in sides.ladder.values()]
+    return [change for change in extra if not any(change in errors for errors in scheme)]
+
+
+def _time(sides: Sides, stated: float) -> Row:
+    """Give the time error [% T] of the transition that is worst beside what is allowed; zero where none matches."""
+    own = _errors(sides.own, sides.expected.transitions)
+    scheme = [_errors(each, sides.expected.transitions) for each in sides.ladder.values()]
+    rows = [
+        _row(
+            100 * abs(own[change]),
+            0.0,
+            100 * sides.scheme_error([errors[change] for errors in scheme]),
+            100 / sides.steps,
+            100 * stated,
+            100 * QUARTER_PERIOD,
+        )
+        for change in _decided(sides)
+        if change in own
+    ]
+    return max(rows, key=_excess, default=_row(0.0, 0.0))
+
+
+def _stuck(sides: Sides, stated: float) -> Row:
+    """Give the stuck fraction of the contact that is worst beside what is allowed."""
+    rows = []
+    for cell, expected in enumerate(sides.expected.stuck):
+        sticks = sum((change[0], change[2]) == (cell + 1, str(Mode.STICK)) for change in sides.expected.transitions)
+        scheme = sides.scheme_error([own.stuck[cell] for own in sides.ladder.values()])
+        resolution = max(sticks, 1) / sides.steps
+        rows.append(_row(sides.own.stuck[cell], expected, scheme, resolution, stated, WHOLE_PERIOD))
+    return max(rows, key=_excess)
+
+
+def _excess(row: Row) -> float:
+    return float(row["distance"] / (max(row["scheme_error"], row["stated"]) + row["resolution"]))
