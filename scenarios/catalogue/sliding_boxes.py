@@ -43,6 +43,10 @@ QUARTER = 0.25
 BELT = 1.0
 """Velocity of a belt [m/s]."""
 
+ON_BELT = 0.4
+"""How long a box is watched on a belt [s]: about twice as long as it needs, and so short that speeds are kept often
+enough to be read between rows."""
+
 REACHED = 0.98
 """Part of the belt's velocity at which a box counts as moving with it."""
 
@@ -206,9 +210,8 @@ SLIDE_TO_STOP = Scenario(
 
 
 def on_belt(speed: float, friction: float = 0.5, box: Box | None = None) -> SceneMotion:
-    """Give a box that is put on a belt with this velocity [m/s]; it then has half as long again as it needs."""
-    scene = ContactScene(friction=friction, belt=speed, boxes=(box or Box(),))
-    return SceneMotion(scene=scene, time=in_quarters(stopped(speed, friction)))
+    """Give a box that is put on a belt with this velocity [m/s]."""
+    return SceneMotion(scene=ContactScene(friction=friction, belt=speed, boxes=(box or Box(),)), time=ON_BELT)
 
 
 def time_with_belt(case: AnyCase) -> float:
