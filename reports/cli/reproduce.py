@@ -7,8 +7,9 @@ from typing import Annotated
 import typer
 
 from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import NAME_METAVAR, Limit, Store, Work
+from multibody_xval.reports.cli.options import NAME_METAVAR, Limit, Store, Work, keeping
 from multibody_xval.scenarios.runs import TIME_LIMIT
+from reference_lcp.errors import checked_choice
 
 app = typer.Typer(name="multibody-xval reproduce", add_completion=False, pretty_exceptions_enable=False)
 
@@ -44,9 +45,19 @@ def reproduce(
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from multibody_xval.engines.interface.variant import check_installed
-    from multibody_xval.reports.reproducers.scene_script import reproduction, reproduction_script
+    from multibody_xval.reports.reproducers.questions import QUESTIONS
+    from multibody_xval.reports.reproducers.scene_script import SCENES, checked_scene, scene_script
+    from multibody_xval.reports.reproducers.script import checked, script
+    from multibody_xval.scenarios.evaluate import Means, computed
 
-    shown = reproduction(variant, scenario, case)
+    if checked_choice("scenario", scenario, [*QUESTIONS, *SCENES]) in SCENES:
+        scene = checked_scene(variant, scenario, case)
+        check_installed(scene.run.config.engine, scene.run.config.unavailable_reason)
+        with keeping(store):
+            (stored,) = computed([scene.run], Means(store=store, workers=1, seconds_a_run=time_limit), "scenes")
+        print(scene_script(scene, stored.result), end="")
+        return
+    shown = checked(variant, scenario, case)
     check_installed(shown.variant.engine, shown.variant.unavailable_reason)
     with Work(1, time_limit).evaluator(store, [shown.variant]) as evaluator:
-        print(reproduction_script(shown, evaluator), end="")
+        print(script(shown, evaluator), end="")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
+from multibody_xval.reports.cli.recipe import recipes
 from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile, accuracy, figure3, work_precision
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 RECORD = "record"
 """The scenario whose base follows a file."""
 
-STUDIES = {"figure3": figure3, "accuracy": accuracy, "work-precision": work_precision}
-"""Commands about the paper's chain; the first one has points of a scenario, and answers the paper's claims too."""
+STUDIES = {"figure3": figure3, "accuracy": accuracy, "work-precision": work_precision, "recipes": recipes}
+"""Measurements; the first one has points of a scenario, and answers the paper's claims too."""
 
 ENDINGS = (".md", ".json", ".csv")
 """Formats of verdicts."""
@@ -166,15 +167,7 @@ def print_results(results: Results) -> None:
     from rich.console import Console
 
     from multibody_xval.scenarios import tables
-    from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
-    from multibody_xval.scenarios.catalogue.scenes.table import scene_table
-    from multibody_xval.scenarios.catalogue.verdict_table import (
-        details,
-        finding_table,
-        law_in_words,
-        matrix,
-        verdict_table,
-    )
+    from multibody_xval.scenarios.catalogue.verdict_table import details, law_in_words, matrix, verdict_table
     from multibody_xval.scenarios.verdicts.finding import engine_failures, failures
 
     console = Console()
@@ -182,8 +175,6 @@ def print_results(results: Results) -> None:
         console.print(f"\n[bold]{scenario.name}[/bold]: {tables.plain(scenario.question)}", soft_wrap=True)
         console.print(tables.plain(f"compared with {scenario.expects}", *scenario.parameters()), soft_wrap=True)
         tables.print_table(verdict_table(findings))
-        if isinstance(scenario, SceneScenario):
-            tables.print_table(scene_table(finding_table({scenario: findings})))
         for variant, remarks in details(findings):
             console.print(tables.plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
@@ -260,34 +251,6 @@ def proofs(
         write_whole(out, study.table_text(found))
     if not all([*(proof.in_table for proof in found), *(edge.crosses for edge in edges)]):
         raise typer.Exit(ExitCode.FAILED)
-
-
-@app.command()
-@grouped
-def recipes(
-    *,
-    chosen: Annotated[
-        list[str] | None,
-        typer.Option("--engine", metavar="NAME[:FORMULATION]", help="An engine; may be repeated. Without it, all."),
-    ] = None,
-    store: Store = None,
-    out: TableFile = None,
-    work: Work,
-) -> None:
-    """Measure every set of the options that a recipe changes, in all scenes: creep, cost of a step, what gets worse.
-
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
-
-    Example: multibody-xval run recipes --engine mujoco
-    """
-    check_outs([out], TABLE_ENDINGS, store)
-    from multibody_xval.scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
-
-    recommended = named_recipes(chosen or [])
-    with work.evaluator(store, recommended) as evaluator:
-        rows = [row for each in recommended for row in study(each, evaluator)]
-    _end(out, RECIPE_COLUMNS, RECIPE_COLUMNS, rows)
 
 
 def _end(
