@@ -52,7 +52,7 @@ def recipe(
         check_installed(engine, engine_of(engine).unavailable_reason())
         with keeping(store):
             worst, costs = recipe_results(engine, computing.means(store))
-        scenes = worst.to_dict("index")
+        scenes = {str(name): {str(key): float(value) for key, value in own.items()} for name, own in worst.iterrows()}
     if as_json:
         print(json.dumps({"engine": engine, "recipe": text, "scenes": scenes, "cost": costs}, indent=2))
         return
