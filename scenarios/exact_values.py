@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Run
-from multibody_xval.scenarios.proven import proven
+from multibody_xval.scenarios.proven import in_table, proven
 from multibody_xval.scenarios.result_tables import is_exact, is_reference, rows_of
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.steady.richardson import ROUND_OFF, Estimate, richardson
@@ -51,7 +51,7 @@ def has_ruler(table: pd.DataFrame) -> pd.Series:
 
 def needs_exact_motion(case: Case) -> bool:
     """Whether the exact motion of a case is computed: it is not proven, short enough, under constant normal forces."""
-    return case not in proven() and case.cells <= MOST_EXACT_CELLS and not case.modulation
+    return in_table(case) not in proven() and case.cells <= MOST_EXACT_CELLS and not case.modulation
 
 
 def exact_values(table: pd.DataFrame) -> pd.DataFrame:
@@ -65,8 +65,8 @@ def exact_values(table: pd.DataFrame) -> pd.DataFrame:
     finest = {ladder.case: ladder for ladder in _ladders(table)}
     rows = []
     for case in dict.fromkeys(table.case):
-        if case in proven():
-            rows.append((case, proven()[case], PROVEN_BAR, "proven"))
+        if in_table(case) in proven():
+            rows.append((case, proven()[in_table(case)], PROVEN_BAR, "proven"))
         elif case in motions:
             ratio, residual = motions[case]
             rows.append((case, ratio, residual * MARGIN * growth.get(case, math.nan) + ROUND_OFF, "exact"))

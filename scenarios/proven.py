@@ -8,12 +8,14 @@ import cmath
 import csv
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from decimal import Decimal
 from functools import cache
 from importlib import resources
 from typing import NamedTuple
 
 from multibody_xval.scenarios.model import Case, case_of
+from reference_lcp.defaults import BASE_AMPLITUDE, FRICTION_COEFFICIENT
 
 TABLE = "proven.csv"
 """Ratios, what a chain has beside the paper's (as JSON), level, phase and transitions."""
@@ -43,7 +45,7 @@ class ProvenLevel(NamedTuple):
 
 @cache
 def proven_levels() -> Mapping[Case, ProvenLevel]:
-    """Read the table."""
+    """Read the table, by what `in_table` gives."""
     text = resources.files("multibody_xval.scenarios").joinpath(TABLE).read_text(encoding="utf-8")
     return dict(map(_read, csv.DictReader(text.splitlines())))
 
@@ -53,7 +55,14 @@ def _read(row: dict[str, str]) -> tuple[Case, ProvenLevel]:
     return case, ProvenLevel(Decimal(row["transmittance_db"]), Decimal(row["phase"]), int(row["events"]))
 
 
+def in_table(case: Case) -> Case:
+    """Give the case as the table has it: over U0, the motion depends on μ λ_N alone, and not on U0."""
+    if (case.friction_coefficient, case.displacement) == (FRICTION_COEFFICIENT, BASE_AMPLITUDE):
+        return case
+    return replace(case, friction_coefficient=FRICTION_COEFFICIENT, displacement=BASE_AMPLITUDE)
+
+
 @cache
 def proven() -> Mapping[Case, complex]:
-    """Give what is proven of transmittances, by case."""
+    """Give what is proven of transmittances, by what `in_table` gives."""
     return {case: level.transmittance for case, level in proven_levels().items()}

@@ -45,14 +45,14 @@ def proofs(
     crossing = sample is not None or _print_edges()
     if out is not None:
         write_whole(out, study.table_rows(table).to_csv(index=False, lineterminator="\n"))
-    if not (table.in_table.all() and crossing):
+    if not (table.as_known.all() and crossing):
         raise typer.Exit(ExitCode.FAILED)
 
 
 def _print_exceptions(table: pd.DataFrame) -> None:
     """Print what is not proven, and what is not as in the table."""
-    for own in table[table.level.isna() | ~table.in_table].itertuples():
-        other = "" if own.in_table else "not as in the table; "
+    for own in table[table.level.isna() | ~table.as_known].itertuples():
+        other = "" if own.as_known else "not as in the table; "
         print(visible(f"{own.case.title}: {other}{own.reason or own.level}"))
 
 

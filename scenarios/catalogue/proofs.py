@@ -15,7 +15,7 @@ from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.exact_values import MOST_EXACT_CELLS
 from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, Case
-from multibody_xval.scenarios.proven import DIGITS, RATIOS, ProvenLevel, proven_levels
+from multibody_xval.scenarios.proven import DIGITS, RATIOS, ProvenLevel, in_table, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import CLOSED
 from multibody_xval.scenarios.studies.accuracy_map import MAP, SIX
@@ -46,7 +46,7 @@ SUMMARY = {
     "points": ("case", "size"),
     "proven": ("level", "count"),
     "unique": ("unique", "sum"),
-    "as in the table": ("in_table", "sum"),
+    "as in the table": ("as_known", "sum"),
     "events": ("events", "max"),
     "radius [dB]": ("radius_db", "max"),
     "floats [dB]": ("float_error_db", "max"),
@@ -71,7 +71,7 @@ def standard_cases() -> list[Case]:
     """
     near = [Case(friction_ratio=friction, frequency_ratio=eta) for friction, own in RESOLVED.items() for eta in own]
     catalogue = [case for own in SCENARIOS.values() for case in own.cases.values() if isinstance(case, Case)]
-    cases = dict.fromkeys([*grid(quick=False), *grid(quick=True), *MAP, *SIX, *near, *catalogue])
+    cases = dict.fromkeys(map(in_table, [*grid(quick=False), *grid(quick=True), *MAP, *SIX, *near, *catalogue]))
     known = [case for case in cases if case.modulation <= CLOSED]
     papers = [case for case in known if not beside_paper(case)]
     papers.sort(key=lambda case: (case.friction_ratio, case.frequency_ratio))
@@ -110,10 +110,10 @@ def proof_of(case: Case) -> dict[str, Any]:
     try:
         state, reason = prove(exact_chain(case), digits=DIGITS + 1, time_limit=LONGEST_PROOF), ""
     except NotProven as problem:
-        return {"case": case, "reason": str(problem), "in_table": case not in proven_levels(), "unique": False}
+        return {"case": case, "reason": str(problem), "as_known": case not in proven_levels(), "unique": False}
     level = rounded(state)
     return {
-        "case": case, "level": level, "reason": reason, "in_table": _same(level, proven_levels().get(case)),
+        "case": case, "level": level, "reason": reason, "as_known": _same(level, proven_levels().get(case)),
         "unique": state.unique_by is Uniqueness.DAMPING, "events": level.events,
         "radius_db": float(state.transmittance_db.radius), "seconds": state.seconds, **_floats(case, state),
     }  # fmt: skip
@@ -122,7 +122,7 @@ def proof_of(case: Case) -> dict[str, Any]:
 def proofs(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """Give one row a point: what came of its proof, beside the motion in floating point.
 
-    Columns: ``case``, ``level`` (`ProvenLevel`, ``None`` without a proof), ``reason`` why there is none, ``in_table``:
+    Columns: ``case``, ``level`` (`ProvenLevel`, ``None`` without a proof), ``reason`` why there is none, ``as_known``:
     whether the shipped table has just this, ``unique`` by damping, ``events``, ``radius_db`` and ``seconds`` of the
     proof; of the event-driven motion in floating point ``float_error_db``, above `FLOOR_DB` alone, and ``float_error``
     in amplitude over U0; of the scheme ``part_of_bar``, its error over its error bar. Floating point and scheme are
@@ -131,7 +131,7 @@ def proofs(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     columns = ["case", "level", "reason", *(name for name, _ in SUMMARY.values())]
     table = pd.DataFrame(list(rows), columns=list(dict.fromkeys(columns)))
     numbers = ("events", "radius_db", "seconds", "float_error_db", "float_error", "part_of_bar")
-    return table.astype({**dict.fromkeys(numbers, float), "unique": bool, "in_table": bool})
+    return table.astype({**dict.fromkeys(numbers, float), "unique": bool, "as_known": bool})
 
 
 def rounded(state: ProvenSteadyState) -> ProvenLevel:

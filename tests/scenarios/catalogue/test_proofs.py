@@ -12,7 +12,7 @@ from multibody_xval.scenarios.catalogue import edge_proofs, proofs
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.edges.finding import curves, hidden
 from multibody_xval.scenarios.exact_values import exact_values, ruler
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Result, Run, linear_limits
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Result, Run, Status, linear_limits
 from multibody_xval.scenarios.proven import proven, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import points
@@ -49,7 +49,7 @@ def due(day: int) -> list[Case]:
 def test_this_days_part_of_the_table_is_proven_again() -> None:
     pytest.importorskip("flint", reason="it needs python-flint")
     table = proofs.proofs([proofs.proof_of(case) for case in due(date.today().toordinal())])
-    assert table[~table.in_table].case.tolist() == []
+    assert table[~table.as_known].case.tolist() == []
     assert set(table[table.level.isna()].case) <= STILL
     assert table.float_error_db.max() <= FLOATS_DB
     assert table.float_error.max() <= FLOATS
@@ -120,6 +120,15 @@ def test_nothing_is_proven_of_another_chain(changes) -> None:
     assert replace(CASE, **changes) not in proven()
 
 
+def test_what_is_proven_holds_for_every_amplitude_and_coefficient_of_friction() -> None:
+    others = [replace(CASE, displacement=1.0), replace(CASE, friction_coefficient=0.2)]
+    runs = ruler((case, 400) for case in others)
+    assert {run.config for run in runs} == {REFERENCE}
+    table = exact_values(points(Stored(run, "1", Result(status=Status.FAILED)) for run in runs))
+    assert table.exact_kind.tolist() == ["proven"] * 2
+    assert set(table.exact) == {proven()[CASE]}
+
+
 def test_other_chains_of_the_catalogue_have_a_proven_level() -> None:
     """Each with its own ratios, one a cell where cells differ, and a modulated normal force."""
     chains = [proofs.beside_paper(case) for case in proven_levels()]
@@ -153,8 +162,8 @@ def test_floating_point_loses_decibels_in_a_deep_antiresonance_but_no_amplitude(
 
 def test_the_summary_has_a_row_a_friction_ratio_one_of_other_chains_and_one_of_all() -> None:
     cases = [CASE, replace(CASE, frequency_ratio=0.7), replace(CASE, friction_ratio=0.6), replace(CASE, cells=3)]
-    rows = [{"case": case, "level": proven_levels()[CASE], "in_table": True, "unique": True} for case in cases]
-    rows[1] |= {"level": None, "in_table": False, "unique": False}
+    rows = [{"case": case, "level": proven_levels()[CASE], "as_known": True, "unique": True} for case in cases]
+    rows[1] |= {"level": None, "as_known": False, "unique": False}
     texts = proofs.summary(proofs.proofs(rows)).set_index("friction")
     assert texts.points.to_dict() == {"0.3": "2", "0.6": "1", "other chains": "1", "all": "4"}
     assert texts.proven.to_dict() == {"0.3": "1", "0.6": "1", "other chains": "1", "all": "3"}
@@ -165,10 +174,10 @@ def test_the_summary_has_a_row_a_friction_ratio_one_of_other_chains_and_one_of_a
 @pytest.mark.slow
 def test_only_what_dashpots_make_unique_counts_as_such() -> None:
     pytest.importorskip("flint", reason="it needs python-flint")
-    undamped = [case for case in proven() if case.damping_ratio == 0]
-    assert undamped
-    rows = [proofs.proof_of(case) for case in (undamped[0], CASE)]
+    alone = replace(CASE, cells=1, mass_ratio=1e6, frequency_ratio=1131.370849898476)
+    rows = [proofs.proof_of(replace(alone, damping_ratio=damping)) for damping in (0.0, 1e-9)]
     assert [row["unique"] for row in rows] == [False, True]
+    assert [row["level"] is None for row in rows] == [False, False]
 
 
 def test_the_exact_value_of_standard_points_is_proven_and_no_exact_motion_is_planned() -> None:
