@@ -50,8 +50,13 @@ def has_ruler(table: pd.DataFrame) -> pd.Series:
 
 
 def needs_exact_motion(case: Case) -> bool:
-    """Whether the exact motion of a case is computed: it is not proven, short enough, under constant normal forces."""
-    return in_table(case) not in proven() and case.cells <= MOST_EXACT_CELLS and not case.modulation
+    """Whether the exact value of a case is that of its exact motion: it has one, and is not proven."""
+    return in_table(case) not in proven() and has_exact_motion(case)
+
+
+def has_exact_motion(case: Case) -> bool:
+    """Whether the motion from event to event is computed: of short chains, under constant normal forces."""
+    return case.cells <= MOST_EXACT_CELLS and not case.modulation
 
 
 def exact_values(table: pd.DataFrame) -> pd.DataFrame:

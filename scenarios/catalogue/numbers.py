@@ -43,6 +43,8 @@ DECIDING = [
 RELATIVE = ("transmittance", "share")
 """Accuracies that are stated as a part of the number."""
 
+CLOSED_FORM = "closed form"
+
 DONE = (Status.PERIODIC, Status.FINISHED)
 
 Row = dict[str, Any]
@@ -117,7 +119,7 @@ def _parts(
     for quantity in scenario.quantities:
         if quantity.of is not None and not quantity.of(own.run.case):
             continue
-        if quantity is TRANSMITTANCE:
+        if quantity.name == TRANSMITTANCE.name:
             yield quantity, levels[own.run, own.version]
         elif quantity.read is None:
             yield quantity, together.get(quantity.name, {})
@@ -179,9 +181,10 @@ def _shared(table: pd.DataFrame) -> "pd.Series[float]":
 
 def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[Run, str], Row]:
     """Give the judged transmittances of steady states, level and phase as one complex number."""
-    if TRANSMITTANCE not in scenario.quantities:
+    quantity = next((own for own in scenario.quantities if own.name == TRANSMITTANCE.name), None)
+    if quantity is None:
         return {}
-    rows = judged(points(stored))
+    rows = judged(points(stored), closed_forms=_closed_forms(scenario, quantity))
     rows = rows.assign(**parts_of(rows))
     found = {}
     for row in rows.to_dict("records"):
@@ -192,6 +195,14 @@ def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[
             "error": abs(row["ratio"] - row["exact"]),
         }
     return found
+
+
+def _closed_forms(scenario: Scenario, quantity: Quantity) -> pd.DataFrame | None:
+    """Give the closed forms of transmittances, as `exact_values.exact_values` gives other ones."""
+    if not callable(quantity.exact):
+        return None
+    rows = [(case, quantity.exact(case), quantity.bar(case), CLOSED_FORM) for case in scenario.cases.values()]
+    return pd.DataFrame(rows, columns=["case", "exact", "exact_bar", "exact_kind"]).astype({"exact": complex})
 
 
 class _Ruler:
@@ -223,7 +234,7 @@ class _Ruler:
     def _known(self, quantity: Quantity, run: Run) -> Known:
         if quantity.step_error is not None:
             assert callable(quantity.exact), "a step's error in closed form goes with a closed form"
-            return Known(quantity.exact(run.case), 0.0, "closed form", quantity.step_error(run))
+            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, quantity.step_error(run))
         assert quantity.read is not None, "it is read alone"
         ladder = self.ladder(run)
         counts = list(ladder)
@@ -233,7 +244,7 @@ class _Ruler:
         first, last = (richardson(counts, np.array(values), at=counts[place]) for place in (0, -1))
         scheme = largest(first.error), values[0]
         if callable(quantity.exact):
-            return Known(quantity.exact(run.case), 0.0, "closed form", *scheme)
+            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, *scheme)
         if quantity.exact is Exact.LADDER:
             return Known(_plain(last.extrapolated), largest(last.error), str(Exact.LADDER), *scheme)
         motion = self.exact(run.case)
