@@ -59,6 +59,14 @@ class Known(NamedTuple):
     scheme_error: float = math.nan
     reference: Number = math.nan
     """Of the scheme itself with these steps."""
+    over: Number = 1.0
+    """What a number is given over."""
+
+    def over_exact(self) -> "Known":
+        """Give all over the exact value."""
+        unit = self.exact
+        bar, scheme_error = (size / abs(unit) for size in (self.bar, self.scheme_error))
+        return Known(unit / unit, bar, self.kind, scheme_error, self.reference / unit, unit)
 
 
 def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
@@ -71,6 +79,8 @@ def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
     known = list(stored)
     configs = dict.fromkeys(own.run.config for own in known if own.run.config != EXACT)
     names = {run: name for config in configs for name, run in scenario.own_runs(config).items()}
+    asked = {run: run for run in names}  # whose drives are here: stored ones know a user's record by its hash alone
+    known = [own._replace(run=asked.get(own.run, own.run)) for own in known]
     ruler, levels = _Ruler(scenario, known), _transmittances(scenario, known)
     rows = [
         _labels(scenario, names[own.run], own, quantity) | part
@@ -132,8 +142,9 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     assert quantity.read is not None, "it is read alone"
     run, known, about = own.run, ruler.known(quantity, own.run), about_config(own.run)
     expected_is_scheme = about["shares_scheme"] and quantity.step_error is None
-    value: Number = quantity.read(own.result, run) if own.result.status in DONE else math.nan
-    amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else quantity.per_amplitude
+    value: Number = quantity.read(own.result, run) / known.over if own.result.status in DONE else math.nan
+    per_amplitude = quantity.per_amplitude / largest(known.over)
+    amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else per_amplitude
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
@@ -232,6 +243,10 @@ class _Ruler:
         return {steps: found[steps] for steps in wanted} if all(steps in found for steps in wanted) else {}
 
     def _known(self, quantity: Quantity, run: Run) -> Known:
+        known = self._as_read(quantity, run)
+        return known.over_exact() if quantity.over_exact else known
+
+    def _as_read(self, quantity: Quantity, run: Run) -> Known:
         if quantity.step_error is not None:
             assert callable(quantity.exact), "a step's error in closed form goes with a closed form"
             return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, quantity.step_error(run))

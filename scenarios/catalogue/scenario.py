@@ -60,6 +60,8 @@ class Quantity:
     finer steps shows that error."""
     resolution: Callable[[Run, Number], float] = NOTHING
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
+    over_exact: bool = False
+    """It is given over its exact value, and so are all its parts but `resolution` and `effect`, which are of that."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
     effect: Callable[[AnyCase, Number], float] | None = None
