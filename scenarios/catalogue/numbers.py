@@ -143,6 +143,8 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     run, known, about = own.run, ruler.known(quantity, own.run), about_config(own.run)
     expected_is_scheme = about["shares_scheme"] and quantity.step_error is None
     value: Number = quantity.read(own.result, run) / known.over if own.result.status in DONE else math.nan
+    if quantity.between:
+        known = known._replace(exact=float(np.clip(value, *quantity.between)))
     per_amplitude = quantity.per_amplitude / largest(known.over)
     amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else per_amplitude
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]

@@ -55,6 +55,8 @@ class Quantity:
     """Where the exact value is from, or its closed form."""
     bar: Callable[[AnyCase], float] = NOTHING
     """Error bar of a closed form: what it leaves out."""
+    between: tuple[float, float] | None = None
+    """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
     step_error: Callable[[Run], float] | None = None
     """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
     finer steps shows that error."""
@@ -171,12 +173,17 @@ def _of_scenes(name: str, case: SceneMotion, *, named: bool) -> list[Config]:
 COMMON_STEP = 0.001
 """Time step at which all engines run scenes, beside their own [s]."""
 
+OWN_STEP = "own step"
+"""Said of cases at the engine's own time step, where that is another one."""
 
-def scene_steps(config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps of a scene: those of the engine's own time step, and those of the common one."""
+
+def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON_STEP,)) -> dict[str, int]:
+    """Give the steps of a scene: those of the engine's own time step, and those of common ones [s]."""
     assert isinstance(case, SceneMotion), "a scene"
-    own, common = engine(config.engine).scene_step, {f"{1e3 * COMMON_STEP:g} ms": round(case.time / COMMON_STEP)}
-    return common if math.isnan(own) or own == COMMON_STEP else {"own step": round(case.time / own), **common}
+    own = engine(config.engine).scene_step
+    named = {} if math.isnan(own) or own == COMMON_STEP else {OWN_STEP: own}
+    named |= {f"{1e3 * step:g} ms": step for step in common if step not in named.values()}
+    return {name: round(case.time / step) for name, step in named.items()}
 
 
 def steps_a_row(count: int = 1) -> Steps:
