@@ -184,7 +184,11 @@ def _cases(first: str, count: int) -> str:
 
 def meanings(scenario: Scenario) -> str:
     """Say what the numbers of a scenario are."""
-    return " ".join(f"{own.name}: {own.meaning[0].lower()}{own.meaning[1:]}" for own in scenario.quantities)
+    by_meaning = {
+        own.meaning: [each.name for each in scenario.quantities if each.meaning == own.meaning]
+        for own in scenario.quantities
+    }
+    return " ".join(f"{', '.join(names)}: {text[0].lower()}{text[1:]}" for text, names in by_meaning.items())
 
 
 def errors(rows: pd.DataFrame) -> list[str]:

@@ -27,8 +27,8 @@ ENDINGS = (".md", ".json", ".csv")
 
 EXIT_CODES = (
     "Exit code 0: no judged number deviates; 1: one does, or more than a quarter of a judged preset's numbers are "
-    "missing, or more than a quarter of a named engine's runs fail; 2: wrong input; 3: results or --out could not be written; "
-    "130: interrupted."
+    "missing, or more than a quarter of a named engine's runs fail; 2: wrong input; 3: results or --out could not be "
+    "written; 130: interrupted."
 )
 
 

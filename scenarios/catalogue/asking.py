@@ -1,6 +1,7 @@
 """Scenarios that are asked: their runs are computed or read, and become numbers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pandas as pd
@@ -47,7 +48,8 @@ def answers(scenarios: Sequence[Scenario], engines: Sequence[str], means: Means)
     runs = [run for own in scenarios for run in own.runs(configs[own.name])]
     what = scenarios[0].name if len(scenarios) == 1 else f"{len(scenarios)} scenarios"
     known = {row.run: row for row in computed(runs, means, what)}
-    return pd.concat([_numbers(own, configs[own.name], known) for own in scenarios], ignore_index=True)
+    with _readable(means.store):
+        return pd.concat([_numbers(own, configs[own.name], known) for own in scenarios], ignore_index=True)
 
 
 def stored_answers(scenarios: Sequence[Scenario], engines: Sequence[str], store: Path) -> pd.DataFrame:
@@ -67,12 +69,25 @@ def stored_answers(scenarios: Sequence[Scenario], engines: Sequence[str], store:
     for own in scenarios:
         asked = own.configs(engines) if engines else there
         configs = [config for config in asked if any(run in known for run in own.own_runs(config).values())]
-        tables.append(_numbers(own, configs, known))
+        with _readable(store):
+            tables.append(_numbers(own, configs, known))
     table = pd.concat(tables, ignore_index=True)
     if table.empty:
         names = ", ".join(own.name for own in scenarios)
         raise ParameterError(f"store {store} holds no results of {names}; allowed: without --no-run, to run them")
     return table
+
+
+@contextmanager
+def _readable(store: Path | None) -> Iterator[None]:
+    """Refuse results of a file that anybody may have written, and that lack what their runs give."""
+    try:
+        yield
+    except (LookupError, ValueError, TypeError) as problem:
+        if store is None or isinstance(problem, ParameterError):
+            raise
+        what = f"holds a result that lacks what its run gives: {type(problem).__name__}: {problem}"
+        raise ParameterError(f"store {store} {what}; allowed: what this suite writes") from problem
 
 
 def _newest(stored: Sequence[Stored]) -> dict[Run, Stored]:

@@ -69,8 +69,7 @@ def _by(off: pd.DataFrame) -> str:
     times = over_allowed(off).max()
     size = "any amount, where nothing is allowed"
     if np.isfinite(times):
-        size = f"{times:,.0f}" if times >= 10 else f"{times:.2g}"
-        size += " times what is allowed"
+        size = f"{float(f'{times:.2g}'):,g} times what is allowed"
     return f"{size} ({worst.quantity}; {worst.case})"
 
 
@@ -91,6 +90,7 @@ def conclusion(rows: pd.DataFrame, reasons: Sequence[str]) -> str:
     agreeing = int((own.verdict == AGREES).sum())
     one = "s" * (len(names) == 1)
     if agreeing == len(own):
-        return f"{who} agree{one} with what is expected in all {len(own)} numbers."
+        every = f"all {len(own)} numbers" if len(own) > 1 else "the only number"
+        return f"{who} agree{one} with what is expected in {every}."
     other = f"{agreeing} of {len(own)} numbers, and deviate{one} in none ({counts(own[own.verdict != AGREES])})"
     return f"{who} agree{one} with what is expected in {other}."
