@@ -22,7 +22,7 @@ from multibody_xval.scenarios.catalogue.numbers import COLUMNS
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import Case, Config
-from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, records
+from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, markdown_text, records
 
 MOST_CONFIGURATIONS = 3
 """Configurations that have a table each; more of them have a row each."""
@@ -217,15 +217,15 @@ def tables(rows: pd.DataFrame, *, details: bool) -> Iterator[tuple[str, pd.DataF
 
 def markdown(answer: Answer) -> str:
     """Give a comment for a pull request: one sentence, a table, all else folded."""
-    lines = [f"## Scenarios: {'fail' if answer.reasons else 'pass'}", "", answer.conclusion, ""]
+    lines = [f"## Scenarios: {'fail' if answer.reasons else 'pass'}", "", markdown_text(answer.conclusion), ""]
     lines += [*markdown_lines(_flat(overview(answer.rows))), ""]
     for scenario in answer.scenarios:
         rows = answer.of(scenario)
         lines += [f"<details><summary>{scenario.name}</summary>", "", *markdown_list(asked(scenario, rows)), ""]
         for name, table in tables(rows, details=True):
-            lines += [name, "", *markdown_lines(_flat(table)), ""]
+            lines += [markdown_text(name), "", *markdown_lines(_flat(table)), ""]
         lines += [*markdown_list(why(rows)), "", "</details>", ""]
-    return "\n".join([*lines, f"Made by `{answer.command}`. {_versions(answer.rows)}", ""])
+    return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(_versions(answer.rows))}", ""])
 
 
 def _flat(table: pd.DataFrame) -> pd.DataFrame:
