@@ -24,6 +24,7 @@ from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.exact_values import LADDER
 from multibody_xval.scenarios.judge import DB, decided, judged, parts_of
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.result_tables import CONFIG, full_name, of_config, points
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
@@ -57,6 +58,14 @@ class Known(NamedTuple):
     scheme_error: float = math.nan
     reference: Number = math.nan
     """Of the scheme itself with these steps."""
+    over: Number = 1.0
+    """What a number is given over."""
+
+    def over_exact(self) -> "Known":
+        """Give all over the exact value."""
+        unit = self.exact
+        bar, scheme_error = (size / abs(unit) for size in (self.bar, self.scheme_error))
+        return Known(unit / unit, bar, self.kind, scheme_error, self.reference / unit, unit)
 
 
 def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
@@ -70,6 +79,8 @@ def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
     known = list(stored)
     configs = dict.fromkeys(own.run.config for own in known if own.run.config != EXACT)
     names = {run: name for config in configs for name, run in scenario.own_runs(config).items()}
+    asked = {run: run for run in names}  # whose drives are here: stored ones know a user's record by its hash alone
+    known = [own._replace(run=asked.get(own.run, own.run)) for own in known]
     ruler, levels = _Ruler(scenario, known), _transmittances(scenario, known)
     rows = [
         _labels(scenario, names[own.run], own, quantity) | part
@@ -104,7 +115,10 @@ def about_config(run: Run) -> Row:
     if isinstance(case, SceneMotion):
         return of_config(run.config, swings=False) | {"judged": "scenes" in preset.judged, "shares_scheme": False}
     modulation = case.modulation if isinstance(case, Case) else 0.0
-    return of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
+    about = of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
+    if isinstance(case, BlockMotion) and case.direction and preset.turned_bound is not None:
+        return about | {"judged": False}  # its friction is stated to be a pyramid, no cone
+    return about
 
 
 def _parts(
@@ -131,8 +145,9 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     assert quantity.read is not None, "it is read alone"
     run, known, about = own.run, ruler.known(quantity, own.run), about_config(own.run)
     expected_is_scheme = about["shares_scheme"] and quantity.step_error is None
-    value: Number = quantity.read(own.result, run) if own.result.status in DONE else math.nan
-    amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else quantity.per_amplitude
+    value: Number = quantity.read(own.result, run) / known.over if own.result.status in DONE else math.nan
+    per_amplitude = quantity.per_amplitude / largest(known.over)
+    amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else per_amplitude
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
@@ -223,9 +238,12 @@ class _Ruler:
         return {steps: found[steps] for steps in wanted} if all(steps in found for steps in wanted) else {}
 
     def _known(self, quantity: Quantity, run: Run) -> Known:
+        known = self._as_read(quantity, run)
+        return known.over_exact() if quantity.over_exact else known
+
+    def _as_read(self, quantity: Quantity, run: Run) -> Known:
         if quantity.step_error is not None:
-            assert callable(quantity.exact), "a step's error in closed form goes with a closed form"
-            return Known(quantity.exact(run.case), 0.0, "closed form", quantity.step_error(run))
+            return Known(*self._exact_value(quantity, run.case), quantity.step_error(run))
         assert quantity.read is not None, "it is read alone"
         ladder = self.ladder(run)
         counts = list(ladder)
@@ -234,15 +252,20 @@ class _Ruler:
             return Known()
         first, last = (richardson(counts, np.array(values), at=counts[place]) for place in (0, -1))
         scheme = largest(first.error), values[0]
-        if callable(quantity.exact):
-            return Known(quantity.exact(run.case), 0.0, "closed form", *scheme)
         if quantity.exact is Exact.LADDER:
             return Known(_plain(last.extrapolated), largest(last.error), str(Exact.LADDER), *scheme)
-        motion = self.exact(run.case)
+        return Known(*self._exact_value(quantity, run.case), *scheme)
+
+    def _exact_value(self, quantity: Quantity, case: AnyCase) -> tuple[Number, float, str]:
+        """Give the exact value, its bar and its kind, of a closed form or of the exact motion."""
+        if callable(quantity.exact):
+            return quantity.exact(case), 0.0, "closed form"
+        assert quantity.exact is Exact.MOTION, "a step's error in closed form needs no ladder"
+        assert quantity.read is not None, "it is read alone"
+        motion = self.exact(case)
         if motion is None:
-            return Known()
-        bar = ROUND_OFF * quantity.per_amplitude
-        return Known(quantity.read(motion[1], motion[0]), bar, str(Exact.MOTION), *scheme)
+            return math.nan, math.nan, ""
+        return quantity.read(motion[1], motion[0]), ROUND_OFF * quantity.per_amplitude, str(Exact.MOTION)
 
 
 def _plain(values: Any) -> Number:

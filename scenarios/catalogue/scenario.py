@@ -55,10 +55,12 @@ class Quantity:
     exact: Exact | Callable[[AnyCase], Number] = Exact.MOTION
     """Where the exact value is from, or its closed form."""
     step_error: Callable[[Run], float] | None = None
-    """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
-    finer steps shows that error."""
+    """Error of Euler's step in closed form; all are then compared with the exact value, which no ladder gives. Without
+    it, the reference at finer steps shows that error."""
     resolution: Callable[[Run, Number], float] = NOTHING
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
+    over_exact: bool = False
+    """It is given over its exact value, and so are all its parts but `resolution` and `effect`, which are of that."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
     effect: Callable[[AnyCase, Number], float] | None = None
@@ -124,9 +126,8 @@ class Scenario:
 
     def _ruler(self, own: Sequence[Run]) -> list[Run]:
         """Give the reference at ever finer steps, and the exact motions."""
-        if all(quantity.step_error is not None for quantity in self.quantities):
-            return []
-        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER]
+        stepped = any(quantity.step_error is None for quantity in self.quantities)
+        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER if stepped]
         first = {run.case: run.steps for run in reversed(own)}
         exact = [Run(EXACT, case, steps * self.exact_refinement) for case, steps in first.items() if self._exact(case)]
         return [*finer, *exact]
