@@ -57,8 +57,8 @@ def _points(rows: pd.DataFrame) -> list[str]:
     """Name the case of every row, and the steps where one configuration has several."""
     several = rows.groupby("configuration").steps.transform("nunique") > 1
     named = zip(rows.case, rows.steps, several, strict=True)
-    titles = [(getattr(case, "title", case), steps, more) for case, steps, more in named]
-    return [f"{title}, {steps} steps" if more else str(title) for title, steps, more in titles]
+    titles = [(case if isinstance(case, str) else case.title, steps, more) for case, steps, more in named]
+    return [f"{title}, {steps} steps" if more else title for title, steps, more in titles]
 
 
 def overview(changes: pd.DataFrame) -> pd.DataFrame:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from multibody_xval.reports.changes import changed_points
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare import compare, conclusion, fails
 from multibody_xval.scenarios.compute.batch import run_batch
@@ -64,6 +65,7 @@ def test_what_has_changed_is_said_with_both_errors(changes) -> None:
     value = f"{rows.value_before['distance']:.5g} → {rows.value_now['distance']:.5g}"
     assert rows.what["distance"].startswith(f"{value}, error ")
     assert "regressed, " in conclusion(rows, "before", "now")
+    assert changed_points(rows.reset_index()).point.tolist() == [rows.case["distance"]]
 
 
 @pytest.mark.parametrize(
