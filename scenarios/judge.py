@@ -46,10 +46,13 @@ VERDICTS = (AGREES, DEVIATES, TOO_LARGE, "not periodic", "failed", "unsupported"
 
 
 @np.errstate(invalid="ignore", divide="ignore")
-def judged(table: pd.DataFrame, ruler: pd.DataFrame | None = None) -> pd.DataFrame:
+def judged(
+    table: pd.DataFrame, ruler: pd.DataFrame | None = None, closed_forms: pd.DataFrame | None = None
+) -> pd.DataFrame:
     """Add exact value, error, what is expected and allowed, and the verdict to every row but those of the exact motion.
 
-    The reference and the exact motion that they are judged by are those of another table, `ruler`, where one is given.
+    The reference and the exact motion that they are judged by are those of another table, `ruler`, where one is given;
+    exact values are those of a table like that of `exact_values`, `closed_forms`, where one is given.
 
     Added columns: ``exact_db``, ``exact_deg``, ``exact_kind``; the error to the exact value as ``error_db``,
     ``error_deg`` and ``error_percent`` (of the complex distance); ``expected``: exact value, or reference at equal
@@ -57,7 +60,8 @@ def judged(table: pd.DataFrame, ruler: pd.DataFrame | None = None) -> pd.DataFra
     """
     rows = table[~is_exact(table)].reset_index(drop=True)
     by = table if ruler is None else ruler
-    rows = rows.merge(exact_values(by), on="case", how="left")
+    exact = exact_values(by) if closed_forms is None else closed_forms
+    rows = rows.merge(exact, on="case", how="left")
     rows = rows.merge(scheme_errors(by), on=["case", "steps"], how="left")
     rows = rows.assign(distance=_distance(rows), expected=_expected(rows))
     return rows.assign(**_errors(rows), **decided(parts_of(rows)))

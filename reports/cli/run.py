@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.laws import laws
 from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
+from multibody_xval.reports.cli.proofs import proofs
 from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile, accuracy, figure3, work_precision
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table, tracked, visible
+from reference_lcp.terminal import print_table, visible
 
 if TYPE_CHECKING:
     from multibody_xval.scenarios.catalogue.verdict_table import Results
@@ -23,15 +25,17 @@ if TYPE_CHECKING:
 RECORD = "record"
 """The scenario whose base follows a file."""
 
-STUDIES = {"figure3": figure3, "accuracy": accuracy, "work-precision": work_precision}
-"""Commands about the paper's chain; the first one has points of a scenario, and answers the paper's claims too."""
+STUDIES = {
+    "figure3": figure3, "accuracy": accuracy, "work-precision": work_precision, "laws": laws, "proofs": proofs,
+}  # fmt: skip
+"""Measurements; the first one has points of a scenario, and answers the paper's claims too."""
 
 ENDINGS = (".md", ".json", ".csv")
 """Formats of verdicts."""
 
 EXPERIMENTS = {
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
-    "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
+    "laws": "How well does the law of each preset predict its engine over a period?",
     "proofs": "What is the exact transmittance at every point of the standard grids, proven?",
     "work-precision": "How large is each engine's error to the proven value, over the time of a simulated second?",
     "recipes": "Which options make friction hold in a user's own model, in each engine, and what do they cost?",
@@ -194,72 +198,6 @@ def print_results(results: Results) -> None:
     for scenario, own in results.items():
         for line in (*engine_failures(own), *failures(own)):
             console.print(tables.plain(f"{scenario.name}: {line}"), soft_wrap=True)
-
-
-@app.command()
-@grouped
-def laws(engines: Engines, *, store: Store = None, out: TableFile = None, work: Work) -> None:
-    """Compare engines with the laws of their presets: deviation from the reference, and error of the prediction.
-
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
-
-    Example: multibody-xval run laws --engine mujoco --out laws.md
-    """
-    from multibody_xval.scenarios.studies.law_agreement import (
-        LAW_COLUMNS,
-        beside_the_reference,
-        law_agreements,
-        law_document,
-    )
-
-    shown = beside_the_reference(engines.variants())
-    check_outs([out], TABLE_ENDINGS, store)
-    with work.evaluator(store, shown) as evaluator:
-        rows = law_agreements(shown, evaluator)
-    _end(out, LAW_COLUMNS, LAW_COLUMNS, rows, lambda: law_document(rows, engines.command("laws")))
-
-
-@app.command()
-def proofs(
-    *,
-    sample: Annotated[int | None, typer.Option(help="Prove so many points at random instead of all.")] = None,
-    seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
-    out: Annotated[Path | None, typer.Option(help="Write the proven levels here, as .csv.")] = None,
-) -> None:
-    """Prove the steady states of standard grids and catalogue, and compare their levels with the table of the suite.
-
-    Levels on both sides of the edges of the band are proven too, unless it is a sample.
-    Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written;
-    130: interrupted.
-
-    Example: multibody-xval run proofs --sample 20
-    """
-    check_outs([out], (".csv",))
-    from multibody_xval.scenarios import tables
-    from multibody_xval.scenarios.catalogue import proofs as study
-    from multibody_xval.scenarios.verdicts.proven import DIGITS
-    from reference_lcp.defaults import PROOF_TIME_LIMIT
-    from reference_lcp.exact.proof.prove import check_request
-
-    tasks = study.chosen_tasks(sample, seed)
-    check_request(DIGITS, PROOF_TIME_LIMIT)
-    found = [study.proof_of(task) for task in tracked(tasks, "points")]
-    tables.print_table(tables.text_table(study.PROOF_COLUMNS, study.by_chain(found)))
-    for proof in found:
-        if proof.proven is None or not proof.in_table:
-            other = "" if proof.in_table else "not as in the table; "
-            print(visible(f"{proof.label}: {other}{proof.reason or proof.level}"))
-    edges = study.edge_proofs() if sample is None else []
-    for edge in edges:
-        print(edge)
-    for friction in dict.fromkeys(edge.friction_ratio for edge in edges):
-        known, steps = study.known_steps(friction)
-        print(f"friction {friction:g}: all crossings are known in {known} of {steps} steps of the grid: nothing slips")
-    if out is not None:
-        write_whole(out, study.table_text(found))
-    if not all([*(proof.in_table for proof in found), *(edge.crosses for edge in edges)]):
-        raise typer.Exit(ExitCode.FAILED)
 
 
 @app.command()

@@ -61,6 +61,16 @@ def block_motion(case: AnyCase) -> BlockMotion:
     return case
 
 
+CARRIER_PHASE = 1e-3
+"""ω_c times the length of a motion [rad]: the spring of a carrier that is free along the row, but for that spring,
+changes what it does by 5e-7 of its way."""
+
+
+def on_free_carrier(block: Block, time: float) -> Block:
+    """Give a block whose carrier is free along the row, but for a weak spring, in a motion of this length [s]."""
+    return replace(block, carrier_frequency=CARRIER_PHASE / time, carrier_damping=0.0)
+
+
 def rounded(run: Run) -> float:
     """Give by how much roundings of positions move a slip over a motion [m]: they add up as the root of their number.
 
@@ -71,12 +81,17 @@ def rounded(run: Run) -> float:
     return ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * largest * math.sqrt(run.steps)
 
 
+def compliance(run: Run) -> float:
+    """Give the residual slip compliance that the preset states of the contact."""
+    preset = run.config.preset
+    return (preset.modulated() if is_pressed(run) else preset).residual_slip_compliance
+
+
 def left_speed(run: Run) -> float:
     """Give the velocity that the residual slip compliance of a preset leaves to a block at rest [m/s]."""
-    case, preset = block_motion(run.case), run.config.preset
-    compliance = (preset.modulated() if is_pressed(run) else preset).residual_slip_compliance
+    case = block_motion(run.case)
     inverse_mass = float(1 / case.chain.inner_mass[0] + 1 / case.chain.outer_mass[0])
-    return compliance * case.block.bound * inverse_mass * case.time / run.steps
+    return compliance(run) * case.block.bound * inverse_mass * case.time / run.steps
 
 
 def no_drift(over: float) -> Callable[[Run, Number], float]:
@@ -108,13 +123,16 @@ FOLLOWED = 2
 """Times the stopping time for which a motion is followed."""
 
 
-def thrown(scale: Scale, time: float, direction: float = 0.0) -> BlockMotion:
-    """Give a block that is thrown over its carrier so fast that it comes to rest after a time [s]."""
+def thrown(scale: Scale, time: float, spring_length: float = SPRING_LENGTH, followed: float = FOLLOWED) -> BlockMotion:
+    """Give a block that is thrown over its carrier so fast that it comes to rest after a time [s].
+
+    Its spring is so long over the distance, and it is followed for so long over the time.
+    """
     velocity = scale.deceleration * time
     distance = velocity * time / 2
     return BlockMotion(
-        block=scale.block(SPRING_LENGTH * distance), drive=StillBase(distance), slip_velocity=velocity,
-        direction=direction, time=FOLLOWED * time, rows=round(FOLLOWED * time / TIME_STEP),
+        block=scale.block(spring_length * distance), drive=StillBase(distance), slip_velocity=velocity,
+        time=followed * time, rows=round(followed * time / TIME_STEP),
     )  # fmt: skip
 
 

@@ -36,6 +36,18 @@ def scene_motion(case: AnyCase) -> SceneMotion:
     return case
 
 
+def box_scene(case: AnyCase) -> ContactScene:
+    """Give the scene of a case, which is of boxes."""
+    scene = scene_motion(case).scene
+    assert isinstance(scene, ContactScene), "a scene of boxes"
+    return scene
+
+
+def time_step(run: Run) -> float:
+    """Give the time step of a scene [s]."""
+    return scene_motion(run.case).time / run.steps
+
+
 def rounded(run: Run, size: float = 1.0) -> float:
     """Give by how much roundings of positions of this `size` [m] or angles [rad] move a body at most."""
     return ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * size
@@ -43,8 +55,7 @@ def rounded(run: Run, size: float = 1.0) -> float:
 
 def in_the_plane(run: Run) -> tuple[int, int]:
     """Give the two axes of the plane that holds a box, of along, across and off."""
-    scene = scene_motion(run.case).scene
-    return (2, 1) if isinstance(scene, ContactScene) and scene.grip else (0, 1)
+    return (2, 1) if box_scene(run.case).grip else (0, 1)
 
 
 def drift(result: Result, run: Run) -> float:
@@ -66,14 +77,16 @@ def sag(result: Result, run: Run) -> float:
 at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0))
 """A number of a body that friction should hold."""
 
+DRIFT = at_rest(
+    name="drift", unit="µm/s", read=drift, resolution=drift_resolution, accuracy="drift",
+    meaning=f"Mean velocity over {HOLDING:g} s of a box that friction should hold.",
+)  # fmt: skip
+
 HELD = (
-    at_rest(
-        name="drift", unit="µm/s", read=drift, resolution=drift_resolution, accuracy="drift",
-        meaning=f"Mean velocity over {HOLDING:g} s of a body that friction should hold.",
-    ),
+    DRIFT,
     at_rest(
         name="sag", unit="mm", read=sag, resolution=always(SAG_RESOLUTION),
-        meaning="Way of a body that friction should hold since the scene was built.",
+        meaning="Way of a box that friction should hold since the scene was built.",
     ),
 )  # fmt: skip
 

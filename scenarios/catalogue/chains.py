@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady_steps
+from multibody_xval.engines.shared.wide_range import DESIGN, RangePoint
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady, steady_steps
 from multibody_xval.scenarios.chain_ratios import Ratio
-from multibody_xval.scenarios.model import Case, value_text
+from multibody_xval.scenarios.model import AnyCase, Case, Config, value_text
 from reference_lcp.validation import FloatArray
 
 
@@ -30,13 +31,33 @@ UNIT_CELL = Scenario(
 )
 """It sticks briefly, about half of the time, for most of it, and never."""
 
+CELLS = 7
+
+HALF_WIDTH = 0.004
+"""Distance in η_r from an edge of the two points that are compared, on its flanks."""
+
+LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
+"""Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
+
+FLANKS = tuple(
+    (friction, round(edge + side, 6)) for friction, edge in LOWER_EDGES.items() for side in (-HALF_WIDTH, HALF_WIDTH)
+)
+
+FIGURE3 = replace(
+    UNIT_CELL,
+    name="figure3",
+    question="How much of the base's motion reaches the end of seven cells, and where does attenuation begin?",
+    source="Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells",
+    cases=at_points((*FLANKS, (0.6, 0.9), (0.1, 0.6)), CELLS),
+    quantities=(TRANSMITTANCE,),
+)
+"""Points of the figure; ``run figure3`` measures all of it, with the edges."""
+
 SPREAD = (0.7, 1.3)
 """Range of all masses and springs of unequal cells, as ratios, 30 % to either side of the paper's."""
 
 FRICTION_SPAN = (0.1, 0.5)
 """Range of their friction ratios, around the one with the widest band."""
-
-CELLS = 7
 
 DISORDER_SEED = 3
 """Of the disordered chain: five of its seven contacts slip at η_r = 0.6, in 22 transitions a period; six at 0.9."""
@@ -95,4 +116,49 @@ GRADED_CHAIN = replace(
     details=cell_by_cell(graded()),
 )
 
-SCENARIOS = (UNIT_CELL, DISORDERED_CHAIN, GRADED_CHAIN)
+LONG_CHAIN = replace(
+    FIGURE3,
+    name="long-chain",
+    question="Is an engine as accurate with fifty cells as with seven?",
+    expects="the proven steady state; of presets that share the scheme the reference at equal steps",
+    source="the paper's chain with more cells, at friction ratio 0.1 and η_r 0.5",
+    cases={f"{cells} cells": Case(friction_ratio=0.1, frequency_ratio=0.5, cells=cells) for cells in (7, 15, 30, 50)},
+)
+"""In the pass band, where friction takes most of the motion from the longest chain and hardly any from the shortest."""
+
+
+def in_range(point: RangePoint) -> Case:
+    """Give the case of a point of the design."""
+    ratios = point._asdict()
+    del ratios["steps"]
+    return Case(**ratios)
+
+
+STEPS = {in_range(point): point.steps for point in DESIGN}
+"""Per period, at least."""
+
+
+def designed_steps(_config: Config, case: AnyCase) -> dict[str, int]:
+    """Give the steps per period of a point of the design."""
+    return {"": steady(case).steps(STEPS[steady(case)])}
+
+
+WIDE_RANGE = replace(
+    FIGURE3,
+    name="wide-range",
+    question="Is an engine right for other friction coefficients, dashpots, frequencies and steps than figure 3 has?",
+    source="a design of few chains, every parameter at the ends of its range and between them",
+    cases={
+        f"μ {case.friction_coefficient:g}, friction {case.friction_ratio:g}, η_r {case.frequency_ratio:g}, "
+        f"ζ {case.damping_ratio:g}": case
+        for case in STEPS
+    },
+    steps=designed_steps,
+    details=[
+        f"μ {case.friction_coefficient:g}: ζ of resonators {case.inner_damping_ratio:g}, mass ratio "
+        f"{case.mass_ratio:g}, stiffness ratio {case.stiffness_ratio:g}, cells {case.cells}, steps per period {steps}"
+        for case, steps in STEPS.items()
+    ],
+)
+
+SCENARIOS = (UNIT_CELL, FIGURE3, DISORDERED_CHAIN, GRADED_CHAIN, LONG_CHAIN, WIDE_RANGE)

@@ -43,6 +43,8 @@ DECIDING = [
 RELATIVE = ("transmittance", "share")
 """Accuracies that are stated as a part of the number."""
 
+CLOSED_FORM = "closed form"
+
 DONE = (Status.PERIODIC, Status.FINISHED)
 
 Row = dict[str, Any]
@@ -57,6 +59,14 @@ class Known(NamedTuple):
     scheme_error: float = math.nan
     reference: Number = math.nan
     """Of the scheme itself with these steps."""
+    over: Number = 1.0
+    """What a number is given over."""
+
+    def over_exact(self) -> "Known":
+        """Give all over the exact value."""
+        unit = self.exact
+        bar, scheme_error = (size / abs(unit) for size in (self.bar, self.scheme_error))
+        return Known(unit / unit, bar, self.kind, scheme_error, self.reference / unit, unit)
 
 
 def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
@@ -69,6 +79,8 @@ def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
     known = list(stored)
     configs = dict.fromkeys(own.run.config for own in known if own.run.config != EXACT)
     names = {run: name for config in configs for name, run in scenario.own_runs(config).items()}
+    asked = {run: run for run in names}  # whose drives are here: stored ones know a user's record by its hash alone
+    known = [own._replace(run=asked.get(own.run, own.run)) for own in known]
     ruler, levels = _Ruler(scenario, known), _transmittances(scenario, known)
     rows = [
         _labels(scenario, names[own.run], own, quantity) | part
@@ -117,7 +129,7 @@ def _parts(
     for quantity in scenario.quantities:
         if quantity.of is not None and not quantity.of(own.run.case):
             continue
-        if quantity is TRANSMITTANCE:
+        if quantity.name == TRANSMITTANCE.name:
             yield quantity, levels[own.run, own.version]
         elif quantity.read is None:
             yield quantity, together.get(quantity.name, {})
@@ -130,8 +142,11 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     assert quantity.read is not None, "it is read alone"
     run, known, about = own.run, ruler.known(quantity, own.run), about_config(own.run)
     expected_is_scheme = about["shares_scheme"] and quantity.step_error is None
-    value: Number = quantity.read(own.result, run) if own.result.status in DONE else math.nan
-    amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else quantity.per_amplitude
+    value: Number = quantity.read(own.result, run) / known.over if own.result.status in DONE else math.nan
+    if quantity.between:
+        known = known._replace(exact=float(np.clip(value, *quantity.between)))
+    per_amplitude = quantity.per_amplitude / largest(known.over)
+    amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else per_amplitude
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
@@ -179,9 +194,10 @@ def _shared(table: pd.DataFrame) -> "pd.Series[float]":
 
 def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[Run, str], Row]:
     """Give the judged transmittances of steady states, level and phase as one complex number."""
-    if TRANSMITTANCE not in scenario.quantities:
+    quantity = next((own for own in scenario.quantities if own.name == TRANSMITTANCE.name), None)
+    if quantity is None:
         return {}
-    rows = judged(points(stored))
+    rows = judged(points(stored), closed_forms=_closed_forms(scenario, quantity))
     rows = rows.assign(**parts_of(rows))
     found = {}
     for row in rows.to_dict("records"):
@@ -192,6 +208,14 @@ def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[
             "error": abs(row["ratio"] - row["exact"]),
         }
     return found
+
+
+def _closed_forms(scenario: Scenario, quantity: Quantity) -> pd.DataFrame | None:
+    """Give the closed forms of transmittances, as `exact_values.exact_values` gives other ones."""
+    if not callable(quantity.exact):
+        return None
+    rows = [(case, quantity.exact(case), quantity.bar(case), CLOSED_FORM) for case in scenario.cases.values()]
+    return pd.DataFrame(rows, columns=["case", "exact", "exact_bar", "exact_kind"]).astype({"exact": complex})
 
 
 class _Ruler:
@@ -221,9 +245,13 @@ class _Ruler:
         return {steps: found[steps] for steps in wanted} if all(steps in found for steps in wanted) else {}
 
     def _known(self, quantity: Quantity, run: Run) -> Known:
+        known = self._as_read(quantity, run)
+        return known.over_exact() if quantity.over_exact else known
+
+    def _as_read(self, quantity: Quantity, run: Run) -> Known:
         if quantity.step_error is not None:
             assert callable(quantity.exact), "a step's error in closed form goes with a closed form"
-            return Known(quantity.exact(run.case), 0.0, "closed form", quantity.step_error(run))
+            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, quantity.step_error(run))
         assert quantity.read is not None, "it is read alone"
         ladder = self.ladder(run)
         counts = list(ladder)
@@ -233,7 +261,7 @@ class _Ruler:
         first, last = (richardson(counts, np.array(values), at=counts[place]) for place in (0, -1))
         scheme = largest(first.error), values[0]
         if callable(quantity.exact):
-            return Known(quantity.exact(run.case), 0.0, "closed form", *scheme)
+            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, *scheme)
         if quantity.exact is Exact.LADDER:
             return Known(_plain(last.extrapolated), largest(last.error), str(Exact.LADDER), *scheme)
         motion = self.exact(run.case)

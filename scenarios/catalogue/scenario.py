@@ -11,7 +11,7 @@ import numpy as np
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
-from multibody_xval.scenarios.exact_values import LADDER, needs_exact_motion
+from multibody_xval.scenarios.exact_values import LADDER, has_exact_motion, needs_exact_motion
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
 from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
 from multibody_xval.scenarios.scene_motion import SceneMotion
@@ -53,11 +53,17 @@ class Quantity:
     """Gives it; without it, it is read together with others: level and phase, stick and slip."""
     exact: Exact | Callable[[AnyCase], Number] = Exact.MOTION
     """Where the exact value is from, or its closed form."""
+    bar: Callable[[AnyCase], float] = NOTHING
+    """Error bar of a closed form: what it leaves out."""
+    between: tuple[float, float] | None = None
+    """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
     step_error: Callable[[Run], float] | None = None
     """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
     finer steps shows that error."""
     resolution: Callable[[Run, Number], float] = NOTHING
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
+    over_exact: bool = False
+    """It is given over its exact value, and so are all its parts but `resolution` and `effect`, which are of that."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
     effect: Callable[[AnyCase, Number], float] | None = None
@@ -129,9 +135,11 @@ class Scenario:
         return [*finer, *exact]
 
     def _exact(self, case: AnyCase) -> bool:
-        """Whether the exact motion of a case is run: a quantity is read from it, or the transmittance needs it."""
-        asked = any(own.exact is Exact.MOTION and own is not TRANSMITTANCE for own in self.quantities)
-        return asked or (isinstance(case, Case) and needs_exact_motion(case))
+        """Whether the exact motion of a case is run: it has one, and a quantity is read from it."""
+        asked = [own for own in self.quantities if own.exact is Exact.MOTION]
+        if isinstance(case, Case):
+            return bool(asked) and (needs_exact_motion if asked == [TRANSMITTANCE] else has_exact_motion)(case)
+        return bool(asked)
 
     def configs(self, names: Sequence[str]) -> list[Config]:
         """Give the configurations that names stand for; of scenes those of `GENERAL`, as engines come first.
@@ -165,12 +173,17 @@ def _of_scenes(name: str, case: SceneMotion, *, named: bool) -> list[Config]:
 COMMON_STEP = 0.001
 """Time step at which all engines run scenes, beside their own [s]."""
 
+OWN_STEP = "own step"
+"""Said of cases at the engine's own time step, where that is another one."""
 
-def scene_steps(config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps of a scene: those of the engine's own time step, and those of the common one."""
+
+def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON_STEP,)) -> dict[str, int]:
+    """Give the steps of a scene: those of the engine's own time step, and those of common ones [s]."""
     assert isinstance(case, SceneMotion), "a scene"
-    own, common = engine(config.engine).scene_step, {f"{1e3 * COMMON_STEP:g} ms": round(case.time / COMMON_STEP)}
-    return common if math.isnan(own) or own == COMMON_STEP else {"own step": round(case.time / own), **common}
+    own = engine(config.engine).scene_step
+    named = {} if math.isnan(own) or own == COMMON_STEP else {OWN_STEP: own}
+    named |= {f"{1e3 * step:g} ms": step for step in common if step not in named.values()}
+    return {name: round(case.time / step) for name, step in named.items()}
 
 
 def steps_a_row(count: int = 1) -> Steps:
@@ -184,10 +197,15 @@ def motion_rows(case: AnyCase) -> int:
     return case.rows
 
 
+def steady(case: AnyCase) -> Case:
+    """Give the case, which is a steady state."""
+    assert isinstance(case, Case), "a steady state"
+    return case
+
+
 def steady_steps(_config: Config, case: AnyCase) -> dict[str, int]:
     """Give the steps per period of a steady state."""
-    assert isinstance(case, Case), "a steady state"
-    return {"": case.steps()}
+    return {"": steady(case).steps()}
 
 
 def largest(number: Any) -> float:

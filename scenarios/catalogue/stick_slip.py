@@ -11,16 +11,18 @@ step does not decide on it: an expected one if the reference has it with all its
 expected if the reference has it with none of them. A slip of the expected motion that travels less than four residuals
 of the engine is read as stick, as it is in the engine's own motion.
 
-*Expected* is the exact motion, and of presets that share the scheme the reference at equal steps. Times may be off by
-one step, the resolution of a sampled motion, and by the error of the scheme or what the preset states; a stuck fraction
-likewise, by one step a stick.
+*Expected* is the exact motion, or where there is none the reference at its finest steps, with their error as a bar; of
+presets that share the scheme it is the reference at equal steps. Times may be off by one step, the resolution of a
+sampled motion, and by the error of the scheme or what the preset states; a stuck fraction likewise, by one step a
+stick.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, Exact
+from multibody_xval.scenarios.exact_values import has_exact_motion
 from multibody_xval.scenarios.model import Result, Run
 from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition, match_transitions
 from reference_lcp.steady.richardson import richardson_error
@@ -41,6 +43,8 @@ class Sides(NamedTuple):
     expected: Result
     ladder: Mapping[int, Result]
     shares: bool
+    exact: bool
+    """Whether what is expected is the exact motion."""
 
     @property
     def steps(self) -> int:
@@ -51,16 +55,21 @@ class Sides(NamedTuple):
         """Give the error of the scheme, from values by ascending steps; none beside the reference at equal steps."""
         return 0.0 if self.shares else richardson_error(tuple(self.ladder), tuple(values), self.steps)
 
+    def bar(self, values: Sequence[float]) -> float:
+        """Give the error bar of what is expected, likewise: that of the finest steps where there is no exact motion."""
+        known = self.shares or self.exact
+        return 0.0 if known else richardson_error(tuple(self.ladder), tuple(values), max(self.ladder))
+
 
 def stick_slip(
     run: Run, own: Result, exact: Result | None, ladder: Mapping[int, Result], about: Mapping[str, Any]
 ) -> dict[str, Row]:
     """Give the numbers of `STICK_SLIP` by name; none where the exact motion or the reference is missing."""
-    if exact is None or not ladder:
+    if not ladder or (exact is None and has_exact_motion(run.steady)):
         return {}
     shares = bool(about["shares_scheme"])
-    expected = ladder[min(ladder)] if shares else as_resolved(exact, run.config.capabilities.residual)
-    sides = Sides(own, expected, ladder, shares)
+    right = as_resolved(exact or ladder[max(ladder)], run.config.capabilities.residual)
+    sides = Sides(own, ladder[min(ladder)] if shares else right, ladder, shares, exact is not None)
     accuracy = run.config.preset.accuracy_of
     rows = {
         MISSED: _row(len(missed(sides)), 0.0),
@@ -68,16 +77,18 @@ def stick_slip(
         TIME: _time(sides, accuracy("time")),
         STUCK: _stuck(sides, accuracy("stuck fraction")),
     }
-    kind = {"exact_bar": 0.0, "exact_kind": "exact"}
-    what = "reference at equal steps" if shares else "exact value"
-    return {name: row | kind | {"expected": what} for name, row in rows.items()}
+    common = {
+        "exact_kind": str(Exact.LADDER if exact is None else Exact.MOTION),
+        "expected": "reference at equal steps" if shares else "exact value",
+    }
+    return {name: row | common for name, row in rows.items()}
 
 
-def _row(
-    value: float, exact: float, scheme: float = 0.0, resolution: float = 0.0, stated: float = 0.0, of: float = math.inf
-) -> Row:
-    sizes = {"scheme_error": scheme, "resolution": resolution, "stated": stated, "size": of, "effect": of}
-    return {"value": value, "exact": exact, "error": value - exact, "distance": abs(value - exact), **sizes}
+def _row(value: float, exact: float, of: float = math.inf, **sizes: float) -> Row:
+    """Give a number beside what is expected, and the sizes that decide."""
+    none = dict.fromkeys(("exact_bar", "scheme_error", "resolution", "stated"), 0.0)
+    apart = {"value": value, "exact": exact, "error": value - exact, "distance": abs(value - exact)}
+    return {**apart, "size": of, "effect": of, **none, **sizes}
 
 
 def as_resolved(exact: Result, residual: float) -> Result:
@@ -124,18 +135,15 @@ def _time(sides: Sides, stated: float) -> Row:
     """Give the time error [% T] of the transition that is worst beside what is allowed; zero where none matches."""
     own = _errors(sides.own, sides.expected.transitions)
     scheme = [_errors(each, sides.expected.transitions) for each in sides.ladder.values()]
-    rows = [
-        _row(
-            100 * abs(own[change]),
-            0.0,
-            100 * sides.scheme_error([errors[change] for errors in scheme]),
-            100 / sides.steps,
-            100 * stated,
-            100 * QUARTER_PERIOD,
-        )
-        for change in _decided(sides)
-        if change in own
-    ]
+    rows = []
+    for change in (each for each in _decided(sides) if each in own):
+        errors = [100 * each[change] for each in scheme]
+        bar, error = sides.bar(errors), sides.scheme_error(errors)
+        row = _row(
+            100 * abs(own[change]), 0.0, 100 * QUARTER_PERIOD,
+            exact_bar=bar, scheme_error=error, resolution=100 / sides.steps, stated=100 * stated,
+        )  # fmt: skip
+        rows.append(row)
     return max(rows, key=_excess, default=_row(0.0, 0.0))
 
 
@@ -144,11 +152,15 @@ def _stuck(sides: Sides, stated: float) -> Row:
     rows = []
     for cell, expected in enumerate(sides.expected.stuck):
         sticks = sum((change[0], change[2]) == (cell + 1, str(Mode.STICK)) for change in sides.expected.transitions)
-        scheme = sides.scheme_error([own.stuck[cell] for own in sides.ladder.values()])
-        resolution = max(sticks, 1) / sides.steps
-        rows.append(_row(sides.own.stuck[cell], expected, scheme, resolution, stated, WHOLE_PERIOD))
+        fractions = [own.stuck[cell] for own in sides.ladder.values()]
+        bar, error = sides.bar(fractions), sides.scheme_error(fractions)
+        row = _row(
+            sides.own.stuck[cell], expected, WHOLE_PERIOD,
+            exact_bar=bar, scheme_error=error, resolution=max(sticks, 1) / sides.steps, stated=stated,
+        )  # fmt: skip
+        rows.append(row)
     return max(rows, key=_excess)
 
 
 def _excess(row: Row) -> float:
-    return float(row["distance"] / (max(row["scheme_error"], row["stated"]) + row["resolution"]))
+    return float(row["distance"] / (row["exact_bar"] + max(row["scheme_error"], row["stated"]) + row["resolution"]))

@@ -63,7 +63,7 @@ class Target(NamedTuple):
 @cache
 def targets() -> Mapping[str, Target]:
     """Give every published number by its name."""
-    text = resources.files(__package__).joinpath("published.csv").read_text(encoding="utf-8")
+    text = resources.files("multibody_xval.scenarios.catalogue").joinpath("published.csv").read_text(encoding="utf-8")
     return {
         row["id"]: Target(row["quantity"], row["unit"], row["source"], float(row["value"]), float(row["uncertainty"]))
         for row in csv.DictReader(text.splitlines())

@@ -16,7 +16,7 @@ from multibody_xval.scenarios.catalogue.transient.base import (
 from reference_lcp.chain.transient import RecordedBase
 from reference_lcp.defaults import BASE_AMPLITUDE
 
-FILE = Path(__file__).with_name("example_record.csv")
+FILE = Path(__file__).parents[1] / "example_record.csv"
 """Synthetic and earthquake-like, 600 samples in 12 s: noise with the spectrum of Kanai and Tajimi (H. Tajimi, Proc. 2nd
 World Conf. Earthquake Eng., 1960) between 2 and 12 Hz, under an envelope; `tests.scenarios.catalogue.example_record`
 makes it."""

@@ -1,0 +1,98 @@
+"""Joints that friction holds: one under a load, and the hinges of an arm under gravity."""
+
+from dataclasses import replace
+from functools import partial
+
+from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
+from multibody_xval.scenarios.catalogue.boxes import (
+    HOLDING,
+    SAG_RESOLUTION,
+    SETTLING,
+    SOURCE,
+    at_rest,
+    drift_resolution,
+    scene_motion,
+)
+from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
+from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.scene_motion import SceneMotion
+
+
+def held(scene: JointScene | ArmScene) -> SceneMotion:
+    """Give joints that settle, and are watched."""
+    return SceneMotion(scene=scene, time=HOLDING, settling=SETTLING)
+
+
+def is_slide(case: AnyCase) -> bool:
+    """Whether a case is a joint that slides."""
+    scene = scene_motion(case).scene
+    return isinstance(scene, JointScene) and scene.kind == "slide"
+
+
+def turns(case: AnyCase) -> bool:
+    """Whether a case is of hinges."""
+    return not is_slide(case)
+
+
+def drift(result: Result, run: Run) -> float:
+    """Read the mean velocity of the joint that moves most [µm/s], [µrad/s]."""
+    ways = [way[-1] for name, way in result.series.items() if name.startswith("joint")]
+    return 1e6 * max(map(abs, ways)) / scene_motion(run.case).time
+
+
+joint_drift = partial(at_rest, read=drift, resolution=drift_resolution, accuracy="drift")
+
+TURNING = joint_drift(
+    name="turning", unit="µrad/s", of=turns,
+    meaning=f"Mean angular velocity over {HOLDING:g} s of a hinge that friction should hold.",
+)  # fmt: skip
+
+JOINT_HOLD = Scenario(
+    name="joint-hold",
+    question="Does a joint with dry friction stay where it is under a load?",
+    expects="no motion",
+    source=SOURCE,
+    cases={
+        f"{kind}, load {load:g}": held(JointScene(kind=kind, friction=bound, load=load * bound))
+        for kind, bound in (("hinge", 1.0), ("slide", 5.0))
+        for load in (0.3, 0.9)
+    },
+    held_out={
+        "hinge, load 0.7": held(JointScene(friction=0.2, load=0.14)),
+        "slide, load 0.7": held(JointScene(kind="slide", friction=40.0, load=28.0)),
+    },
+    quantities=(
+        TURNING,
+        joint_drift(
+            name="drift", unit="µm/s", of=is_slide,
+            meaning=f"Mean velocity over {HOLDING:g} s of a joint that friction should hold.",
+        ),
+    ),
+    steps=scene_steps,
+)  # fmt: skip
+
+
+def arm(links: int, load: float = 0.9) -> ArmScene:
+    """Give an arm whose hinges are loaded by gravity with a part of their bounds."""
+    beyond = (sum(link - hinge + 0.5 for link in range(hinge, links)) for hinge in range(links))
+    return ArmScene(friction=tuple(GRAVITY * LINK_MASS * LINK_LENGTH * lever / load for lever in beyond))
+
+
+ARM_HOLD = replace(
+    JOINT_HOLD,
+    name="arm-hold",
+    question="Does an arm whose hinges have dry friction stay stretched out under gravity?",
+    cases={f"{links} hinges, load 0.9": held(arm(links)) for links in (1, 2, 3, 6)},
+    held_out={"4 hinges, load 0.7": held(arm(4, 0.7))},
+    quantities=(
+        TURNING,
+        at_rest(
+            name="turned", unit="mrad", resolution=always(SAG_RESOLUTION),
+            read=lambda result, _run: 1e3 * max(map(abs, result.series["from the start"])),
+            meaning="Angle of a hinge that friction should hold since the scene was built: an arm may rest after a "
+            "fall.",
+        ),
+    ),
+)  # fmt: skip
+
+SCENARIOS = (JOINT_HOLD, ARM_HOLD)

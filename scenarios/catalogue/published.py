@@ -1,0 +1,203 @@
+"""Published answers: problems of other suites that one block on a carrier can stand for, held against their numbers.
+
+The published problems have one mass on the ground, or on a table with a given motion. The carrier that stands for both
+is free along the row, but for a weak spring without a dashpot, see `on_free_carrier`; then
+
+    r̈ = (1/m + 1/M) (λ_T − k r) − a(t)
+
+is exact for the slip r of a block of mass m on a carrier of mass M, and the block that is simulated has the m for which
+1/m + 1/M is one over the published mass. So a carrier of `CARRIER_MASSES` blocks costs nothing.
+"""
+
+import csv
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import resources
+from typing import NamedTuple
+
+from multibody_xval.scenarios.catalogue.blocks import (
+    ROUND_OFF,
+    ROUNDINGS,
+    block_motion,
+    on_free_carrier,
+    rounded,
+    slips,
+)
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always
+from multibody_xval.scenarios.model import AnyCase, Config, Result, Run
+from multibody_xval.scenarios.motions import CARRIER_MASSES, Block, BlockMotion
+from reference_lcp.chain.drives import ShakingForce, StillBase
+from reference_lcp.defaults import FRICTION_COEFFICIENT
+
+NO_SPRING = 1e-9
+"""Force of a block's spring where there is none, over the bound of friction, for each metre of slip [1/m]."""
+
+
+def _targets() -> dict[str, dict[str, str]]:
+    text = resources.files(__package__).joinpath("published.csv").read_text(encoding="utf-8")
+    return {row["id"]: row for row in csv.DictReader(text.splitlines())}
+
+
+TARGETS = _targets()
+"""Every published number by its name: ``quantity``, ``unit``, ``source``, ``value``, and its ``uncertainty``: half of
+its last printed digit, or what else it is known to be off by."""
+
+
+class Published(NamedTuple):
+    """A problem, of a mass of 1 kg and a bound of 1 N, and how a number is read of it."""
+
+    case: BlockMotion
+    steps: int
+    read: Callable[[Result, BlockMotion], float]
+    """Gives the number in its unit."""
+    rounded: Callable[[Run], float]
+    """By how much roundings change that."""
+
+
+def moved(time: float, rows: int, length: float, stiffness: float, **start: float) -> BlockMotion:
+    """Give a mass on the ground with a spring [N/m], moved at first; `length` [m] is the size of its slip."""
+    return BlockMotion(block=_block(stiffness, time), drive=StillBase(length), time=time, rows=rows, **start)
+
+
+def shaken(acceleration: float, frequency: float, time: float, rows: int) -> BlockMotion:
+    """Give a mass on a table with the acceleration A sin ωt [m/s²]; the carrier begins as the table goes on."""
+    block = _block(0.0, time)
+    force = CARRIER_MASSES * block.mass * acceleration
+    return BlockMotion(
+        block=block, drive=ShakingForce(force, frequency, acceleration / frequency**2), time=time, rows=rows,
+        carrier_velocity=-acceleration / frequency,
+    )  # fmt: skip
+
+
+def _block(stiffness: float, time: float) -> Block:
+    block = Block(mass=1 + 1 / CARRIER_MASSES, normal_force=1 / FRICTION_COEFFICIENT, stiffness=stiffness or NO_SPRING)
+    return on_free_carrier(block, time)
+
+
+def place(result: Result, case: BlockMotion) -> float:
+    """Give the slip in the end [m]."""
+    return case.scale * float(slips(result)[-1])
+
+
+HALF_TURN, TURNS, TURN_ROWS, TURN_STEPS = math.pi / 100, 4, 25, 400
+"""π / ω of SDND100 [s], how many half turns are read, and rows and steps to each; its axis is at 45° to x and y."""
+
+ALONG = math.cos(math.pi / 4)
+
+
+def turn(number: int) -> Published:
+    """Give y at the end of a half turn of SDND100."""
+    longest = moved(TURNS * HALF_TURN, TURNS * TURN_ROWS, 0.85e-3, 1e4, slip=0.85e-3)
+    case = replace(longest, time=number * HALF_TURN, rows=number * TURN_ROWS)
+    return Published(case, number * TURN_STEPS, lambda *own: ALONG * place(*own), lambda run: ALONG * rounded(run))
+
+
+WEAR_FROM, WEAR_TO, WEAR_ROW, WEAR_FORCE = 4.0, 12.0, 0.2, 10.0
+"""Times [s] between which SDND104 reads the wear power, from row to row, and its normal force [N]."""
+
+
+def wear_power(result: Result, _case: BlockMotion) -> float:
+    """Give N times the mean |ṙ| [W]."""
+    start, end = (result.series["slid"][round(time / WEAR_ROW) - 1] for time in (WEAR_FROM, WEAR_TO))
+    return WEAR_FORCE * (end - start) / (WEAR_TO - WEAR_FROM)
+
+
+def _rounded_power(run: Run) -> float:
+    """Give by how much roundings of two velocities change that [W]."""
+    velocity = abs(block_motion(run.case).carrier_velocity)
+    return WEAR_FORCE * ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * velocity
+
+
+def wear(acceleration: float) -> Published:
+    """Give the wear power of SDND104 with one amplitude of the table's acceleration [m/s²].
+
+    The printed values neglect the spring of 3e-5 N/m that is there to hold the mass: it takes 2e-5 off the first one.
+    """
+    case = shaken(acceleration, 2 * math.pi, WEAR_TO, round(WEAR_TO / WEAR_ROW))
+    return Published(case, 19200, wear_power, _rounded_power)
+
+
+BEFORE_BRAKING = 0.1
+"""Way [m] and time [s] of Modelica's mass before its brake closes."""
+
+NUMBERS = {
+    **{f"sdnd100-{number}": turn(number) for number in range(1, TURNS + 1)},
+    **{f"sdnd104-{acceleration:g}": wear(acceleration) for acceleration in (15.0, 1.5, 1.01, 0.99)},
+    "brake": Published(
+        moved(1.5, 75, 0.5, 0.0, slip_velocity=1.0), 3000,
+        lambda result, case: BEFORE_BRAKING + place(result, case), rounded,
+    ),
+    "friction-oscillator": Published(
+        moved(25.0, 100, 12.0, 1.0, slip=12.0, slip_velocity=6.0), 10000, place, rounded
+    ),
+}  # fmt: skip
+"""Every published number that is read, by its name."""
+
+NAMES = {own.case: name for name, own in NUMBERS.items()}
+
+LEFT, MORE_LEFT = 2e-6, {"sdnd104-1.01": 1e-4}
+"""What the carrier's spring and reading at steps leave of a published number, over it.
+
+A table that is just strong enough moves the block for 6 % of the time, and the trapezoidal rule reads few steps.
+"""
+
+
+def name_of(case: AnyCase) -> str:
+    """Give the name of the number that is read of a case."""
+    return NAMES[block_motion(case)]
+
+
+def over(name: str) -> float:
+    """Give what a number is given over: its size, or where that is 0, that of the same with A = 1.01 m/s²."""
+    return abs(float(TARGETS[name]["value"])) or float(TARGETS["sdnd104-1.01"]["value"])
+
+
+def read(result: Result, run: Run) -> float:
+    """Give a number over the published one."""
+    name = name_of(run.case)
+    return NUMBERS[name].read(result, block_motion(run.case)) / over(name)
+
+
+def expected(case: AnyCase) -> float:
+    """Give the published number over its size."""
+    name = name_of(case)
+    return float(TARGETS[name]["value"]) / over(name)
+
+
+def left_open(run: Run, _exact: Number) -> float:
+    """Give what the published digits, the carrier, reading at steps and roundings leave open of a number."""
+    name = name_of(run.case)
+    open_digits = float(TARGETS[name]["uncertainty"]) + NUMBERS[name].rounded(run)
+    return MORE_LEFT.get(name, LEFT) + open_digits / over(name)
+
+
+def own_steps(_config: Config, case: AnyCase) -> dict[str, int]:
+    """Give the steps of a problem."""
+    return {"": NUMBERS[name_of(case)].steps}
+
+
+PUBLISHED = Scenario(
+    name="published",
+    question="Do turning points, wear and stopping times agree with published numbers?",
+    expects="the published number, to its printed digits; of presets that share the scheme the reference at equal "
+    "steps",
+    source="code_aster SDND100 and SDND104, Modelica's Brake, Siconos's FrictionOscillator: see published.csv.",
+    cases={name: own.case for name, own in NUMBERS.items()},
+    quantities=(
+        Quantity(
+            name="value", unit="", read=read, exact=expected, resolution=left_open, per_amplitude=0.0,
+            effect=always(1.0), accuracy="transmittance",
+            meaning="Number over the size of the published one; where that is 0, over the same with A = 1.01 m/s².",
+        ),
+    ),
+    steps=own_steps,
+    details=tuple(
+        f"{name}: {own['quantity']} = {float(own['value']):g} {own['unit']}"
+        for name, own in TARGETS.items()
+        if name in NUMBERS
+    ),
+)  # fmt: skip
+"""Numbers that nobody here has computed first; docs/targets has each problem in full."""
+
+SCENARIOS = (PUBLISHED,)
