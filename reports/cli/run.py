@@ -12,6 +12,7 @@ import typer
 from multibody_xval.reports.cli.laws import laws
 from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
 from multibody_xval.reports.cli.proofs import proofs
+from multibody_xval.reports.cli.recipe import recipes
 from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile, accuracy, figure3, work_precision
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
@@ -27,6 +28,7 @@ RECORD = "record"
 
 STUDIES = {
     "figure3": figure3, "accuracy": accuracy, "work-precision": work_precision, "laws": laws, "proofs": proofs,
+    "recipes": recipes,
 }  # fmt: skip
 """Measurements; the first one has points of a scenario, and answers the paper's claims too."""
 
@@ -198,34 +200,6 @@ def print_results(results: Results) -> None:
     for scenario, own in results.items():
         for line in (*engine_failures(own), *failures(own)):
             console.print(tables.plain(f"{scenario.name}: {line}"), soft_wrap=True)
-
-
-@app.command()
-@grouped
-def recipes(
-    *,
-    chosen: Annotated[
-        list[str] | None,
-        typer.Option("--engine", metavar="NAME[:FORMULATION]", help="An engine; may be repeated. Without it, all."),
-    ] = None,
-    store: Store = None,
-    out: TableFile = None,
-    work: Work,
-) -> None:
-    """Measure every set of the options that a recipe changes, in all scenes: creep, cost of a step, what gets worse.
-
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
-
-    Example: multibody-xval run recipes --engine mujoco
-    """
-    check_outs([out], TABLE_ENDINGS, store)
-    from multibody_xval.scenarios.catalogue.scenes.recipes import RECIPE_COLUMNS, named_recipes, study
-
-    recommended = named_recipes(chosen or [])
-    with work.evaluator(store, recommended) as evaluator:
-        rows = [row for each in recommended for row in study(each, evaluator)]
-    _end(out, RECIPE_COLUMNS, RECIPE_COLUMNS, rows)
 
 
 def _end(

@@ -67,7 +67,7 @@ class Number(NamedTuple):
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What is shown: the first quantity of one run of a scenario."""
+    """What is shown: the first quantity that a run of a scenario has."""
 
     scenario: Scenario
     case: str
@@ -77,7 +77,7 @@ class Reproduction:
     @property
     def quantity(self) -> Quantity:
         """The number."""
-        return self.scenario.quantities[0]
+        return next(own for own in self.scenario.quantities if own.of is None or own.of(self.run.case))
 
     def number(self, means: Means) -> Number:
         """Give the suite's own number, run where the results file lacks it.

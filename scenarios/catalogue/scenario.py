@@ -166,8 +166,13 @@ def _of_scenes(name: str, case: SceneMotion, *, named: bool) -> list[Config]:
         check_installed(name, engine(name).unavailable_reason())
     elif engine(name).scene_gap(Formulation(case.formulation)):
         return []
-    presets = engine(name).capabilities.presets.get(Formulation(case.formulation), {})
-    return [Config(name, case.formulation, preset) for preset in GENERAL if preset in presets]
+    return general_configs(name, Formulation(case.formulation))
+
+
+def general_configs(name: str, formulation: Formulation) -> list[Config]:
+    """Give the configurations of an engine whose options hold in any model: default options, then its recipe."""
+    presets = engine(name).capabilities.presets.get(formulation, {})
+    return [Config(name, str(formulation), preset) for preset in GENERAL if preset in presets]
 
 
 COMMON_STEP = 0.001
