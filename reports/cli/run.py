@@ -13,7 +13,7 @@ from multibody_xval.reports.cli.laws import laws
 from multibody_xval.reports.cli.options import Engines, Store, Work, check_outs, grouped
 from multibody_xval.reports.cli.proofs import proofs
 from multibody_xval.reports.cli.recipe import recipes
-from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile, accuracy, figure3, work_precision
+from multibody_xval.reports.cli.studies import accuracy, figure3, work_precision
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
@@ -169,11 +169,11 @@ def _judge(
 
 def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, the matrix of several, laws, and what fails."""
+    from multibody_xval.scenarios.catalogue.scenes.table import scene_table
     from rich.console import Console
 
     from multibody_xval.scenarios import tables
     from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
-    from multibody_xval.scenarios.catalogue.scenes.table import scene_table
     from multibody_xval.scenarios.catalogue.verdict_table import (
         details,
         finding_table,

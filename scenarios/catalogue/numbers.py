@@ -24,6 +24,7 @@ from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.exact_values import LADDER
 from multibody_xval.scenarios.judge import DB, decided, judged, parts_of
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.result_tables import CONFIG, full_name, of_config, points
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
@@ -115,7 +116,10 @@ def about_config(run: Run) -> Row:
     if isinstance(case, SceneMotion):
         return of_config(run.config, swings=False) | {"judged": "scenes" in preset.judged, "shares_scheme": False}
     modulation = case.modulation if isinstance(case, Case) else 0.0
-    return of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
+    about = of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
+    if isinstance(case, BlockMotion) and case.direction and preset.turned_bound is not None:
+        return about | {"judged": False}  # its friction is stated to be a pyramid, no cone
+    return about
 
 
 def _parts(
@@ -251,8 +255,7 @@ class _Ruler:
 
     def _as_read(self, quantity: Quantity, run: Run) -> Known:
         if quantity.step_error is not None:
-            assert callable(quantity.exact), "a step's error in closed form goes with a closed form"
-            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, quantity.step_error(run))
+            return Known(*self._exact_value(quantity, run.case), quantity.step_error(run))
         assert quantity.read is not None, "it is read alone"
         ladder = self.ladder(run)
         counts = list(ladder)
@@ -261,15 +264,20 @@ class _Ruler:
             return Known()
         first, last = (richardson(counts, np.array(values), at=counts[place]) for place in (0, -1))
         scheme = largest(first.error), values[0]
-        if callable(quantity.exact):
-            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, *scheme)
         if quantity.exact is Exact.LADDER:
             return Known(_plain(last.extrapolated), largest(last.error), str(Exact.LADDER), *scheme)
-        motion = self.exact(run.case)
+        return Known(*self._exact_value(quantity, run.case), *scheme)
+
+    def _exact_value(self, quantity: Quantity, case: AnyCase) -> tuple[Number, float, str]:
+        """Give the exact value, its bar and its kind, of a closed form or of the exact motion."""
+        if callable(quantity.exact):
+            return quantity.exact(case), quantity.bar(case), CLOSED_FORM
+        assert quantity.exact is Exact.MOTION, "a step's error in closed form needs no ladder"
+        assert quantity.read is not None, "it is read alone"
+        motion = self.exact(case)
         if motion is None:
-            return Known()
-        bar = ROUND_OFF * quantity.per_amplitude
-        return Known(quantity.read(motion[1], motion[0]), bar, str(Exact.MOTION), *scheme)
+            return math.nan, math.nan, ""
+        return quantity.read(motion[1], motion[0]), ROUND_OFF * quantity.per_amplitude, str(Exact.MOTION)
 
 
 def _plain(values: Any) -> Number:

@@ -58,8 +58,8 @@ class Quantity:
     between: tuple[float, float] | None = None
     """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
     step_error: Callable[[Run], float] | None = None
-    """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
-    finer steps shows that error."""
+    """Error of Euler's step in closed form; all are then compared with the exact value, which no ladder gives. Without
+    it, the reference at finer steps shows that error."""
     resolution: Callable[[Run, Number], float] = NOTHING
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
     over_exact: bool = False
@@ -127,9 +127,8 @@ class Scenario:
 
     def _ruler(self, own: Sequence[Run]) -> list[Run]:
         """Give the reference at ever finer steps, and the exact motions."""
-        if all(quantity.step_error is not None for quantity in self.quantities):
-            return []
-        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER]
+        stepped = any(quantity.step_error is None for quantity in self.quantities)
+        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER if stepped]
         first = {run.case: run.steps for run in reversed(own)}
         exact = [Run(EXACT, case, steps * self.exact_refinement) for case, steps in first.items() if self._exact(case)]
         return [*finer, *exact]

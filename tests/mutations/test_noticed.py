@@ -9,7 +9,7 @@ import pytest
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from tests.mutations.catalogue import MUTANTS
-from tests.scenarios.numbers_in_process import deviating
+from tests.scenarios.in_this_process import deviating, judged
 
 Error = tuple[str, float]
 """A mutant and its size."""
@@ -101,7 +101,7 @@ def label(error: Error) -> str:
 def noticed(names: list[str], errors: list[Error]) -> set[Variant]:
     """Engines with these errors, and without any, of which a number of one of the scenarios deviates."""
     variants = [*wrong(errors), *sound(errors)]
-    return set[Variant]().union(*(deviating(SCENARIOS[name], *variants) for name in names))
+    return {each for each in variants if any(deviating(judged(SCENARIOS[name], each)) for name in names)}
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,6 @@ from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import REFERENCE, Config, failed
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
-from tests.scenarios.numbers_in_process import computed_here
 
 ALONE = """
 import ast, importlib, os, runpy, sys
@@ -95,11 +94,6 @@ WITH_TEMPLATE = [
 ]  # fmt: skip
 
 needs_mujoco = pytest.mark.needs("mujoco")
-
-
-@pytest.fixture(autouse=True)
-def computes_here(monkeypatch) -> None:
-    monkeypatch.setattr(questions, "computed", computed_here)
 
 
 def python_of(config: Config) -> str:
