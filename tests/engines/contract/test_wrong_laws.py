@@ -1,4 +1,4 @@
-"""A law that is the engine's own error, allows everything or claims nothing breaks the contract, and excuses nothing."""
+"""A law of another chain, one that allows everything or claims nothing breaks the contract; none excuses a number."""
 
 import pytest
 
