@@ -9,7 +9,7 @@ import pandas as pd
 from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
 from multibody_xval.scenarios.compare import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
-from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, records
+from multibody_xval.scenarios.table_text import csv_text, json_text, markdown_lines, markdown_list, records
 
 MOST_SHOWN, MOST_FOLDED = 10, 200
 """Changed points that a comment shows, and that it has folded beneath: a comment of GitHub takes 65,536 characters."""

@@ -180,7 +180,7 @@ def _worst_spoilt(rows: pd.DataFrame) -> str:
     if rows.empty:
         return ""
     excess = (rows.distance / rows.allowed).fillna(math.inf)
-    worst = rows.loc[excess.idxmax()]
+    worst = rows.iloc[int(excess.argmax())]
     more = f" (and {len(rows) - 1} more)" if len(rows) > 1 else ""
     return f"{worst.quantity} {worst.value:.3g} {worst.unit}, {worst.case}{more}"
 
@@ -200,7 +200,7 @@ def recipe_results(name: str, means: Means) -> tuple[pd.DataFrame, dict[str, flo
     scenes = [scene for kind in usable for scene in scenes_of(kind)]
     worst = worst_numbers(scene_numbers(scenes, [config for own in configs.values() for config in own], means))
     costs = {str(kind): step_ratio(own[-1], own[0]) for kind, own in configs.items() if len(own) > 1}
-    return worst.loc[name].dropna(how="all"), costs
+    return worst.droplevel("engine").dropna(how="all"), costs
 
 
 def step_ratio(config: Config, base: Config) -> float:

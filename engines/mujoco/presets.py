@@ -233,8 +233,8 @@ CONTACT_RECOMMENDED = Preset(
     judged=("scenes",),
     accuracy={"drift": 0.5},
     accuracy_reason=(
-        "Friction stays a soft constraint: under its own weight a box, or a stack of up to four, drifts by up to 0.5 "
-        "µm/s, at any time step, and impratio divides that."
+        "Friction stays a soft constraint: under its own weight a box, or a stack of three, drifts by up to 0.45 µm/s, "
+        "at any time step; impratio divides that."
     ),
     settles=False,
 )

@@ -52,7 +52,7 @@ def recipe(
         check_installed(engine, engine_of(engine).unavailable_reason())
         with keeping(store):
             worst, costs = recipe_results(engine, computing.means(store))
-        scenes = worst.to_dict("index")
+        scenes = {str(name): {str(key): float(value) for key, value in own.items()} for name, own in worst.iterrows()}
     if as_json:
         print(json.dumps({"engine": engine, "recipe": text, "scenes": scenes, "cost": costs}, indent=2))
         return
@@ -92,17 +92,17 @@ def recipes(
     check_outs([out], TABLE_ENDINGS, store)
     import pandas as pd
 
-    from multibody_xval.scenarios import tables
+    from multibody_xval.scenarios import table_text
     from multibody_xval.scenarios.recipes import named_recipes, study
 
     wanted = named_recipes(chosen or [])
     with keeping(store):
         rows = pd.concat([study(own, computing.means(store)) for own in wanted])
     shown = _for_people(rows)
-    tables.print_table(shown)
+    table_text.print_table(shown)
     if out is not None:
-        markdown = "\n".join([*tables.markdown_lines(shown), ""])
-        write_whole(out, tables.csv_text(rows) if out.suffix == ".csv" else markdown)
+        markdown = "\n".join([*table_text.markdown_lines(shown), ""])
+        write_whole(out, table_text.csv_text(rows) if out.suffix == ".csv" else markdown)
 
 
 def _for_people(rows: pd.DataFrame) -> pd.DataFrame:

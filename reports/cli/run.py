@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,11 +17,10 @@ from multibody_xval.reports.cli.studies import accuracy, figure3, work_precision
 from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from reference_lcp.errors import ExitCode, checked_choice
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table, visible
+from reference_lcp.terminal import print_table
 
 if TYPE_CHECKING:
     from multibody_xval.scenarios.catalogue.verdict_table import Results
-    from multibody_xval.scenarios.tables import Column, Row
 
 RECORD = "record"
 """The scenario whose base follows a file."""
@@ -169,18 +168,10 @@ def _judge(
 
 def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, the matrix of several, laws, and what fails."""
-    from multibody_xval.scenarios.catalogue.scenes.table import scene_table
     from rich.console import Console
 
     from multibody_xval.scenarios import tables
-    from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
-    from multibody_xval.scenarios.catalogue.verdict_table import (
-        details,
-        finding_table,
-        law_in_words,
-        matrix,
-        verdict_table,
-    )
+    from multibody_xval.scenarios.catalogue.verdict_table import details, law_in_words, matrix, verdict_table
     from multibody_xval.scenarios.verdicts.finding import engine_failures, failures
 
     console = Console()
@@ -188,8 +179,6 @@ def print_results(results: Results) -> None:
         console.print(f"\n[bold]{scenario.name}[/bold]: {tables.plain(scenario.question)}", soft_wrap=True)
         console.print(tables.plain(f"compared with {scenario.expects}", *scenario.parameters()), soft_wrap=True)
         tables.print_table(verdict_table(findings))
-        if isinstance(scenario, SceneScenario):
-            tables.print_table(scene_table(finding_table({scenario: findings})))
         for variant, remarks in details(findings):
             console.print(tables.plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
@@ -200,30 +189,3 @@ def print_results(results: Results) -> None:
     for scenario, own in results.items():
         for line in (*engine_failures(own), *failures(own)):
             console.print(tables.plain(f"{scenario.name}: {line}"), soft_wrap=True)
-
-
-def _end(
-    out: Path | None,
-    columns: Sequence[Column[Row]],
-    printed: Sequence[Column[Row]],
-    rows: Sequence[Row],
-    document: Callable[[], str] | None = None,
-    remarks: Sequence[str] = (),
-) -> None:
-    """Print a table with remarks, and write it: as a document, only the table if there is none, or in full as CSV."""
-    from multibody_xval.scenarios import tables
-
-    text = tables.text_table(printed, rows)
-    tables.print_table(text)
-    for remark in remarks:
-        print(visible(remark))
-    if out is not None:
-        written = document() if document is not None else "\n".join([*tables.markdown_lines(text), ""])
-        _write_table(out, columns, rows, written)
-
-
-def _write_table(out: Path, columns: Sequence[Column[Row]], rows: Sequence[Row], document: str) -> None:
-    """Write a table in full as CSV, or else a document with it."""
-    from multibody_xval.scenarios.tables import csv_text, full_table
-
-    write_whole(out, csv_text(full_table(columns, rows)) if out.suffix == ".csv" else document)

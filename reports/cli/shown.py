@@ -27,7 +27,7 @@ class Shown:
 
     def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
         """Print tables and lines under their headings."""
-        from multibody_xval.scenarios.tables import markdown_lines, markdown_list
+        from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
 
         for heading, part in parts.items():
             if not len(part):
@@ -44,7 +44,7 @@ class Shown:
     def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
         """Write what was shown as Markdown, every number as CSV, and the figure."""
         from multibody_xval.reports.figures.studies import figure_file
-        from multibody_xval.scenarios.tables import csv_text
+        from multibody_xval.scenarios.table_text import csv_text
 
         for out in outs:
             if out.suffix == ".md":
