@@ -75,7 +75,7 @@ COMMAND_LINES = [
     ("report --engine mjx", r"engine = 'mjx' is unknown; allowed: .*; instead: mujoco-warp"),
     ("card mujoco", r"command = 'card' is unknown; allowed: .*; instead: report --engine NAME"),
     ("report --engine mujoco@3.3.7 --quick", r"engine = 'mujoco@3.3.7' is unknown; allowed: mujoco, as installed; "),
-    ("reproduce mujoco unit-cell", r"scenario = 'unit-cell'.*static-hold"),
+    ("reproduce mujoco free-decay", r"scenario = 'free-decay'.*static-hold"),
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
     ("probe none.xml", r"MODEL = 'none.xml' does not load"),
     ("recipe mujoko", r"engine = 'mujoko'.*mujoco"),

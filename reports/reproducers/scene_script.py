@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
@@ -14,12 +14,12 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSetting
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.reproducers.script import WIDTH, beside, docstring
+from multibody_xval.reports.reproducers.questions import Number, Reproduction
+from multibody_xval.reports.reproducers.script import WIDTH, beside, header
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario
 from multibody_xval.scenarios.catalogue.sliding_boxes import REST
 from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_axes, scene_of, unsupported_reason
-from multibody_xval.scenarios.model import Config, Result, Run, Status
+from multibody_xval.scenarios.model import Config, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.errors import ParameterError, checked_choice
 
@@ -42,27 +42,7 @@ SCENES = MappingProxyType({
 """All that can be reproduced: with an engine that writes the whole scene as a text."""
 
 
-@dataclass(frozen=True)
-class SceneReproduction:
-    """What is shown: the first number of a scene; see `checked_scene`."""
-
-    scenario: Scenario
-    case: str
-    run: Run
-    """With the engine's own time step."""
-
-    @property
-    def quantity(self) -> Quantity:
-        """The number."""
-        return next(own for own in self.scenario.quantities if own.of is None or own.of(self.run.case))
-
-    def value(self, result: Result) -> float:
-        """Read the number; NaN without a motion."""
-        assert self.quantity.read is not None, "a number of a scene is read alone"
-        return float(self.quantity.read(result, self.run).real) if result.status is Status.FINISHED else math.nan
-
-
-def checked_scene(name: str, scenario: str, case: str | None = None) -> SceneReproduction:
+def checked_scene(name: str, scenario: str, case: str | None = None) -> Reproduction:
     """Check what is to be shown, before any work."""
     config, shown = Config.parse(name), SCENARIOS[scenario]
     allowed = [each for each, own in shown.cases.items() if isinstance(own, SceneMotion) and not own.sleeping]
@@ -74,7 +54,7 @@ def checked_scene(name: str, scenario: str, case: str | None = None) -> SceneRep
     if not has_scene_script(config.engine, scenario):
         engines = ", ".join(each for each in engine_names() if has_scene_script(each, scenario))
         raise ParameterError(f"engine = {config.engine} has no script of {scenario}; allowed: {engines}")
-    return SceneReproduction(shown, chosen, run)
+    return Reproduction(shown, chosen, run)
 
 
 def has_scene_script(name: str, scenario: str) -> bool:
@@ -85,38 +65,16 @@ def has_scene_script(name: str, scenario: str) -> bool:
     return scenario in (SCENES if adapter.scene_models else ON_A_PLANE)
 
 
-def scene_script(shown: SceneReproduction, result: Result) -> str:
-    """Write the script of one number; the suite's own is in its header.
-
-    Raises
-    ------
-    ParameterError
-        If the engine cannot represent the scene.
-    """
-    config, value = shown.run.config, shown.value(result)
-    if result.status is Status.UNSUPPORTED:
-        reason = f"{config} has no number of {shown.case!r}: {result.reason}"
-        raise ParameterError(f"{reason}; allowed: a case that it can run")
-    suite = f"{value:.6g} {shown.quantity.unit}" if math.isfinite(value) else f"no number ({result.reason})"
+def scene_script(shown: Reproduction, number: Number) -> str:
+    """Write the script of one number; the suite's own is in its header."""
     templates = environment(markup=False)
     frame = files("multibody_xval.reports.reproducers").joinpath("templates", TEMPLATE).read_text(encoding="utf-8")
-    own = beside(engine(config.engine), TEMPLATE).read_text(encoding="utf-8")
+    own = beside(engine(shown.run.config.engine), TEMPLATE).read_text(encoding="utf-8")
     templates.loader = DictLoader({"engine": own, "scene": frame})
     text = templates.get_template("engine").render(
-        header=_header(shown, suite), quantity=shown.quantity, **_numbers(shown.run)
+        header=header(shown, number), quantity=shown.quantity, **_numbers(shown.run)
     )
     return text.rstrip() + "\n"
-
-
-def _header(shown: SceneReproduction, suite: str) -> str:
-    config, adapter = shown.run.config, engine(shown.run.config.engine)
-    version = "" if adapter.unavailable_reason() is not None else f" {adapter.version()}"
-    title = f"{adapter.capabilities.title}{version}: {shown.scenario.question}"
-    told = (
-        f"{config.formulation}, {config.preset_name}: {config.preset.description} {shown.scenario.name}: "
-        f"{shown.case}. Exact: 0 {shown.quantity.unit}; the cross-validation suite has {suite}."
-    )
-    return docstring(title, told)
 
 
 def _numbers(run: Run) -> Mapping[str, Any]:

@@ -134,12 +134,12 @@ def _parts(
     for quantity in scenario.quantities:
         if quantity.of is not None and not quantity.of(own.run.case):
             continue
-        if quantity.name == TRANSMITTANCE.name:
-            yield quantity, levels[own.run, own.version]
-        elif quantity.read is None:
-            yield quantity, together.get(quantity.name, {})
-        else:
+        if quantity.read is not None:
             yield quantity, _read(quantity, own, ruler)
+        elif quantity.name == TRANSMITTANCE.name:
+            yield quantity, levels[own.run, own.version]
+        else:
+            yield quantity, together.get(quantity.name, {})
 
 
 def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
@@ -200,7 +200,8 @@ def _shared(table: pd.DataFrame) -> "pd.Series[float]":
 
 def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[Run, str], Row]:
     """Give the judged transmittances of steady states, level and phase as one complex number."""
-    quantity = next((own for own in scenario.quantities if own.name == TRANSMITTANCE.name), None)
+    own = (each for each in scenario.quantities if each.read is None and each.name == TRANSMITTANCE.name)
+    quantity = next(own, None)
     if quantity is None:
         return {}
     rows = judged(points(stored), closed_forms=_closed_forms(scenario, quantity))

@@ -14,20 +14,15 @@ from multibody_xval.reports.reproducers.scene_script import (
 )
 from multibody_xval.reports.reproducers.script import LONGEST_LINE
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.model import Config, failed, unsupported
-from reference_lcp.errors import ParameterError
+from multibody_xval.scenarios.model import Config
 from reference_lcp.process import run_command
 from tests.reports.reproducers.test_reproducers import (
-    CODE,
     DIGITS,
+    MEANS,
     MOST_LINES,
-    printed_by,
+    NUMBER,
     printed_one_by_one,
-    statements,
 )
-
-NOT_RUN = failed("it was not run")
 
 FORMULATIONS = {name: "joint" if name in ("joint-hold", "arm-hold") else "contact" for name in SCENES}
 
@@ -46,20 +41,20 @@ def own_number(name: str, scenario: str) -> tuple[str, float]:
     if reason is not None:
         pytest.skip(reason)
     shown = checked_scene(name, scenario)
-    (result,) = run_batch([shown.run])
-    return scene_script(shown, result), shown.value(result)
+    number = shown.number(MEANS)
+    return scene_script(shown, number), number.value
 
 
 def check_number(name: str, scenario: str, folder, changed=("", "")) -> None:
     text, value = own_number(name, scenario)
     assert changed[0] in text
-    printed = printed_by(text.replace(*changed), folder, Config.parse(name))
+    (printed,) = printed_one_by_one([text.replace(*changed)], folder, Config.parse(name))
     assert printed == pytest.approx(value, rel=DIGITS, abs=0)
 
 
 @pytest.mark.parametrize("preset", GENERAL)
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
-def test_script_alone_prints_the_creep_that_the_suite_has(name, preset, tmp_path) -> None:
+def test_script_alone_prints_the_drift_that_the_suite_has(name, preset, tmp_path) -> None:
     check_number(f"{name}:contact:{preset}", "slope-hold", tmp_path)
 
 
@@ -83,17 +78,10 @@ def test_script_with_a_hundredth_less_friction_prints_another_distance(tmp_path)
 def test_script_of_every_case_is_short_enough_for_a_tracker(name, scenario) -> None:
     for own, case in SCENARIOS[scenario].cases.items():
         if not case.sleeping:
-            lines = scene_script(checked_scene(name, scenario, own), NOT_RUN).splitlines()
+            lines = scene_script(checked_scene(name, scenario, own), NUMBER).splitlines()
             assert len(lines) <= MOST_LINES, own
             assert max(map(len, lines)) <= LONGEST_LINE
             compile("\n".join(lines), "reproducer.py", "exec")
-
-
-def test_a_reason_of_a_strangers_store_stays_a_text_of_the_script() -> None:
-    shown = checked_scene("mujoco:contact:default", "slope-hold")
-    assert statements(scene_script(shown, failed(CODE))) == statements(scene_script(shown, NOT_RUN))
-    with pytest.raises(ParameterError, match="has no number of 'load"):
-        scene_script(shown, unsupported(CODE))
 
 
 def test_engines_with_scripts_of_scenes() -> None:
