@@ -16,7 +16,7 @@ from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import points
-from multibody_xval.scenarios.tables import markdown_lines, markdown_list
+from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
 
 PRESETS = ("default", "recommended", "tuned")
 

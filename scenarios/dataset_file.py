@@ -8,7 +8,7 @@ import xarray as xr
 from multibody_xval.scenarios.dataset import COMPLEX, judged_table
 from multibody_xval.scenarios.model import CASE
 from multibody_xval.scenarios.result_tables import CONFIG, file_columns
-from multibody_xval.scenarios.tables import csv_text
+from multibody_xval.scenarios.table_text import csv_text
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.output import write_whole
 

@@ -1,25 +1,19 @@
 """The one exact value of every case, with its error bar: proven, exact from event to event, or extrapolated."""
 
-import csv
-import json
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from functools import cache
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Run, case_of
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Run
+from multibody_xval.scenarios.proven import in_table, proven
 from multibody_xval.scenarios.result_tables import is_exact, is_reference, rows_of
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.steady.richardson import ROUND_OFF, Estimate, richardson
-
-TABLE = "verdicts/proven.csv"
-"""Proven steady states, to 20 decimals; ``multibody-xval run proofs`` proves them again."""
 
 PROVEN_BAR = 1e-13
 """Error bar of a proven amplitude over U0: what a double leaves of 20 decimals."""
@@ -33,25 +27,6 @@ LADDER = (1, 2, 4, 8)
 MARGIN = 2.0
 """On the amplification of residuals that the reference gives: contacts of an engine may stick for another part of the
 period."""
-
-
-@cache
-def proven() -> dict[Case, complex]:
-    """Give what is proven, by case."""
-    text = resources.files("multibody_xval.scenarios").joinpath(TABLE).read_text(encoding="utf-8")
-    return dict(map(_proven, csv.DictReader(text.splitlines())))
-
-
-def _proven(row: dict[str, str]) -> tuple[Case, complex]:
-    level, phase = float(row["transmittance_db"]), float(row["phase"])
-    chain: dict[str, Any] = json.loads(row["chain"] or "{}")
-    swing = chain.get("modulation") or {}
-    data = {
-        **{name: json.loads(row[name]) for name in ("friction_ratio", "frequency_ratio")},
-        **chain.get("ratios", {}),
-        **{name if name == "modulation" else f"modulation_{name}": value for name, value in swing.items()},
-    }
-    return case_of(data), 10 ** (level / 20) * complex(math.cos(phase), math.sin(phase))
 
 
 def ruler(places: Iterable[tuple[Case, int]]) -> list[Run]:
@@ -76,7 +51,7 @@ def has_ruler(table: pd.DataFrame) -> pd.Series:
 
 def needs_exact_motion(case: Case) -> bool:
     """Whether the exact value of a case is that of its exact motion: it has one, and is not proven."""
-    return case not in proven() and has_exact_motion(case)
+    return in_table(case) not in proven() and has_exact_motion(case)
 
 
 def has_exact_motion(case: Case) -> bool:
@@ -95,8 +70,8 @@ def exact_values(table: pd.DataFrame) -> pd.DataFrame:
     finest = {ladder.case: ladder for ladder in _ladders(table)}
     rows = []
     for case in dict.fromkeys(table.case):
-        if case in proven():
-            rows.append((case, proven()[case], PROVEN_BAR, "proven"))
+        if in_table(case) in proven():
+            rows.append((case, proven()[in_table(case)], PROVEN_BAR, "proven"))
         elif case in motions:
             ratio, residual = motions[case]
             rows.append((case, ratio, residual * MARGIN * growth.get(case, math.nan) + ROUND_OFF, "exact"))

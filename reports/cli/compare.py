@@ -113,7 +113,7 @@ def _changes(
 
 def _print(comparison: Comparison) -> None:
     from multibody_xval.reports.changes import changed_points, identities, overview
-    from multibody_xval.scenarios.tables import print_table
+    from multibody_xval.scenarios.table_text import print_table
 
     for line in identities(comparison.changes):
         print(visible(line))

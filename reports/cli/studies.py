@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
-import platform
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from multibody_xval.reports.cli.options import Computing, Engines, GridEngines, Store, check_outs, grouped, keeping
+from multibody_xval.reports.cli.shown import Shown
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table, visible
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from multibody_xval.engines.interface.variant import Variant
 
@@ -83,7 +78,7 @@ def figure3(
     every = of_paper(points(stored))
     found, rows = judged_edges(every), judged(every[every.case.isin(claim_cases())])
     lines = failures(rows, lambda own: own.config.isin(configs[1:] if engines.names else []))
-    end = _End("Figure 3", engines.command("figure3", [] if run else ["--no-run"]), every)
+    end = Shown("Figure 3", engines.command("figure3", [] if run else ["--no-run"]), every)
     end.show(figure3_parts(every, found, rows, lines))
     end.write(outs, file_columns(rows), lambda: transmittance(every, found))
     if lines:
@@ -131,7 +126,7 @@ def accuracy(engines: Engines, *, store: Store = None, out: TableFile = None, co
     with keeping(store):
         every = points(computed(study.map_runs(configs), computing.means(store)))
     table = study.accuracies(judged(every))
-    end = _End("Accuracy of the engines", engines.command("accuracy"), every, study.LEGEND)
+    end = Shown("Accuracy of the engines", engines.command("accuracy"), every, study.LEGEND)
     end.show({"": study.shown(table), "Remarks": study.remarks(table)})
     end.write(outs, table.assign(worst=[getattr(own, "title", "") for own in table.worst]))
 
@@ -180,52 +175,6 @@ def work_precision(
         every = points(computed(runs, computing.means(store), then=then))
     table = study.step_table(judged(every))
     command = engines.command("work-precision", [f"--steps={count}" for count in asked])
-    end = _End("Work and precision", command, every, study.LEGEND)
+    end = Shown("Work and precision", command, every, study.LEGEND)
     end.show({"": study.shown(table), "Remarks": study.remarks(table)})
     end.write(outs, table.drop(columns="config"), lambda: costs(table))
-
-
-class _End:
-    """The end of a command: what it prints, and what it writes."""
-
-    def __init__(self, title: str, command: str, points: pd.DataFrame, legend: str = ""):
-        engines = points[["engine", "version"]].drop_duplicates().sort_values("engine")
-        versions = ", ".join(f"{own.engine} {own.version}" for own in engines.itertuples())
-        self._ends = f"Versions: {versions}; Python {platform.python_version()}."
-        self._lines = [f"# {title}", "", *([legend] if legend else []), f"Made by `{command}`.", ""]
-
-    def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
-        """Print tables and lines under their headings."""
-        from multibody_xval.scenarios.tables import markdown_lines, markdown_list
-
-        for heading, part in parts.items():
-            if not len(part):
-                continue
-            self._lines += [f"## {heading}", ""] if heading else []
-            if isinstance(part, list):
-                print("\n".join(map(visible, ["", *part])))
-                self._lines += [*markdown_list(part), ""]
-            else:
-                texts = part.map(_text)
-                print_table([str(name) for name in texts], texts.to_numpy().tolist(), title=heading or None)
-                self._lines += [*markdown_lines(texts), ""]
-
-    def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
-        """Write what was shown as Markdown, every number as CSV, and the figure."""
-        from multibody_xval.reports.figures.studies import figure_file
-        from multibody_xval.scenarios.tables import csv_text
-
-        for out in outs:
-            if out.suffix == ".md":
-                write_whole(out, "\n".join([*self._lines, self._ends, ""]))
-            elif out.suffix == ".csv":
-                write_whole(out, csv_text(numbers))
-            elif figure is not None:
-                write_whole(out, figure_file(figure(), out.suffix[1:]))
-
-
-def _text(value: object) -> str:
-    """Give a value as people read it."""
-    if isinstance(value, float):
-        return "–" if math.isnan(value) else f"{value:.6g}"
-    return visible(str(value))

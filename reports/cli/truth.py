@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from multibody_xval.reports.cli.console_script import HelpAlone
 from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import print_table, visible
+from reference_lcp.terminal import print_table
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 truth_app = typer.Typer(cls=HelpAlone)
@@ -44,8 +45,7 @@ def show(name: Name) -> None:
 
     Example: multibody-xval truth show block-stops
     """
-    from multibody_xval.scenarios.truth import problem_named
-    from multibody_xval.scenarios.truth.record import text_of
+    from multibody_xval.scenarios.truth.problem import problem_named, text_of
 
     print(text_of(problem_named(name)), end="")
 
@@ -62,7 +62,7 @@ def check(
         float | None, typer.Option(help="Step in s of the program that wrote it; without it, that of the problem.")
     ] = None,
 ) -> None:
-    """Compare a motion that any program wrote with the exact one.
+    """Compare a motion that any program wrote with the exact one: a row a body, held, slid or stuck in the end.
 
     It has a row at each of the problem's times, and may have others. What it may be off is in proportion to the step.
     Exit code 0: within what a step of first order may be off; 1: beyond; 2: wrong input: no such problem, or a file
@@ -74,11 +74,15 @@ def check(
 
     problem = problem_named(name)
     found = judged(problem, read_motion(motion, problem), time_step)
-    for one in found:
-        unit = {"position": "m", "velocity": "m/s"}[one.quantity]
-        text = f"{'ok' if one.passes else 'FAILED'}: {one.quantity} of body {one.body} at {one.time:.6g} s is off by"
-        print(visible(f"{text} {one.error:.3g} {unit}; allowed: {one.allowed:.3g} {unit}"))
-    if not all(one.passes for one in found):
+    headings = ("body", "result", "exact", "motion", "off [m]", "allowed", "at [s]", "off [m/s]", "allowed")
+    names = ["position_off", "position_allowed", "position_time", "velocity_off", "velocity_allowed"]
+    numbers = found[names].map(lambda number: "–" if math.isnan(number) else f"{number:.2g}")
+    rows = found[["body", "verdict", "exact", "motion"]].astype(str).join(numbers)
+    print_table(headings, rows.to_numpy().tolist())
+    off = int((found.verdict == "deviates").sum())
+    beyond = f"{off} of {len(found)} bodies deviate from the exact motion"
+    print(beyond if off else "The motion agrees with the exact one.")
+    if off:
         raise typer.Exit(ExitCode.FAILED)
 
 

@@ -3,9 +3,12 @@
 import csv
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from multibody_xval.scenarios.truth.problem import Problem
 from reference_lcp.errors import ParameterError, checked_path, shown
@@ -16,6 +19,9 @@ SAME_TIME = 1e-3
 
 LARGEST_FILE = 100_000_000
 """Bytes of a motion's file that are read; the longest of the problems takes ten, with every step."""
+
+STATES = ("held", "slid", "stuck", "–")
+"""What a body does: never slips, slides in the end, has stopped by then; the last one has no contact of its own."""
 
 OTHER_UNITS = {1e3: "mm", 1e2: "cm", 1e-3: "km"}
 """Factors by which all positions are beside the exact ones if they are in other units, see `_check_units`."""
@@ -31,26 +37,6 @@ class Motion:
     """[m], shape (rows, bodies)."""
     velocities: FloatArray | None
     """[m/s], likewise; ``None`` if the file has none."""
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """How far one quantity of one body is from the exact motion, where it is nearest to what it may be, or beyond."""
-
-    quantity: str
-    """``position`` [m] or ``velocity`` [m/s]."""
-    body: int
-    time: float
-    """[s]."""
-    error: float
-    """Distance from the exact motion."""
-    allowed: float
-    """What a scheme of first order may be off with this step, and the uncertainty."""
-
-    @property
-    def passes(self) -> bool:
-        """Whether the error is no larger than allowed."""
-        return self.error <= self.allowed
 
 
 def read_motion(path: str | os.PathLike[str], problem: Problem) -> Motion:
@@ -93,13 +79,17 @@ def _numbers(row: list[str], places: list[int], number: int, name: str) -> list[
     return values
 
 
-def judged(problem: Problem, motion: Motion, time_step: float | None = None) -> list[Judgement]:
-    """Compare a motion with the exact one: one judgement of positions, and one of velocities if there are any.
+def judged(problem: Problem, motion: Motion, time_step: float | None = None) -> pd.DataFrame:
+    """Compare a motion with the exact one: one row a body.
+
+    Columns: ``body``; ``exact`` and ``motion``, what it does, one of `STATES`; ``position_off`` [m], how far it is from
+    the exact motion where that is most beside what is ``position_allowed``, and ``position_time`` [s] of that; the same
+    of velocities, NaN where the motion has none; ``verdict``: agrees or deviates.
 
     Parameters
     ----------
     problem, motion
-        The truth, and the rows of a program.
+        The exact motion, and the rows of a program.
     time_step
         Step of the program [s]; without it, that of the problem. Allowed errors are in proportion to it.
 
@@ -109,32 +99,47 @@ def judged(problem: Problem, motion: Motion, time_step: float | None = None) -> 
         If a time of the problem has no row, or the numbers are of other units.
     """
     step = checked_scalar("time_step", problem.time_step if time_step is None else time_step, "> 0")
-    _check_units(motion.positions[_rows(problem, motion, step)], np.array(problem.positions), problem)
-    bounds = {
-        "position": np.array(problem.position_error) * (step / problem.time_step) + problem.position_uncertainty,
-        "velocity": np.array(problem.velocity_error) * (step / problem.time_step) + problem.velocity_uncertainty,
-    }
-    judgements = []
-    for quantity, distance in distances(problem, motion, step).items():
-        allowed = bounds[quantity]
-        row, body = np.unravel_index(np.argmax(distance / allowed), distance.shape)
-        worst = float(distance[row, body]), float(allowed[body])
-        judgements.append(Judgement(quantity, int(body), problem.times[int(row)], *worst))
-    return judgements
+    rows = _rows(problem, motion, step)
+    own = motion.positions[rows], None if motion.velocities is None else motion.velocities[rows]
+    exact = np.array(problem.positions), np.array(problem.velocities)
+    _check_units(own[0], exact[0], problem)
+    allowed = [
+        np.array(error) * (step / problem.time_step) + uncertainty
+        for error, uncertainty in (
+            (problem.position_error, problem.position_uncertainty),
+            (problem.velocity_error, problem.velocity_uncertainty),
+        )
+    ]
+    table = pd.DataFrame({"body": range(len(problem.masses))})
+    table["exact"] = states(problem, *exact, [problem.position_uncertainty, problem.velocity_uncertainty])
+    table["motion"] = states(problem, *own, allowed)
+    for name, values, known, bound in zip(("position", "velocity"), own, exact, allowed, strict=True):
+        off = np.full(known.shape, np.nan) if values is None else np.abs(values - known)
+        worst = np.argmax(off, axis=0)
+        table[f"{name}_off"], table[f"{name}_allowed"] = off[worst, table.body], bound
+        table[f"{name}_time"] = np.array(problem.times)[worst]
+    beyond = (table.position_off > table.position_allowed) | (table.velocity_off > table.velocity_allowed)
+    return table.assign(verdict=np.where(beyond, "deviates", "agrees"))
 
 
-def distances(problem: Problem, motion: Motion, time_step: float) -> dict[str, FloatArray]:
-    """Give how far a motion is from the exact one, shape (times, bodies), by quantity: of those that it has.
+def states(problem: Problem, positions: FloatArray, velocities: FloatArray | None, allowed: Sequence[Any]) -> list[str]:
+    """Say of every body whether its own contact held all the time, slides in the end, or stuck again by then.
 
-    Raises
-    ------
-    ParameterError
-        If a time of the problem has no row, to a part of the `time_step` [s].
+    What moves by less than is allowed of both bodies of a contact does not slip. Without velocities, those from the
+    last but one of the compared times to the last are taken.
     """
-    rows = _rows(problem, motion, time_step)
-    found = {"position": np.abs(motion.positions[rows] - np.array(problem.positions))}
-    if motion.velocities is not None:
-        found["velocity"] = np.abs(motion.velocities[rows] - np.array(problem.velocities))
+    found = [STATES[-1]] * len(problem.masses)
+    limits = [np.append(np.broadcast_to(each, len(problem.masses)), 0.0) for each in allowed]  # the ground is the last
+    start, times = np.append(problem.start_position, 0.0), problem.times
+    places = np.column_stack([positions, np.zeros(len(positions))])
+    speeds = np.append(
+        (positions[-1] - positions[-2]) / (times[-1] - times[-2]) if velocities is None else velocities[-1], 0.0
+    )
+    for first, second in zip(problem.contact_first, problem.contact_second, strict=True):
+        slips = places[:, first] - places[:, second] - (start[first] - start[second])
+        moved = bool(np.any(np.abs(slips) > limits[0][first] + limits[0][second]))
+        slides = bool(abs(speeds[first] - speeds[second]) > limits[1][first] + limits[1][second])
+        found[first] = STATES[1] if slides else STATES[2] if moved else STATES[0]
     return found
 
 

@@ -3,7 +3,7 @@
 import json
 from functools import cache
 from importlib import resources
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
@@ -190,3 +190,15 @@ def problem_named(name: str) -> Problem:
         If there is none.
     """
     return problems()[checked_choice("problem", name, list(problems()))]
+
+
+def text_of(problem: Problem) -> str:
+    """Give the file of a problem: a name a line, and a row of the motion a line."""
+    lines = [f' "{name}": {_value(value)}' for name, value in problem.model_dump().items()]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
+        return "[\n  " + ",\n  ".join(json.dumps(row, ensure_ascii=False) for row in value) + "\n ]"
+    return json.dumps(value, ensure_ascii=False)

@@ -4,7 +4,7 @@
 two, and goes on where it was stopped; ``--engine NAME`` and ``--part NAME`` choose. Compare two folders with
 ``python -m tests.golden.compare BEFORE NOW``.
 
-Steady states and edges are kept in FILE, blocks and scenes in a file beside it.
+Results are kept in FILE.
 
 ``points.csv`` has the operating points: points of the usual grids, points off them, long and lightly damped chains,
 normal forces that swing or open the contacts. The other files are
@@ -25,23 +25,20 @@ from typing import Any
 
 import pandas as pd
 
+from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.scenarios import edges
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
-from multibody_xval.scenarios.catalogue.verdict_table import finding_table
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.proven import in_table, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import points as table_of
-from multibody_xval.scenarios.runs.dask_cluster import executor_for
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
-from multibody_xval.scenarios.runs.store import opened_store
-from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
-from multibody_xval.scenarios.verdicts.proven import proven_level
 from reference_lcp.one_call import steady_state
 from reference_lcp.steady.richardson import amplitude_in_db
 
@@ -163,30 +160,29 @@ def steady_numbers(result: Result, amplification: float) -> Row:
     }
 
 
-def scenario_rows(name: str, evaluator: Evaluator) -> Iterator[Row]:
+def scenario_rows(name: str, means: Means) -> Iterator[Row]:
     """Give every number of blocks, transients and scenes, of the presets of an engine."""
-    for scenario in CATALOGUE.values():
-        if isinstance(scenario, SceneScenario):
-            configs = _scene_configurations(scenario, name)
-        elif scenario.name in BLOCKS:
-            configs = configurations(name)
-        elif scenario.name in TRANSIENTS:
-            configs = [own for own in configurations(name) if (own.formulation, own.preset_name) == ("joint", "tuned")]
-        else:
-            continue
-        if configs:
-            evaluator.stage(f"{name}, {scenario.name}")
-            for row in finding_table({scenario: scenario.run(configs, evaluator)}).itertuples():
+    for scenario in SCENARIOS.values():
+        if configs := scenario_configurations(scenario, name):
+            stored = computed(scenario.runs(configs), means, f"{name}, {scenario.name}")
+            table = numbers(scenario, stored)
+            for row in table[table.engine == name].itertuples():
                 config = Config(row.engine, row.formulation, row.preset)
-                labels = {"scenario": row.scenario, "case": row.case, "config": str(config), "quantity": row.metric}
+                labels = {"scenario": row.scenario, "case": row.case, "config": str(config), "quantity": row.quantity}
                 yield {**labels, "unit": row.unit, "value": "" if math.isnan(row.value) else f"{row.value:.9g}"}
 
 
-def _scene_configurations(scenario: SceneScenario, name: str) -> list[Config]:
-    """Give the presets of an engine that have such scenes."""
-    if engine(name).scene_gap(scenario.formulation):
-        return []
-    return [own for own in scenario.variants([name]) if own.formulation == scenario.formulation]
+def scenario_configurations(scenario: Scenario, name: str) -> list[Config]:
+    """Give the presets of an engine that are recorded in a scenario; none of steady states, which are points."""
+    case = next(iter(scenario.cases.values()))
+    if isinstance(case, SceneMotion):
+        if engine(name).scene_gap(Formulation(case.formulation)):
+            return []
+        return [own for own in scenario.configs([name]) if own.formulation == case.formulation]
+    if scenario.name in BLOCKS:
+        return configurations(name)
+    joints = [own for own in configurations(name) if (own.formulation, own.preset_name) == ("joint", "tuned")]
+    return joints if scenario.name in TRANSIENTS else []
 
 
 def edge_rows(name: str, means: Means) -> Iterator[Row]:
@@ -209,8 +205,8 @@ def reference_rows() -> Iterator[Row]:
     for name, point in points().items():
         if not point["modulation"]:
             run = run_at(REFERENCE, name)
-            state = steady_state(*run.case.setting, steps_per_period=run.steps, with_exact_value=True)
-            proven = proven_level(proven_task(point))
+            state = steady_state(*run.steady.setting, steps_per_period=run.steps, with_exact_value=True)
+            proven = proven_levels().get(in_table(run.steady))
             yield {
                 "point": name,
                 "level_db": f"{state.transmittance_db:.12g}",
@@ -221,23 +217,6 @@ def reference_rows() -> Iterator[Row]:
                 "stuck": " ".join(f"{part:.6g}" for part in state.stuck_fraction),
                 "transitions": len(state.transitions),
             }
-
-
-def proven_task(point: Mapping[str, str]) -> SteadyStateTask:
-    """Give what the table of proven levels knows an operating point by."""
-    profile = [float(part) for part in point["friction_profile"].split()]
-    ratios: dict[str, Any] = {name: float(point[name]) for name in ("mass_ratio", "stiffness_ratio", "damping_ratio")}
-    if profile:
-        ratios["friction_profile"] = tuple(profile)
-    kind = point["excitation"]
-    return SteadyStateTask(
-        variant=REFERENCE,
-        friction_ratio=float(point["friction_ratio"]),
-        frequency_ratio=float(point["frequency_ratio"]),
-        ratios=ChainRatios(cells=int(point["cells"]), **ratios),
-        steps_per_period=int(point["steps_per_period"]),
-        excitation=Excitation(kind=kind, amplitude=DEFAULT_AMPLITUDE[kind]),
-    )
 
 
 def write(file: Path, columns: Sequence[str], rows: Iterable[Row]) -> None:
@@ -263,10 +242,7 @@ def record(folder: Path, names: Sequence[str], parts: Sequence[str], means: Mean
         if "steady" in parts:
             write(folder / "steady" / f"{name}.csv", STEADY_COLUMNS, steady_rows(name, means, every))
         if "scenarios" in parts and name != "reference":
-            assert means.store is not None
-            beside = means.store.with_name(f"{means.store.stem}-scenarios.sqlite")
-            with opened_store(beside) as store, Evaluator(store, executor_for(None, TIME_LIMIT)) as evaluator:
-                write(folder / "scenarios" / f"{name}.csv", NUMBER_COLUMNS, scenario_rows(name, evaluator))
+            write(folder / "scenarios" / f"{name}.csv", NUMBER_COLUMNS, scenario_rows(name, means))
 
 
 def main() -> None:

@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.exact_values import proven, ruler
+from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.proven import proven
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.accuracy_map import (

@@ -10,12 +10,11 @@ import jsonschema
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.runs.task import SteadyStateTask
+from multibody_xval.scenarios.proven import proven_levels
 from multibody_xval.scenarios.truth import problem_named, problems
-from multibody_xval.scenarios.truth.problem import Problem, problem_of
-from multibody_xval.scenarios.truth.record import FOLDER, OPERATING_POINTS, completed, drafts, text_of
-from multibody_xval.scenarios.verdicts.proven import proven_level
-from multibody_xval.scenarios.verdicts.steady_case import EXACT
+from multibody_xval.scenarios.truth.drafts import OPERATING_POINTS, drafts
+from multibody_xval.scenarios.truth.problem import Problem, problem_of, text_of
+from multibody_xval.scenarios.truth.record import FOLDER, completed
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
@@ -90,10 +89,12 @@ def test_steady_states_come_back_after_every_period(name):
     )
 
 
-@pytest.mark.parametrize(("friction", "frequency"), OPERATING_POINTS)
-def test_transmittance_and_phase_are_those_of_the_table_of_proofs(friction, frequency):
-    problem = problem_named(f"chain-steady-{friction:g}-{frequency:g}")
-    level = proven_level(SteadyStateTask(variant=EXACT, friction_ratio=friction, frequency_ratio=frequency))
+@pytest.mark.parametrize("case", OPERATING_POINTS, ids=lambda case: case.title)
+def test_transmittance_and_phase_are_those_of_the_table_of_proofs(case):
+    problem, level = (
+        problem_named(f"chain-steady-{case.friction_ratio:g}-{case.frequency_ratio:g}"),
+        proven_levels()[case],
+    )
     found = problem.observables
     assert len(problem.transitions) == level.events
     for name, value in (("transmittance", level.transmittance_db), ("phase", level.phase)):

@@ -6,41 +6,32 @@ import json
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.tables import (
-    Column,
-    csv_cell,
-    csv_text,
-    full_table,
-    json_text,
-    markdown_lines,
-    print_table,
-    records,
-    text_table,
-)
+from multibody_xval.scenarios.table_text import csv_cell, csv_text, json_text, markdown_lines, print_table, records
 
-COLUMNS = (
-    Column("name", lambda row: row[0]),
-    Column("error_db", lambda row: row[1], "error [dB]", "{:.2f}"),
-    Column("points", lambda row: row[2], "of"),
-)
+NAMES = ["name", "error_db", "points"]
 ROWS = [("a|b [bold]", 1 / 3, 7), ("c, d", math.nan, None), ("e", np.float64(0.1), 2**60)]
+TABLE = pd.DataFrame(ROWS, columns=NAMES, dtype=object)
+TEXTS = pd.DataFrame(
+    [("a|b [bold]", "0.33", "7"), ("c, d", "–", "–"), ("e", "0.10", str(2**60))], columns=["name", "error [dB]", "of"]
+)
 
 
 def test_csv_has_keys_every_digit_and_a_word_for_what_is_missing() -> None:
-    read = list(csv.reader(io.StringIO(csv_text(full_table(COLUMNS, ROWS)))))
+    read = list(csv.reader(io.StringIO(csv_text(TABLE))))
     assert read == [
         ["name", "error_db", "points"],
         ["a|b [bold]", repr(1 / 3), "7"],
         ["c, d", "nan", "nan"],
         ["e", "0.1", str(2**60)],
     ]
-    assert csv_text(full_table(COLUMNS, ROWS[1:2]), missing="").splitlines()[1] == '"c, d",,'
+    assert csv_text(TABLE[1:2], missing="").splitlines()[1] == '"c, d",,'
 
 
 def test_json_has_every_digit_and_null_for_what_is_missing() -> None:
-    read = json.loads(json_text(records(full_table(COLUMNS, ROWS))))
+    read = json.loads(json_text(records(TABLE)))
     assert [list(row.values()) for row in read] == [["a|b [bold]", 1 / 3, 7], ["c, d", None, None], ["e", 0.1, 2**60]]
     assert json.loads(json_text({"limit": math.inf, "rows": slice(1)})) == {
         "limit": None,
@@ -49,7 +40,7 @@ def test_json_has_every_digit_and_null_for_what_is_missing() -> None:
 
 
 def test_markdown_has_headings_rounded_numbers_and_no_column_too_many() -> None:
-    assert markdown_lines(text_table(COLUMNS, ROWS)) == [
+    assert markdown_lines(TEXTS) == [
         "| name | error [dB] | of |",
         "|---|---|---|",
         "| a\\|b [bold] | 0.33 | 7 |",
@@ -58,9 +49,9 @@ def test_markdown_has_headings_rounded_numbers_and_no_column_too_many() -> None:
     ]
 
 
-@pytest.mark.parametrize("rows", [ROWS, []])
+@pytest.mark.parametrize("rows", [3, 0])
 def test_terminal_shows_texts_as_they_are(rows, capsys) -> None:
-    print_table(text_table(COLUMNS, rows))
+    print_table(TEXTS[:rows])
     printed = capsys.readouterr().out
     for word in ("name", "error", "[dB]", "of"):
         assert word in printed
@@ -87,8 +78,8 @@ def test_what_a_spreadsheet_would_skip_before_a_formula_is_visible(text) -> None
 
 
 def test_no_control_character_of_a_stranger_reaches_a_terminal_or_a_file(capsys) -> None:
-    rows = [(HOSTILE, -0.25, 1)]
-    whole, shown = full_table(COLUMNS, rows), text_table(COLUMNS, rows)
+    whole = pd.DataFrame([(HOSTILE, -0.25, 1)], columns=NAMES, dtype=object)
+    shown = whole.astype(str)
     print_table(shown)
     printed = capsys.readouterr().out
     assert "=HYPERLINK(" in printed

@@ -1,0 +1,28 @@
+"""``multibody-xval run laws``: engines beside what their presets say that they step by."""
+
+from __future__ import annotations
+
+from multibody_xval.reports.cli.options import Engines, check_outs, grouped
+from multibody_xval.reports.cli.shown import Shown
+from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile
+
+
+@grouped
+def laws(engines: Engines, *, out: TableFile = None) -> None:
+    """Compare engines with the laws of their presets, over one period from the same state.
+
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run laws --engine mujoco:joint:default --out laws.md
+    """
+    configs = engines.variants()
+    outs = check_outs([out], TABLE_ENDINGS)
+    from multibody_xval.scenarios.studies import law_distances as study
+    from reference_lcp.terminal import announce_compilation
+
+    announce_compilation()
+    table = study.law_distances(configs)
+    shown = Shown("Laws and engines", engines.command("laws"), table, study.LEGEND)
+    shown.show({"": study.shown(table), "Formulas": study.formulas(table)})
+    shown.write(outs, table)

@@ -1,0 +1,69 @@
+"""``multibody-xval run proofs``: the table of proven levels, proven again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from multibody_xval.reports.cli.options import check_outs
+from reference_lcp.errors import ExitCode
+from reference_lcp.output import write_whole
+from reference_lcp.terminal import print_table, tracked, visible
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def proofs(
+    *,
+    sample: Annotated[int | None, typer.Option(help="Prove so many points at random instead of all.")] = None,
+    seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write the proven levels here, as .csv.")] = None,
+) -> None:
+    """Prove the steady states of standard grids and catalogue, and compare their levels with the table of the suite.
+
+    Levels on both sides of the edges of the band are proven too, unless it is a sample.
+    Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run proofs --sample 20
+    """
+    check_outs([out], (".csv",))
+    from multibody_xval.scenarios.catalogue import proofs as study
+    from multibody_xval.scenarios.proven import DIGITS
+    from reference_lcp.defaults import PROOF_TIME_LIMIT
+    from reference_lcp.exact.proof.prove import check_request
+
+    cases = study.chosen_cases(sample, seed)
+    check_request(DIGITS, PROOF_TIME_LIMIT)
+    table = study.proofs([study.proof_of(case) for case in tracked(cases, "points")])
+    summary = study.summary(table)
+    print_table([str(name) for name in summary], summary.to_numpy().tolist())
+    _print_exceptions(table)
+    crossing = sample is not None or _print_edges()
+    if out is not None:
+        write_whole(out, study.table_rows(table).to_csv(index=False, lineterminator="\n"))
+    if not (table.as_known.all() and crossing):
+        raise typer.Exit(ExitCode.FAILED)
+
+
+def _print_exceptions(table: pd.DataFrame) -> None:
+    """Print what is not proven, and what is not as in the table."""
+    for own in table[table.level.isna() | ~table.as_known].itertuples():
+        other = "" if own.as_known else "not as in the table; "
+        print(visible(f"{own.case.title}: {other}{own.reason or own.level}"))
+
+
+def _print_edges() -> bool:
+    """Prove the edges of the band and print them; tell whether the level crosses 0 dB at each."""
+    from multibody_xval.scenarios.catalogue.edge_proofs import edge_proofs, known_steps
+
+    edges = edge_proofs()
+    for edge in edges:
+        print(edge)
+    for friction in dict.fromkeys(edge.friction_ratio for edge in edges):
+        known, steps = known_steps(friction)
+        print(f"friction {friction:g}: all crossings are known in {known} of {steps} steps of the grid: nothing slips")
+    return all(edge.crosses for edge in edges)

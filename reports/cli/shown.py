@@ -1,0 +1,62 @@
+"""What a measurement prints, and what it writes: tables and lines under headings."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reference_lcp.output import write_whole
+from reference_lcp.terminal import print_table, visible
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+class Shown:
+    """The end of a command: what it prints, and what it writes."""
+
+    def __init__(self, title: str, command: str, points: pd.DataFrame, legend: str = ""):
+        engines = points[["engine", "version"]].drop_duplicates().sort_values("engine")
+        versions = ", ".join(f"{own.engine} {own.version}" for own in engines.itertuples())
+        self._ends = f"Versions: {versions}; Python {platform.python_version()}."
+        self._lines = [f"# {title}", "", *([legend] if legend else []), f"Made by `{command}`.", ""]
+
+    def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
+        """Print tables and lines under their headings."""
+        from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
+
+        for heading, part in parts.items():
+            if not len(part):
+                continue
+            self._lines += [f"## {heading}", ""] if heading else []
+            if isinstance(part, list):
+                print("\n".join(map(visible, ["", *part])))
+                self._lines += [*markdown_list(part), ""]
+            else:
+                texts = part.map(_text)
+                print_table([str(name) for name in texts], texts.to_numpy().tolist(), title=heading or None)
+                self._lines += [*markdown_lines(texts), ""]
+
+    def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
+        """Write what was shown as Markdown, every number as CSV, and the figure."""
+        from multibody_xval.reports.figures.studies import figure_file
+        from multibody_xval.scenarios.table_text import csv_text
+
+        for out in outs:
+            if out.suffix == ".md":
+                write_whole(out, "\n".join([*self._lines, self._ends, ""]))
+            elif out.suffix == ".csv":
+                write_whole(out, csv_text(numbers))
+            elif figure is not None:
+                write_whole(out, figure_file(figure(), out.suffix[1:]))
+
+
+def _text(value: object) -> str:
+    """Give a value as people read it."""
+    if isinstance(value, float):
+        return "–" if math.isnan(value) else f"{value:.6g}"
+    return visible(str(value))
