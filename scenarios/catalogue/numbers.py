@@ -31,9 +31,9 @@ from multibody_xval.scenarios.store import Stored
 from reference_lcp.steady.richardson import ROUND_OFF, ROUND_OFF_STEPS, richardson
 
 COLUMNS = [
-    "scenario", "case", "configuration", *CONFIG, "version", "steps", "quantity", "unit", "value", "exact", "exact_bar",
-    "exact_kind", "scheme_error", "resolution", "accuracy", "allowed", "error", "distance", "expected", "verdict",
-    "judged", "reason",
+    "scenario", "case", "configuration", *CONFIG, "version", "steps", "quantity", "unit", "value", "reference", "exact",
+    "exact_bar", "exact_kind", "scheme_error", "resolution", "accuracy", "allowed", "error", "distance", "expected",
+    "verdict", "judged", "reason",
 ]  # fmt: skip
 
 DECIDING = [
@@ -75,7 +75,8 @@ def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
 
     Columns: `COLUMNS`. All sizes are in the unit of the quantity; value and exact value of a transmittance are complex,
     and those of an array are its largest difference and zero. ``error`` is that to the exact value, ``distance`` that
-    to what is ``expected``; ``accuracy`` is what the preset states.
+    to what is ``expected``, and ``reference`` the number of the scheme at equal steps; ``accuracy`` is what the preset
+    states.
     """
     known = list(stored)
     configs = dict.fromkeys(own.run.config for own in known if own.run.config != EXACT)
@@ -156,7 +157,8 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
     return {
         "value": _shown(value, known.exact), "exact": 0.0 if _is_array(known.exact) else known.exact,
-        "exact_bar": known.bar, "exact_kind": known.kind, "scheme_error": known.scheme_error,
+        "reference": _shown(known.reference, known.exact), "exact_bar": known.bar, "exact_kind": known.kind,
+        "scheme_error": known.scheme_error,
         "resolution": quantity.resolution(run, known.exact)
         + (amplitude * open_amplitude if quantity.step_error is None else 0.0),
         "error": _shown(value, known.exact) if _is_array(known.exact) else value - known.exact,
@@ -208,7 +210,7 @@ def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[
     for row in rows.to_dict("records"):
         found[Run(row["config"], row["case"], row["steps"]), row["version"]] = {
             **{name: row[name] for name in DECIDING},
-            **{name: row[name] for name in ("exact", "exact_kind", "expected")},
+            **{name: row[name] for name in ("reference", "exact", "exact_kind", "expected")},
             "value": row["ratio"],
             "error": abs(row["ratio"] - row["exact"]),
         }

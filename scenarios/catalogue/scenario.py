@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -111,6 +112,8 @@ class Scenario:
     """Variations that no recipe is found with."""
     exact_refinement: int = 1
     """Rows of the exact motion to a step: sums over them need many."""
+    of_record: Callable[[Path], "Scenario"] | None = None
+    """Gives the same question of a base that follows a user's file, see ``run NAME --record``."""
 
     def own_runs(self, config: Config) -> dict[str, Run]:
         """Give the runs of a configuration by the name of the case."""
