@@ -57,7 +57,8 @@ def _points(rows: pd.DataFrame) -> list[str]:
     """Name the case of every row, and the steps where one configuration has several."""
     several = rows.groupby("configuration").steps.transform("nunique") > 1
     named = zip(rows.case, rows.steps, several, strict=True)
-    return [f"{case.title}, {steps} steps" if more else case.title for case, steps, more in named]
+    titles = [(case if isinstance(case, str) else case.title, steps, more) for case, steps, more in named]
+    return [f"{title}, {steps} steps" if more else title for title, steps, more in titles]
 
 
 def overview(changes: pd.DataFrame) -> pd.DataFrame:
@@ -113,7 +114,8 @@ def _explanation(own: Comparison) -> str:
         "Errors are distances of the transmittance, level and phase in one, from the exact motion, in per cent of its "
         f"amplitude. A change is one of more than {own.db:g} dB of the transmittance and of what the steady states "
         f"leave open, or of more than {LEAST_STUCK:g} and two time steps of the part of the period that a contact "
-        "sticks. It is unknown where no exact value is in the stores. Points that are new cannot fail. "
+        "sticks; of a number of a scenario, one of more than that part of it and of what it leaves open. It is unknown "
+        "where no exact value is in the stores. Points that are new cannot fail. "
         f"The comparison fails at {failing}."
     )
 
@@ -130,7 +132,7 @@ def _content(own: Comparison) -> str:
 
 def _plain(changes: pd.DataFrame) -> pd.DataFrame:
     """Give every point with plain values."""
-    table = changes.drop(columns=list(_NOT_IN_FILES))
+    table = changes.drop(columns=list(_NOT_IN_FILES), errors="ignore")
     return table.map(lambda value: value_text(value) if isinstance(value, tuple) else value)
 
 

@@ -37,13 +37,17 @@ def compared(before: pd.DataFrame, now: pd.DataFrame, ruler: pd.DataFrame, db: f
     """Judge two tables of points by one ruler, and join them on the name of what is compared, case and steps."""
     one, other = (_measured(table, ruler)[[*POINT, *_NUMBERS]] for table in (before, now))
     rows = _joined(one, other)
-    for side in ("_before", "_now"):
-        texts = {"status": NOT_RUN, "engine": "", "version": "", "options": "", "reason": ""}
-        rows = rows.fillna({f"{name}{side}": text for name, text in texts.items()})
-    rows = _changes(rows, 100 * (10 ** (db / 20) - 1))
+    rows = _changes(with_texts(rows), 100 * (10 ** (db / 20) - 1))
     case = pd.DataFrame([{name: getattr(own, name) for name in CASE} for own in rows.case], rows.index, CASE)
     first = [*POINT, "change", "what"]
     return pd.concat([rows[first], case, rows.drop(columns=first)], axis=1)
+
+
+def with_texts(rows: pd.DataFrame) -> pd.DataFrame:
+    """Fill what says who ran a row and how it ended, where only the other side has it."""
+    texts = {"status": NOT_RUN, "engine": "", "version": "", "options": "", "reason": ""}
+    filled = {f"{name}{side}": text for name, text in texts.items() for side in ("_before", "_now")}
+    return rows.astype(dict.fromkeys(filled, object)).fillna(filled)
 
 
 def _joined(before: pd.DataFrame, now: pd.DataFrame) -> pd.DataFrame:

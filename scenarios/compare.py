@@ -1,6 +1,6 @@
 """What two stores or two configurations have in common, and where the second is closer to the exact motion."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -18,9 +18,10 @@ from multibody_xval.scenarios.changes import (
 )
 from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.model import REFERENCE, Config
+from multibody_xval.scenarios.number_changes import number_changes
 from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
 from multibody_xval.scenarios.result_tables import full_name, points
-from multibody_xval.scenarios.store import existing_store, identity, opened
+from multibody_xval.scenarios.store import Stored, existing_store, identity, opened
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import LARGEST_DECIBEL, checked_scalar
 
@@ -32,6 +33,7 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
 
     Points are matched by configuration, case and steps per period; versions and options of engines may differ, and of
     several versions in one store the last counts. The reference and the exact motion of either store judge both.
+    Numbers of scenarios about motions and scenes are matched by their case and name, and count as points.
 
     Parameters
     ----------
@@ -46,7 +48,8 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
     DataFrame
         One row a point: ``configuration``, columns of the case, ``steps``, ``change`` (regressed, missing, unknown,
         improved, new or unchanged), ``what`` (what has changed, in words; empty where nothing has), and the numbers of
-        both with the endings ``_before`` and ``_now``, such as ``error_percent_before``.
+        both with the endings ``_before`` and ``_now``, such as ``error_percent_before``. Numbers have a ``scenario``,
+        a ``scenario_case``, a ``quantity`` and a ``unit``, with ``value`` and ``error`` in that.
 
     Raises
     ------
@@ -54,14 +57,23 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
         If a file is no store, the stores have no point in common, or `db` is outside its range.
     """
     checked_db(db)
-    before, now = (_points_of(Path(file)) for file in (first, second))
-    _check_common(before, now, f"{first} and {second}")
+    stored, options = zip(*(_results_of(Path(file)) for file in (first, second)), strict=True)
+    before, now = (_points_of(*own) for own in zip(stored, options, strict=True))
+    numbers = number_changes(*stored, options, db)
+    _check_common(before, now, numbers, f"{first} and {second}")
+    rows = pd.concat([*_points_compared(before, now, db), numbers], ignore_index=True)
+    return rows.sort_values("configuration", key=_is_reference, kind="stable", ignore_index=True)
+
+
+def _points_compared(before: pd.DataFrame, now: pd.DataFrame, db: float) -> Iterator[pd.DataFrame]:
+    """Give the points compared, where there are any; the reference's count where both stores have them."""
     both = pd.concat([before, now], ignore_index=True)
+    if both.empty:
+        return
     ruler = both[both.status == "periodic"].drop_duplicates(RUN)
     rows = compared(before, now, ruler, db)
     alone = (rows.status_before == NOT_RUN) | (rows.status_now == NOT_RUN)
-    rows = rows[~(alone & _is_reference(rows.configuration))]
-    return rows.sort_values("configuration", key=_is_reference, kind="stable", ignore_index=True)
+    yield rows[~(alone & _is_reference(rows.configuration))]
 
 
 def _is_reference(names: pd.Series) -> pd.Series:
@@ -95,17 +107,23 @@ def checked_db(db: float) -> float:
     return checked_scalar("db", db, "> 0", LARGEST_DECIBEL)
 
 
-def _points_of(file: Path) -> pd.DataFrame:
-    """Give the points of a store, of several versions of an engine the last, with options."""
+def _results_of(file: Path) -> tuple[list[Stored], dict[str, str]]:
+    """Give the results of a store, of several versions of an engine the last, and options by configuration."""
     found = {row.run: row for row in stored_results(file)}
     with opened(existing_store(file)) as store:
-        options = store.options()
-    table = points(found.values())
+        return list(found.values()), store.options()
+
+
+def _points_of(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
+    """Give the points of a store, with options."""
+    table = points(stored)
     return table.assign(options=[options[str(config)] for config in table.config])
 
 
-def _check_common(before: pd.DataFrame, now: pd.DataFrame, stores: str) -> None:
-    """Refuse stores that have no point in common; those of the reference are in every store."""
+def _check_common(before: pd.DataFrame, now: pd.DataFrame, numbers: pd.DataFrame, stores: str) -> None:
+    """Refuse stores that have neither a point nor a number in common; those of the reference are in every store."""
+    if ((numbers.status_before != NOT_RUN) & (numbers.status_now != NOT_RUN)).any():
+        return
     sets = [set(zip(*(table[name] for name in RUN), strict=True)) for table in (before, now)]
     engines = [{run for run in own if run[0].engine != REFERENCE.engine} for own in sets]
     if not set.intersection(*(engines if any(engines) else sets)):

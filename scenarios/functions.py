@@ -1,4 +1,4 @@
-"""The functions of a notebook: `sweep` gives labelled arrays, `check` a table of verdicts.
+"""The functions of a notebook: `sweep` gives labelled arrays, `check` a table of judged numbers.
 
 They do what the commands ``sweep`` and ``run`` do: every result is kept in the store the moment it is there, engines
 run in worker processes, and progress is shown on standard error.
@@ -9,26 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from multibody_xval.engines.interface.registry import default_engine_names
-from multibody_xval.scenarios.catalogue.base import run_with_predictions
-from multibody_xval.scenarios.catalogue.descriptions import ALL_SCENARIOS
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.catalogue.verdict_table import VerdictTable, finding_table
+from multibody_xval.scenarios.catalogue.asking import answers, named_scenarios
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.evaluate import Means
-from multibody_xval.scenarios.runs import TIME_LIMIT
-from multibody_xval.scenarios.runs.dask_cluster import executor_for
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.progress import ProgressBars
-from multibody_xval.scenarios.runs.store import opened_store
 from multibody_xval.scenarios.store import checked_store
 from multibody_xval.scenarios.sweep_file import sweep_of
 from multibody_xval.scenarios.sweep_plan import check_size
 from multibody_xval.scenarios.swept import swept
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
+from reference_lcp.errors import ParameterError, shown
 from reference_lcp.validation import FloatArray
 
 Numbers = float | Sequence[float] | FloatArray
@@ -118,10 +111,10 @@ def check(
     *,
     store: str | Path | None = None,
     workers: int | None = None,
-    time_limit: float = TIME_LIMIT,
+    time_limit: float = SECONDS_A_RUN,
     scheduler: str | None = None,
-    retry_blocked: bool = False,
-) -> VerdictTable:
+    retry_failed: bool = False,
+) -> pd.DataFrame:
     """Run a scenario of the catalogue and judge every number of every engine.
 
     Parameters
@@ -130,34 +123,30 @@ def check(
         Its name, see ``multibody-xval run``, or ``"all"``.
     engines
         Names as for `sweep`; those that come with the suite without it.
-    store, workers, time_limit, scheduler, retry_blocked
+    store, workers, time_limit, scheduler, retry_failed
         As the options of ``multibody-xval run``.
 
     Returns
     -------
-    VerdictTable
-        A pandas.DataFrame of one row a number, printed as one line: ``scenario``, ``case``, ``engine``,
-        ``formulation``, ``preset``, ``metric``, ``unit``, ``value``, ``expected``, ``verdict``, ``difference``,
-        ``allowed``, ``modelled`` (whether the law of the preset predicts a disagreement), five numbers of that
-        prediction, ``reason``.
+    pandas.DataFrame
+        One row a run and quantity: ``scenario``, ``case``, ``configuration``, ``engine``, ``formulation``, ``preset``,
+        ``version``, ``steps``, ``quantity`` and ``unit``; ``value`` beside ``exact`` and ``reference`` at equal steps,
+        of which ``expected`` says which one counts; ``error`` to the exact value; ``distance`` from what is expected
+        and ``allowed``, with the parts of that; ``verdict``, and whether the configuration is ``judged``; ``reason``
+        where there is no number. Transmittances are complex.
 
     Raises
     ------
     ParameterError
         If a name is unknown or a number is outside its range.
     """
-    checked_choice("scenario", scenario, [*CATALOGUE, ALL_SCENARIOS])
-    chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
+    scenarios = named_scenarios([scenario])
     names = _names(default_engine_names() if engines is None else engines)
-    variants = {item: item.variants(names) for item in chosen}
-    shown = list(dict.fromkeys(variant for own in variants.values() for variant in own))
-    with (
-        opened_store(None if store is None else checked_path("store", store)) as stored,
-        ProgressBars(shown) as bars,
-        Evaluator(stored, executor_for(workers, time_limit, scheduler), bars, retry_blocked=retry_blocked) as evaluator,
-    ):
-        found = {item: run_with_predictions(item, own, evaluator) for item, own in variants.items()}
-        return VerdictTable(finding_table(found))
+    means = Means(
+        store=None if store is None else checked_store(Path(store)), workers=workers, scheduler=scheduler,
+        seconds_a_run=time_limit, retry_failed=retry_failed,
+    )  # fmt: skip
+    return answers(scenarios, names, means)
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:

@@ -164,8 +164,16 @@ def friction_effect(case: Case, exact: complex) -> float:
     return max(abs(limit - exact) for limit in linear_limits(case))
 
 
-def failures(rows: pd.DataFrame, named: Callable[[pd.DataFrame], pd.Series] | None = None) -> list[str]:
-    """Say why a command fails, a line a configuration; nothing where it does not.
+def _in_percent(off: pd.DataFrame) -> str:
+    return f"{off.error_percent.max():.3g} %"
+
+
+def failures(
+    rows: pd.DataFrame,
+    named: Callable[[pd.DataFrame], pd.Series] | None = None,
+    by: Callable[[pd.DataFrame], str] = _in_percent,
+) -> list[str]:
+    """Say why a command fails, a line a configuration; nothing where it does not. `by` says how far rows deviate.
 
     It fails where a judged number deviates, where more than a quarter of the numbers of a judged preset are missing,
     and where a preset that is judged or `named` fails at more than a quarter. What is unsupported is not counted.
@@ -178,8 +186,8 @@ def failures(rows: pd.DataFrame, named: Callable[[pd.DataFrame], pd.Series] | No
         deviating, failed = int(counts.get(DEVIATES, 0)), int(counts.get("failed", 0))
         missing = total - deviating - int(counts.get(AGREES, 0))
         if own.judged.all() and deviating:
-            worst = own[own.verdict == DEVIATES].error_percent.max()
-            lines.append(f"{name}: {deviating} of {total} numbers deviate, by up to {worst:.3g} %")
+            worst = by(own[own.verdict == DEVIATES])
+            lines.append(f"{name}: {deviating} of {total} numbers deviate, by up to {worst}")
         elif failed > MOST_MISSING * total:
             first = own[own.verdict == "failed"].reason.iloc[0]
             lines.append(f"{name}: {failed} of {total} runs failed: {first}")

@@ -10,6 +10,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from multibody_xval.scenarios.model import Result, Run, Status
 
+ENDED = (Status.PERIODIC, Status.FINISHED)
+"""How runs end that have a result to show."""
+
 LINES = 10
 """Lines of a step at most, where no terminal shows a bar."""
 
@@ -66,17 +69,19 @@ class Steps:
         print(f"{self._title}: {self._done} of {self._total} runs{self._left}", file=sys.stderr)
 
     def _first(self, results: Mapping[Run, Result]) -> None:
-        """Print the first steady state of all."""
-        steady = next((own for own in results.items() if own[1].status is Status.PERIODIC), None)
-        if self._silent and steady is not None:
-            run, result = steady
+        """Print the first result of all."""
+        done = next((own for own in results.items() if own[1].status in ENDED), None)
+        if self._silent and done is not None:
+            run, result = done
             self._silent = False
-            text = f"first result: {run.config}, {run.case.title}: {result.level_db:.3f} dB"
+            what = f"{result.level_db:.3f} dB" if result.status is Status.PERIODIC else "simulated to its end"
+            text = f"first result: {run.config}, {run.case.title}: {what}"
             print(text, file=sys.stderr) if self._bar is None else self._bar.console.print(text, highlight=False)
 
     @property
     def _title(self) -> str:
-        return f"step {self._number} of {len(self._names)}, {self._names[self._number - 1]}"
+        name = self._names[self._number - 1]
+        return f"step {self._number} of {len(self._names)}, {name}" if len(self._names) > 1 else name
 
     @property
     def _left(self) -> str:

@@ -23,7 +23,7 @@ SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
 
 TABLES = {"results"}
-"""Of the file: a store of `run NAME` has others, under the same marks."""
+"""Of the file: earlier versions of the suite had others, under the same marks."""
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -194,7 +194,7 @@ def _other(mark: int, form: int) -> str:
     """Say what a file is that is no store of this format."""
     if mark != APPLICATION_ID:
         return "is no store of this suite"
-    return "is one of `run NAME` or `check`, not of `sweep` or `report`" if form == FORMAT else f"is of format {form}"
+    return "is of an earlier version of the suite" if form == FORMAT else f"is of format {form}"
 
 
 def is_kept(result: Result, *, retry_failed: bool) -> bool:

@@ -182,5 +182,6 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
     assert 'engines = ["mujoco:all:all", ]' in (tmp_path / "regression/now.toml").read_text()
     configs = {row.run.config for row in stored_results(tmp_path / "regression/now.sqlite")}
     assert {config.formulation for config in configs if config.engine == "mujoco"} == {"joint", "contact"}
+    assert "motion of a block" in {row.run.case.kind for row in stored_results(tmp_path / "regression/now.sqlite")}
     assert script(tmp_path, "before", "compare", ENGINE="mujoco") == 0
     assert re.search(r"\n\d+ points, from .*: \d+ unchanged: both are as close", shown(tmp_path))

@@ -45,8 +45,7 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("compare before.sqlite now.sqlite", ExitCode.FAILED),
         ("compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
         ("sweep sweep.toml --no-run --retry-failed", ExitCode.WRONG_INPUT),
-        ("run unit-cell --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
-        ("run record --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("run unit-cell --store before.sqlite --no-run --retry-failed", ExitCode.WRONG_INPUT),
         ("report --no-run --retry-failed", ExitCode.WRONG_INPUT),
     ],
 )

@@ -13,8 +13,9 @@ def commands():
 
 def below(path, command):
     yield path, command
-    for name, child in getattr(command, "commands", {}).items():
-        yield from below(f"{path} {name}", child)
+    if hasattr(command, "list_commands"):
+        for name in command.list_commands(None):
+            yield from below(f"{path} {name}", command.get_command(None, name))
 
 
 COMMANDS = dict(commands())

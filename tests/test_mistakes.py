@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 
@@ -75,7 +75,7 @@ COMMAND_LINES = [
     ("report --engine mjx", r"engine = 'mjx' is unknown; allowed: .*; instead: mujoco-warp"),
     ("card mujoco", r"command = 'card' is unknown; allowed: .*; instead: report --engine NAME"),
     ("report --engine mujoco@3.3.7 --quick", r"engine = 'mujoco@3.3.7' is unknown; allowed: mujoco, as installed; "),
-    ("reproduce mujoco unit-cell", r"scenario = 'unit-cell'.*static-hold"),
+    ("reproduce mujoco free-decay", r"scenario = 'free-decay'.*static-hold"),
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
     ("probe none.xml", r"MODEL = 'none.xml' does not load"),
     ("recipe mujoko", r"engine = 'mujoko'.*mujoco"),
@@ -89,7 +89,7 @@ COMMAND_LINES = [
     ("run work-precision --out speed.md --out speed.md", r"speed.md"),
     ("run work-precision --workers 0", r"workers = 0.*>= 1"),
     ("run recipes --workers 0", r"workers = 0.*>= 1"),
-    *((f"run {name} --workers 0", r"workers = 0.*>= 1") for name in CATALOGUE),
+    *((f"run {name} --workers 0", r"workers = 0.*>= 1") for name in SCENARIOS),
     ("run acuracy", r"No such command 'acuracy'"),
     ("sweep missing.toml", r"missing.toml cannot be read"),
     ("sweep folder", r"folder cannot be read"),

@@ -10,7 +10,7 @@ import reference_lcp
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.dataset_file import write_dataset
 from multibody_xval.scenarios.functions import sweep
-from multibody_xval.scenarios.runs.store import ResultStore
+from multibody_xval.scenarios.store import Store
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.output import checked_output_file, checked_output_folder
@@ -51,7 +51,7 @@ ONTO_WHAT_IS_USED = [
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a store under several names, sweeps and a record."""
     monkeypatch.chdir(tmp_path)
-    ResultStore(Path("kept.csv")).close()
+    Store(Path("kept.csv")).close()
     Path("link.csv").symlink_to("kept.csv")
     Path("hard.csv").hardlink_to("kept.csv")
     Path("rep/figures").mkdir(parents=True)

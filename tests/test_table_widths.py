@@ -31,8 +31,9 @@ LINES = [
     "engines law mujoco:joint:default",
     "reference --cells 2 --steps-per-period 400",
     "run",
-    "run locked-limit --engine mujoco:all:all --workers 1",
-    "run all --no-run --store run.sqlite --engine exudyn-regularised:all:all",
+    "run static-hold --engine mujoco:all:all --workers 1",
+    "run all --no-run --store run.sqlite",
+    "run static-hold --details --no-run --store run.sqlite",
     pytest.param("run accuracy --engine reference --workers 1", marks=pytest.mark.slow),
     "run laws --engine mujoco:joint:default --workers 1",
     pytest.param("run work-precision --engine mujoco:contact:default --steps 100 --workers 1", marks=pytest.mark.slow),
@@ -48,7 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "sweep.toml").write_text(SWEEP)
     for words in (
         ["sweep", str(folder / "sweep.toml"), "--store", str(folder / "sweep.sqlite")],
-        ["run", "locked-limit", "--engine", "mujoco:all:all", "--store", str(folder / "run.sqlite")],
+        ["run", "static-hold", "--engine", "mujoco:all:all", "--store", str(folder / "run.sqlite")],
     ):
         assert run_command(app, [*words, "--workers", "1"]) in (ExitCode.DONE, ExitCode.FAILED)
     (folder / "lost.sqlite").write_bytes((folder / "sweep.sqlite").read_bytes())

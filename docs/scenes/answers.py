@@ -1,4 +1,4 @@
-"""Writes `answers.csv`: the worst number of every scene, as installed and with the recipe, and what that costs a step.
+"""Writes `answers.csv`: the worst number of every scene, with default options and with the recipe, and its cost.
 
 ``python docs/scenes/answers.py [STORE]`` runs what the store lacks, for all engines that are installed: ten minutes.
 """
@@ -9,35 +9,28 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.scenarios.catalogue.scenes.recipes import recipe_results
-from multibody_xval.scenarios.runs import TIME_LIMIT
-from multibody_xval.scenarios.runs.dask_cluster import executor_for
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.evaluate import Means
+from multibody_xval.scenarios.recipes import recipe_results
 
 ANSWERS = Path(__file__).with_name("answers.csv")
 
-COLUMNS = ("engine", "number", "default", "recommended")
+COLUMNS = ["engine", "number", "default", "recommended"]
 
 
-def answers(name: str, evaluator: Evaluator) -> list[tuple[str, str, float, float]]:
+def answers(name: str, means: Means) -> pd.DataFrame:
     """Give the rows of an engine: numbers of scenes, then costs."""
-    numbers, costs = recipe_results(name, evaluator)
-    rows = [(name, number, own["default"], own["recommended"]) for number, own in numbers.items()]
-    return rows + [(name, f"cost of a step, {kind} [×]", 1.0, ratio) for kind, ratio in costs.items()]
+    worst, costs = recipe_results(name, means)
+    rows = [(number, own["default"], own["recommended"]) for number, own in worst.iterrows()]
+    rows += [(f"cost of a step, {kind} [×]", 1.0, ratio) for kind, ratio in costs.items()]
+    return pd.DataFrame([(name, *row) for row in rows], columns=COLUMNS)
 
 
 def main(store: str | None = None) -> None:
     """Write the table."""
-    rows = []
-    with (
-        opened_store(Path(store) if store else None) as stored,
-        Evaluator(stored, executor_for(None, TIME_LIMIT, None)) as evaluator,
-    ):
-        for name in engine_names():
-            if engine(name).scene_worlds and engine(name).unavailable_reason() is None:
-                rows += answers(name, evaluator)
-    pd.DataFrame(rows, columns=list(COLUMNS)).to_csv(ANSWERS, index=False, float_format="%.4g", lineterminator="\n")
+    means = Means(store=Path(store) if store else None)
+    here = [name for name in engine_names() if engine(name).scene_worlds and engine(name).unavailable_reason() is None]
+    table = pd.concat([answers(name, means) for name in here])
+    table.to_csv(ANSWERS, index=False, float_format="%.4g", lineterminator="\n")
 
 
 if __name__ == "__main__":

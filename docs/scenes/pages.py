@@ -13,7 +13,7 @@ from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
 from multibody_xval.reports.figures.scene_map import heat_map
 from multibody_xval.reports.reproducers.recipe import has_recipe, recipe_text
-from multibody_xval.scenarios.catalogue.scenes.table import printed_number
+from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 
 FOLDER = Path(__file__).parent
 
@@ -58,7 +58,7 @@ def recipe_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
         return
     command = f"`multibody-xval recipe {name}`"
     yield f"Worst number of [each scene](../scenes/index.md) at the engine's own time step ({command}):"
-    yield from ("", "| scene | as installed | recipe |", "|---|---|---|")
+    yield from ("", "| scene | default options | recipe |", "|---|---|---|")
     for row in rows.itertuples():
         if row.number.startswith("cost"):
             yield f"| {row.number.removesuffix(' [×]')} | 1 | ×{row.recommended:.2f} |"

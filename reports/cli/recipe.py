@@ -1,14 +1,20 @@
-"""``multibody-xval recipe``: what to write in one's own model so that friction holds, and what that gives."""
+"""``multibody-xval recipe`` and ``run recipes``: what to write in one's own model so that friction holds."""
 
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from multibody_xval.engines.completion import complete_engine
-from multibody_xval.reports.cli.options import Store, Work, grouped
+from multibody_xval.reports.cli.options import Computing, Store, check_outs, grouped, keeping
+from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile
+from reference_lcp.output import write_whole
+from reference_lcp.terminal import print_table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -24,11 +30,11 @@ def recipe(
     ] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     store: Store = None,
-    work: Work,
+    computing: Computing,
 ) -> None:
     """Print what to write in one's own model so that friction holds, in the engine's own syntax, and what that gives.
 
-    Numbers are the worst of each scene at the engine's own time step, as installed and with the recipe.
+    Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe.
     Exit code 0: printed; 2: wrong input, or the engine has no recipe; 3: results could not be written; 130:
     interrupted.
 
@@ -37,29 +43,78 @@ def recipe(
     from multibody_xval.engines.interface.registry import engine as engine_of
     from multibody_xval.engines.interface.variant import check_installed
     from multibody_xval.reports.reproducers.recipe import recipe_text
-    from multibody_xval.scenarios.catalogue.scenes.recipes import recipe_results
+    from multibody_xval.scenarios.recipes import recipe_results
 
     text = recipe_text(engine)
-    numbers: dict[str, dict[str, float]] = {}
+    scenes: dict[str, dict[str, float]] = {}
     costs: dict[str, float] = {}
     if measure:
         check_installed(engine, engine_of(engine).unavailable_reason())
-        with work.evaluator(store, []) as evaluator:
-            numbers, costs = recipe_results(engine, evaluator)
+        with keeping(store):
+            worst, costs = recipe_results(engine, computing.means(store))
+        scenes = {str(name): {str(key): float(value) for key, value in own.items()} for name, own in worst.iterrows()}
     if as_json:
-        print(json.dumps({"engine": engine, "recipe": text, "scenes": numbers, "cost": costs}, indent=2))
+        print(json.dumps({"engine": engine, "recipe": text, "scenes": scenes, "cost": costs}, indent=2))
         return
     print(text, end="")
     if measure:
-        _print_table(numbers, costs)
+        _print_table(scenes, costs)
 
 
-def _print_table(numbers: dict[str, dict[str, float]], costs: dict[str, float]) -> None:
+def _print_table(scenes: dict[str, dict[str, float]], costs: dict[str, float]) -> None:
     """Print a row a number, and what a step costs with the recipe."""
-    from multibody_xval.scenarios.catalogue.scenes.table import printed_number
-    from reference_lcp.terminal import print_table
+    from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 
-    rows = [(name, *(printed_number(value) for value in own.values())) for name, own in numbers.items()]
-    print_table(("scene, worst number", "as installed", "recipe"), rows)
+    rows = [(name, *map(printed_number, own.values())) for name, own in scenes.items()]
+    print_table(("scene, worst number", "default options", "recipe"), rows)
     for formulation, ratio in costs.items():
         print(f"cost of a step with the recipe, {formulation}: ×{ratio:.2f}")
+
+
+@grouped
+def recipes(
+    *,
+    chosen: Annotated[
+        list[str] | None,
+        typer.Option("--engine", metavar="NAME[:FORMULATION]", help="An engine; may be repeated. Without it, all."),
+    ] = None,
+    store: Store = None,
+    out: TableFile = None,
+    computing: Computing,
+) -> None:
+    """Measure every set of the options that a recipe changes, in all scenes: drift, cost of a step, what gets worse.
+
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run recipes --engine mujoco
+    """
+    check_outs([out], TABLE_ENDINGS, store)
+    import pandas as pd
+
+    from multibody_xval.scenarios import table_text
+    from multibody_xval.scenarios.recipes import named_recipes, study
+
+    wanted = named_recipes(chosen or [])
+    with keeping(store):
+        rows = pd.concat([study(own, computing.means(store)) for own in wanted])
+    shown = _for_people(rows)
+    table_text.print_table(shown)
+    if out is not None:
+        markdown = "\n".join([*table_text.markdown_lines(shown), ""])
+        write_whole(out, table_text.csv_text(rows) if out.suffix == ".csv" else markdown)
+
+
+def _for_people(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give the table of a study as texts."""
+    import pandas as pd
+
+    from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+
+    texts = {
+        "drift [µm/s, µrad/s]": rows.drift.map(printed_number),
+        "held out": rows["held out"].map(printed_number),
+        "cost": rows.cost.map("×{:.2f}".format),
+        "front": rows.front.map({True: "yes", False: ""}),
+    }
+    return pd.DataFrame({"engine": rows.engine, "options": rows.options, **texts, "spoils": rows.spoils})

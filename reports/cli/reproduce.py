@@ -1,4 +1,4 @@
-"""``multibody-xval reproduce``: a number of one variant as a script in the engine's own API."""
+"""``multibody-xval reproduce``: a number of one configuration as a script in the engine's own API."""
 
 from __future__ import annotations
 
@@ -7,46 +7,57 @@ from typing import Annotated
 import typer
 
 from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import NAME_METAVAR, Limit, Store, Work
-from multibody_xval.scenarios.runs import TIME_LIMIT
+from multibody_xval.reports.cli.options import NAME_METAVAR, Store, keeping
+from multibody_xval.scenarios.compute import SECONDS_A_RUN
+from reference_lcp.errors import checked_choice
 
 app = typer.Typer(name="multibody-xval reproduce", add_completion=False, pretty_exceptions_enable=False)
 
 
 @app.command()
 def reproduce(
-    variant: Annotated[
+    configuration: Annotated[
         str,
         typer.Argument(
-            metavar=NAME_METAVAR, help="The variant whose number is shown.", autocompletion=complete_variant
+            metavar=NAME_METAVAR, help="The configuration whose number is shown.", autocompletion=complete_variant
         ),
     ],
     scenario: Annotated[
         str,
         typer.Argument(
-            help="The scenario: static-hold, breakaway, stopping-distance or figure3, or of scenes slope-hold, "
-            "stack-hold, heavy-on-light, slide-to-stop, grip, held-while-shaken, joint-hold or arm-hold."
+            help="The scenario: static-hold, breakaway, stopping-distance, figure3 or unit-cell, or of scenes "
+            "slope-hold, stack-hold, heavy-on-light, slide-to-stop, grip, held-while-shaken, joint-hold or arm-hold."
         ),
     ],
     case: Annotated[
         str | None, typer.Argument(help="Case of the scenario; without it, the one that says most.")
     ] = None,
     store: Store = None,
-    time_limit: Limit = TIME_LIMIT,
+    time_limit: Annotated[
+        float, typer.Option(help="Time limit of a run, in seconds; an engine that hangs is then stopped.")
+    ] = SECONDS_A_RUN,
 ) -> None:
     """Print a script of at most 60 lines that shows a number in the engine's own API, without this suite.
 
     The script needs only the engine and NumPy, and can be sent to the engine's tracker. Its header has the suite's
-    number, which is computed unless the store has it.
+    number, which is computed unless the results file has it.
     Exit code 0: the script is printed; 2: wrong input, or the engine has no script or no such number; 3: the result
     could not be written; 130: interrupted.
 
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from multibody_xval.engines.interface.variant import check_installed
-    from multibody_xval.reports.reproducers.scene_script import reproduction, reproduction_script
+    from multibody_xval.reports.reproducers.questions import SHOWN
+    from multibody_xval.reports.reproducers.scene_script import SCENES, checked_scene, scene_script
+    from multibody_xval.reports.reproducers.script import checked, script
+    from multibody_xval.scenarios.evaluate import Means
 
-    shown = reproduction(variant, scenario, case)
-    check_installed(shown.variant.engine, shown.variant.unavailable_reason)
-    with Work(1, time_limit).evaluator(store, [shown.variant]) as evaluator:
-        print(reproduction_script(shown, evaluator), end="")
+    check, write = {
+        **dict.fromkeys(SHOWN, (checked, script)),
+        **dict.fromkeys(SCENES, (checked_scene, scene_script)),
+    }[checked_choice("scenario", scenario, [*SHOWN, *SCENES])]
+    shown = check(configuration, scenario, case)
+    check_installed(shown.run.config.engine, shown.run.config.unavailable_reason)
+    with keeping(store):
+        number = shown.number(Means(store=store, workers=1, seconds_a_run=time_limit))
+    print(write(shown, number), end="")

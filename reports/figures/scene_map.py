@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.reports.formatting import environment
-from multibody_xval.scenarios.catalogue.scenes.table import printed_number
+from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 
 DECADES = 6
 """Shades of the heat map: decades of a number over the smallest one that counts as none."""
@@ -19,13 +19,13 @@ LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0
 
 
 def heat_map(rows: pd.DataFrame, pages: Mapping[str, str] | None = None) -> Markup:
-    """Give a table of numbers and engines, as installed over recommended, in shades of the recommended one.
+    """Give a table of numbers and engines, default options over the recipe, in shades of the recipe's.
 
     Parameters
     ----------
     rows
         Columns ``engine``, ``number``, ``default``, ``recommended``; see
-        `multibody_xval.scenarios.catalogue.scenes.table`.
+        `multibody_xval.scenarios.catalogue.worst_numbers`.
     pages
         What is linked, by name of the engine.
     """

@@ -1,10 +1,7 @@
-"""A stand-alone script for one number of one variant: the engine's own part, set into what all scripts share."""
+"""A stand-alone script for one number of a configuration: the engine's own part, set into what all scripts share."""
 
 import math
 import textwrap
-from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cache
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -15,17 +12,15 @@ from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.reproducers.questions import QUESTIONS, Number, Question
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.result import Result, ResultStatus
-from multibody_xval.scenarios.verdicts.finding import Metric
+from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
+from multibody_xval.scenarios.catalogue import breakaway
+from multibody_xval.scenarios.compute.motions import is_pressed, motion
+from multibody_xval.scenarios.model import Config
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, checked_choice, shortened
+from reference_lcp.errors import ParameterError, shortened
 from reference_lcp.terminal import visible
 from reference_lcp.validation import FloatArray
 
@@ -39,104 +34,50 @@ LONGEST_PARAGRAPH = 800
 """Characters of a paragraph of the header: versions are texts of others."""
 
 
-@dataclass(frozen=True)
-class Reproduction:
-    """What is shown: a number of a variant; see `checked`."""
-
-    variant: Variant
-    question: Question
-    case: str
-
-    @property
-    def metric(self) -> Metric:
-        """The number."""
-        return self.question.metric
-
-    @property
-    def command(self) -> str:
-        """The command that prints the script."""
-        case = "" if self.case == self.question.case else f' "{self.case}"'
-        return f"multibody-xval reproduce {self.variant} {self.question.scenario}{case}"
-
-
-def checked(variant: str, scenario: str, case: str | None = None) -> Reproduction:
+def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
     """Check what is to be shown, before any work."""
-    checked_choice("scenario", scenario, list(QUESTIONS))
-    question, parsed = QUESTIONS[scenario], Variant.parse(variant)
-    chosen = question.case if case is None else checked_choice("case", case, list(question.cases()))
-    reproducer_of(parsed)
-    return Reproduction(parsed, question, chosen)
+    shown = reproduction(Config.parse(name), scenario, case)
+    reproducer_of(shown.run.config)
+    return shown
 
 
-def reproducer_of(variant: Variant) -> Reproducer:
-    """Give how a variant is written as a script."""
-    reproducer = _template(variant)
-    if reproducer is None:
-        allowed = ", ".join(_reproducible())
-        raise ParameterError(f"{variant} has no reproducer; allowed: {allowed}")
+def reproducer_of(config: Config) -> Reproducer:
+    """Give how a configuration is written as a script."""
+    reproducer = engine(config.engine).reproducers.get(Formulation(config.formulation))
+    if reproducer is None or config.preset_name in reproducer.without or config.preset.settings:
+        allowed = ", ".join(f"{name}:{own}" for name in engine_names() for own in engine(name).reproducers)
+        raise ParameterError(f"{config} has no reproducer; allowed: {allowed}")
     return reproducer
 
 
-def _template(variant: Variant) -> Reproducer | None:
-    reproducer = _adapter(variant.engine).reproducers.get(Formulation(variant.formulation))
-    written = reproducer is not None and variant.preset_name not in reproducer.without and not variant.preset.settings
-    return reproducer if written else None
-
-
-def _adapter(name: str) -> Engine:
-    """Give the adapter of an engine; of the model of a law, that of the engine."""
-    base = name.partition("@")[0]
-    return engine(base) if base in engine_names() else engine(name)
-
-
-def _reproducible() -> Iterable[str]:
-    """Name every engine and formulation that has a template."""
-    return [f"{name}:{formulation}" for name in engine_names() for formulation in engine(name).reproducers]
-
-
-def script(shown: Reproduction, evaluator: Evaluator) -> str:
-    """Write the script of one number; the suite's own is in its header, computed where the store lacks it."""
-    variant, question = shown.variant, shown.question
-    task = question.task(variant, shown.case)
-    check_not_blocked(variant, shown.case, *evaluator.evaluate([task]))
-    lane, reproducer = task.lane(), reproducer_of(variant)
-    templates = _environment(variant.engine, reproducer.template)
-    number = question.number(variant, shown.case, evaluator)
-    reading = templates.get_template(f"{question.scenario}.py.jinja")
+def script(shown: Reproduction, number: Number) -> str:
+    """Write the script of one number of a chain or a block; the suite's own is in its header."""
+    run, case, quantity = shown.run, motion(shown.run), shown.quantity
+    reproducer, preset = reproducer_of(run.config), run.config.preset
+    lane, start = case.lane(run.steps, pressed=is_pressed(run)), case.initial_state()
+    units = preset.options.get("units")
+    converted = units is not None and units.value != "SI" and not reproducer.own_units
+    protocol = f", the last of {PERIODS} periods from rest" if quantity is FROM_REST else ""
+    templates = _templates(engine(run.config.engine), reproducer.template)
+    reading = templates.get_template(f"{quantity.name}.py.jinja")
     text = templates.get_template("engine").render(
-        header=_header(shown, number),
-        lists=_lists(lane.chain, task.initial_state(), lane.time_step, task.steps),
+        header=header(shown, number, protocol, "Here in SI units, there in its own." if converted else ""),
+        lists=_lists(lane.chain, start, lane.time_step, run.steps),
         base_motion=base_motion(lane.drive),
-        reading=reading.render(question.readings(shown.case, evaluator)).rstrip(),
-        metric=question.metric.name,
-        unit=f" {question.metric.unit}" if question.metric.unit else "",
+        reading=reading.render(case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway).rstrip(),
+        metric=quantity.name,
+        unit=f" {quantity.unit}" if quantity.unit else "",
         exact=_short(number.exact),
-        **reproducer.numbers(lane, variant.preset, task.initial_state()),
+        **reproducer.numbers(lane, preset, start),
     )
     return text.rstrip() + "\n"
 
 
-def check_not_blocked(variant: Variant, case: str, result: Result) -> None:
-    """Refuse to show a number that there is none of."""
-    if result.status is ResultStatus.BLOCKED:
-        raise ParameterError(f"{variant} has no number of {case!r}: {result.reason}; allowed: a case that it can run")
-
-
-@cache
-def _environment(engine_name: str, template: str) -> Environment:
-    """Templates of the engine, of what all scripts share, and of other engines by their folders.
-
-    Names that are not there are refused.
-    """
-    own = beside(_adapter(engine_name), template).read_text(encoding="utf-8")
-    shared = PackageLoader("multibody_xval.reports.reproducers")
-    frame = (
-        files("multibody_xval.reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
-    )
-    templates = environment(markup=False)
-    templates.loader = ChoiceLoader(
-        [DictLoader({"engine": own, "script": frame}), shared, PackageLoader("multibody_xval.engines", "")]
-    )
+def _templates(adapter: Engine, template: str) -> Environment:
+    """Give the template of the engine, those that all scripts share, and those of other engines by their folders."""
+    own = DictLoader({"engine": beside(adapter, template).read_text(encoding="utf-8")})
+    templates = environment("multibody_xval.reports.reproducers", markup=False)
+    templates.loader = ChoiceLoader([own, templates.loader, PackageLoader("multibody_xval.engines", "")])
     templates.filters["listed"] = _list
     return templates
 
@@ -146,25 +87,18 @@ def beside(adapter: Engine, name: str) -> Traversable:
     return files(str(import_module(type(adapter).__module__).__package__)).joinpath(name)
 
 
-def _header(shown: Reproduction, number: Number) -> str:
-    """Say what is asked, of what, what is exact, and what the suite has."""
-    variant, metric = shown.variant, shown.metric
-    scenario, adapter = CATALOGUE[shown.question.scenario], engine(variant.engine)
-    missing = adapter.unavailable_reason()
-    version = "" if missing is not None else f" {adapter.version()}"
-    unit = f" {metric.unit}" if metric.unit else ""
-    value = f"{number.value:.6g}{unit}" if math.isfinite(number.value) else f"no number ({number.reason})"
-    units = variant.preset.options.get("units")
-    protocol = f", {shown.question.protocol}" if shown.question.protocol else ""
-    told = [
-        f"{variant.formulation}, {variant.preset_name}: {variant.preset.description}",
-        f"{shown.question.scenario}: {shown.case}{protocol}.",
-        f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}.",
-    ]
-    if units is not None and units.value != "SI" and not reproducer_of(variant).own_units:
-        told.append("Here in SI units, there in its own.")
-    title = f"{adapter.capabilities.title}{version}: {scenario.question}"
-    return docstring(title, " ".join(told))
+def header(shown: Reproduction, number: Number, protocol: str = "", units: str = "") -> str:
+    """Say what is asked, of what, what is exact and what the suite has; and what the script does otherwise."""
+    config, quantity = shown.run.config, shown.quantity
+    adapter, unit = engine(config.engine), f" {quantity.unit}" if quantity.unit else ""
+    version = "" if adapter.unavailable_reason() is not None else f" {adapter.version()}"
+    value = f"{_short(number.value)}{unit}" if math.isfinite(number.value) else "no number"
+    told = (
+        f"{config.formulation}, {config.preset_name}: {config.preset.description} "
+        f"{shown.scenario.name}: {shown.case}{protocol}. "
+        f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}. {units}"
+    )
+    return docstring(f"{adapter.capabilities.title}{version}: {shown.scenario.question}", told)
 
 
 def docstring(*paragraphs: str) -> str:

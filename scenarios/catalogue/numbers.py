@@ -24,15 +24,16 @@ from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.exact_values import LADDER
 from multibody_xval.scenarios.judge import DB, decided, judged, parts_of
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.result_tables import CONFIG, full_name, of_config, points
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.steady.richardson import ROUND_OFF, ROUND_OFF_STEPS, richardson
 
 COLUMNS = [
-    "scenario", "case", "configuration", *CONFIG, "version", "steps", "quantity", "unit", "value", "exact", "exact_bar",
-    "exact_kind", "scheme_error", "resolution", "accuracy", "allowed", "error", "distance", "expected", "verdict",
-    "judged", "reason",
+    "scenario", "case", "configuration", *CONFIG, "version", "steps", "quantity", "unit", "value", "reference", "exact",
+    "exact_bar", "exact_kind", "scheme_error", "resolution", "accuracy", "allowed", "error", "distance", "expected",
+    "verdict", "judged", "reason",
 ]  # fmt: skip
 
 DECIDING = [
@@ -74,7 +75,8 @@ def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
 
     Columns: `COLUMNS`. All sizes are in the unit of the quantity; value and exact value of a transmittance are complex,
     and those of an array are its largest difference and zero. ``error`` is that to the exact value, ``distance`` that
-    to what is ``expected``; ``accuracy`` is what the preset states.
+    to what is ``expected``, and ``reference`` the number of the scheme at equal steps; ``accuracy`` is what the preset
+    states.
     """
     known = list(stored)
     configs = dict.fromkeys(own.run.config for own in known if own.run.config != EXACT)
@@ -115,7 +117,10 @@ def about_config(run: Run) -> Row:
     if isinstance(case, SceneMotion):
         return of_config(run.config, swings=False) | {"judged": "scenes" in preset.judged, "shares_scheme": False}
     modulation = case.modulation if isinstance(case, Case) else 0.0
-    return of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
+    about = of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
+    if isinstance(case, BlockMotion) and case.direction and preset.turned_bound is not None:
+        return about | {"judged": False}  # its friction is stated to be a pyramid, no cone
+    return about
 
 
 def _parts(
@@ -129,12 +134,12 @@ def _parts(
     for quantity in scenario.quantities:
         if quantity.of is not None and not quantity.of(own.run.case):
             continue
-        if quantity.name == TRANSMITTANCE.name:
-            yield quantity, levels[own.run, own.version]
-        elif quantity.read is None:
-            yield quantity, together.get(quantity.name, {})
-        else:
+        if quantity.read is not None:
             yield quantity, _read(quantity, own, ruler)
+        elif quantity.name == TRANSMITTANCE.name:
+            yield quantity, levels[own.run, own.version]
+        else:
+            yield quantity, together.get(quantity.name, {})
 
 
 def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
@@ -152,7 +157,8 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
     return {
         "value": _shown(value, known.exact), "exact": 0.0 if _is_array(known.exact) else known.exact,
-        "exact_bar": known.bar, "exact_kind": known.kind, "scheme_error": known.scheme_error,
+        "reference": _shown(known.reference, known.exact), "exact_bar": known.bar, "exact_kind": known.kind,
+        "scheme_error": known.scheme_error,
         "resolution": quantity.resolution(run, known.exact)
         + (amplitude * open_amplitude if quantity.step_error is None else 0.0),
         "error": _shown(value, known.exact) if _is_array(known.exact) else value - known.exact,
@@ -194,7 +200,8 @@ def _shared(table: pd.DataFrame) -> "pd.Series[float]":
 
 def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[Run, str], Row]:
     """Give the judged transmittances of steady states, level and phase as one complex number."""
-    quantity = next((own for own in scenario.quantities if own.name == TRANSMITTANCE.name), None)
+    own = (each for each in scenario.quantities if each.read is None and each.name == TRANSMITTANCE.name)
+    quantity = next(own, None)
     if quantity is None:
         return {}
     rows = judged(points(stored), closed_forms=_closed_forms(scenario, quantity))
@@ -203,7 +210,7 @@ def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[
     for row in rows.to_dict("records"):
         found[Run(row["config"], row["case"], row["steps"]), row["version"]] = {
             **{name: row[name] for name in DECIDING},
-            **{name: row[name] for name in ("exact", "exact_kind", "expected")},
+            **{name: row[name] for name in ("reference", "exact", "exact_kind", "expected")},
             "value": row["ratio"],
             "error": abs(row["ratio"] - row["exact"]),
         }
@@ -250,8 +257,7 @@ class _Ruler:
 
     def _as_read(self, quantity: Quantity, run: Run) -> Known:
         if quantity.step_error is not None:
-            assert callable(quantity.exact), "a step's error in closed form goes with a closed form"
-            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, quantity.step_error(run))
+            return Known(*self._exact_value(quantity, run.case), quantity.step_error(run))
         assert quantity.read is not None, "it is read alone"
         ladder = self.ladder(run)
         counts = list(ladder)
@@ -260,15 +266,20 @@ class _Ruler:
             return Known()
         first, last = (richardson(counts, np.array(values), at=counts[place]) for place in (0, -1))
         scheme = largest(first.error), values[0]
-        if callable(quantity.exact):
-            return Known(quantity.exact(run.case), quantity.bar(run.case), CLOSED_FORM, *scheme)
         if quantity.exact is Exact.LADDER:
             return Known(_plain(last.extrapolated), largest(last.error), str(Exact.LADDER), *scheme)
-        motion = self.exact(run.case)
+        return Known(*self._exact_value(quantity, run.case), *scheme)
+
+    def _exact_value(self, quantity: Quantity, case: AnyCase) -> tuple[Number, float, str]:
+        """Give the exact value, its bar and its kind, of a closed form or of the exact motion."""
+        if callable(quantity.exact):
+            return quantity.exact(case), quantity.bar(case), CLOSED_FORM
+        assert quantity.exact is Exact.MOTION, "a step's error in closed form needs no ladder"
+        assert quantity.read is not None, "it is read alone"
+        motion = self.exact(case)
         if motion is None:
-            return Known()
-        bar = ROUND_OFF * quantity.per_amplitude
-        return Known(quantity.read(motion[1], motion[0]), bar, str(Exact.MOTION), *scheme)
+            return math.nan, math.nan, ""
+        return quantity.read(motion[1], motion[0]), ROUND_OFF * quantity.per_amplitude, str(Exact.MOTION)
 
 
 def _plain(values: Any) -> Number:

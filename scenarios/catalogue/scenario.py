@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -58,8 +59,8 @@ class Quantity:
     between: tuple[float, float] | None = None
     """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
     step_error: Callable[[Run], float] | None = None
-    """Error of Euler's step in closed form; all are then compared with the exact value. Without it, the reference at
-    finer steps shows that error."""
+    """Error of Euler's step in closed form; all are then compared with the exact value, which no ladder gives. Without
+    it, the reference at finer steps shows that error."""
     resolution: Callable[[Run, Number], float] = NOTHING
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
     over_exact: bool = False
@@ -111,6 +112,8 @@ class Scenario:
     """Variations that no recipe is found with."""
     exact_refinement: int = 1
     """Rows of the exact motion to a step: sums over them need many."""
+    of_record: Callable[[Path], "Scenario"] | None = None
+    """Gives the same question of a base that follows a user's file, see ``run NAME --record``."""
 
     def own_runs(self, config: Config) -> dict[str, Run]:
         """Give the runs of a configuration by the name of the case."""
@@ -127,9 +130,8 @@ class Scenario:
 
     def _ruler(self, own: Sequence[Run]) -> list[Run]:
         """Give the reference at ever finer steps, and the exact motions."""
-        if all(quantity.step_error is not None for quantity in self.quantities):
-            return []
-        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER]
+        stepped = any(quantity.step_error is None for quantity in self.quantities)
+        finer = [Run(REFERENCE, run.case, run.steps * factor) for run in own for factor in LADDER if stepped]
         first = {run.case: run.steps for run in reversed(own)}
         exact = [Run(EXACT, case, steps * self.exact_refinement) for case, steps in first.items() if self._exact(case)]
         return [*finer, *exact]
@@ -166,8 +168,13 @@ def _of_scenes(name: str, case: SceneMotion, *, named: bool) -> list[Config]:
         check_installed(name, engine(name).unavailable_reason())
     elif engine(name).scene_gap(Formulation(case.formulation)):
         return []
-    presets = engine(name).capabilities.presets.get(Formulation(case.formulation), {})
-    return [Config(name, case.formulation, preset) for preset in GENERAL if preset in presets]
+    return general_configs(name, Formulation(case.formulation))
+
+
+def general_configs(name: str, formulation: Formulation) -> list[Config]:
+    """Give the configurations of an engine whose options hold in any model: default options, then its recipe."""
+    presets = engine(name).capabilities.presets.get(formulation, {})
+    return [Config(name, str(formulation), preset) for preset in GENERAL if preset in presets]
 
 
 COMMON_STEP = 0.001

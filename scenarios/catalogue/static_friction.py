@@ -102,16 +102,17 @@ STATIC_ABOVE_KINETIC = Scenario(
     name="static-above-kinetic",
     question="Does a contact hold more at rest than in motion, and how far does the block jump when it slips?",
     expects="the event-driven motion, exact to round-off: μ_s λ_N, then 2 (μ_s − μ_k) λ_N / k and what the load grows; "
-    "of presets that share the scheme the reference at equal steps",
+    "allowed: two rows of a breakaway, and what they change of the jump",
     source="Coulomb's law with μ_s > μ_k: at rest up to μ_s λ_N, then m_r s̈ + k s = F − μ_k λ_N until it rests.",
     cases={f"{title}, {ratio:g}": released(scale, ratio) for title, scale in SCALES.items() for ratio in STATIC_RATIOS},
     quantities=(
         Quantity(
-            name="breakaway", unit="", read=breakaway_load, over_exact=True, resolution=always(TWO_STEPS), effect=above,
+            name="breakaway", unit="", read=breakaway_load, over_exact=True, step_error=always(0.0),
+            resolution=always(TWO_STEPS), effect=above,
             meaning="Load at which the block jumps over that at which it does in the exact motion.",
         ),
         Quantity(
-            name="jump", unit="", read=jump, over_exact=True, resolution=farther,
+            name="jump", unit="", read=jump, over_exact=True, step_error=always(0.0), resolution=farther,
             meaning="Slip in the end over that of the exact motion.",
         ),
     ),

@@ -1,30 +1,41 @@
-"""Engines of scenes that are Coulomb's law of one mass in semi-implicit Euler steps, and wrong by little."""
+"""Scenes in an engine that is Coulomb's law of one mass in semi-implicit Euler steps, and wrong by little."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
-from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.catalogue.scenes.base import SceneScenario
-from multibody_xval.scenarios.catalogue.scenes.spin import CORNERS, braking
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.executor import InProcessExecutor
-from multibody_xval.scenarios.runs.scene import SceneTask, followed
-from multibody_xval.scenarios.runs.store import opened_store
-from multibody_xval.scenarios.verdicts.finding import Finding
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.catalogue.scenario import Scenario
+from multibody_xval.scenarios.catalogue.spinning_box import CORNERS, braking
+from multibody_xval.scenarios.compute.scenes import followed, scene_of
+from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.store import Stored
 
-CONTACT, JOINT = Variant("mujoco", "contact", "default"), Variant("mujoco", "joint", "default")
-"""Variants with scenes, under whose names they are judged."""
+CONTACT, JOINT = Config("mujoco", "contact", "default"), Config("mujoco", "joint", "default")
+"""Under whose names scenes are judged: no accuracy is stated of these."""
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """What a copy of Coulomb's law does otherwise."""
+
+    friction: float = 1.0
+    normal: float = 1.0
+    drift: float = 0.0
+    """[m/s]."""
+    fall: float = 0.0
+    """At once [m]."""
 
 
 class PointMass:
-    """The truth in semi-implicit Euler steps: Coulomb's law of one mass along and across its plane."""
+    """Coulomb's law of one mass along and across its plane, in steps of semi-implicit Euler."""
 
-    def __init__(
-        self, task: SceneTask, *, friction: float = 1.0, normal: float = 1.0, creep: float = 0.0, fall: float = 0.0
-    ):
-        scene, self.step_size, self.creep = task.scene, task.time_step, creep
+    def __init__(self, case: SceneMotion, step_size: float, wrong: Wrong):
+        scene, self.step_size, self.drift = case.scene, step_size, wrong.drift
         self.axes, self.load, self.bound = np.eye(3), np.zeros(3), math.inf
         self.start, self.belt = np.zeros(3), np.zeros(3)
         if isinstance(scene, ContactScene):
@@ -32,16 +43,16 @@ class PointMass:
             self.start, self.belt = np.array(scene.places[-1]), np.array([scene.belt, 0.0, 0.0])
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
-                self.bound = friction * normal * scene.friction * GRAVITY * math.cos(scene.slope)
+                self.bound = wrong.friction * wrong.normal * scene.friction * GRAVITY * math.cos(scene.slope)
         self.mass, self.pushed = scene.boxes[-1].mass if isinstance(scene, ContactScene) else 1.0, 0.0
         self.shaker = scene.shaker if isinstance(scene, ContactScene) else None
         self.inside, self.carried = np.zeros(2), self.shaker.mass if self.shaker else 0.0
         self.bound *= 1 + self.carried / self.mass
         self.links = scene.links if isinstance(scene, ArmScene) else 1
         self.box = isinstance(scene, ContactScene)
-        self.way, self.velocity = np.full(3, fall), np.zeros(3)
+        self.way, self.velocity = np.full(3, wrong.fall), np.zeros(3)
         self.angle = self.spin = 0.0
-        self.braking = friction * normal * braking(scene, CORNERS) if self.box else 0.0
+        self.braking = wrong.friction * wrong.normal * braking(scene, CORNERS) if self.box else 0.0
 
     def launch(self, velocity, spin) -> None:
         self.velocity, self.spin = self.axes @ velocity, spin
@@ -59,7 +70,7 @@ class PointMass:
         free = self.velocity - self.belt + self.step_size * (self.load + np.array([self.pushed, 0.0, 0.0]))
         speed = math.sqrt(free @ free)
         self.velocity = self.belt + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
-        self.way = self.way + self.step_size * (self.velocity + self.creep)
+        self.way = self.way + self.step_size * (self.velocity + self.drift)
         self.spin = max(0.0, self.spin - self.step_size * self.braking)
         self.angle += self.step_size * self.spin
 
@@ -69,15 +80,13 @@ class PointMass:
         return self.start + self.way @ self.axes, turned_about(2, self.angle), self.velocity @ self.axes
 
 
-def judged(scenario: SceneScenario, **wrong: float) -> list[Finding]:
-    """Judge an engine whose worlds are point masses, wrong by factors, or creeping [m/s]."""
-
-    class Twin(Evaluator):
-        def evaluate(self, tasks):
-            worlds = [(task, PointMass(task, **wrong)) for task in tasks]
-            return [
-                followed(task, SteppedWorld(one.step, one.state, one.launch, push=one.push)) for task, one in worlds
-            ]
-
-    with opened_store(None) as store, Twin(store, InProcessExecutor()) as twin:
-        return scenario.run([JOINT if scenario.formulation == "joint" else CONTACT], twin)
+def point_mass_numbers(scenario: Scenario, wrong: Wrong = Wrong()) -> pd.DataFrame:
+    """Judge scenes that point masses play, under the name of an engine."""
+    case = next(iter(scenario.cases.values()))
+    config = JOINT if case.formulation == "joint" else CONTACT
+    stored = []
+    for run in scenario.own_runs(config).values():
+        one = PointMass(scene_of(run), scene_of(run).time / run.steps, wrong)
+        world = SteppedWorld(one.step, one.state, one.launch, push=one.push)
+        stored.append(Stored(run, "1", followed(scene_of(run), run.steps, world)))
+    return numbers(scenario, stored)

@@ -6,13 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from multibody_xval.scenarios import check, functions, sweep
-from multibody_xval.scenarios.runs.executor import InProcessExecutor
 from multibody_xval.scenarios.sweep_plan import UNCONFIRMED_POINTS
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, ParameterError, steady_state
 
@@ -25,16 +24,10 @@ from multibody_xval import band_edges, check, plot, sweep
 
 data = sweep(["reference", "mujoco"], friction_ratio=[0.1, 0.3], frequency_ratio=(0.6, 1.2, 3), store="kept.sqlite")
 edges = band_edges(data, store="kept.sqlite")
-table = check("frictionless-limit", engines=["mujoco"], store="checks.sqlite")
+table = check("static-hold", engines=["mujoco"], store="kept.sqlite")
 plot(data, "curves.pdf")
 print(len(edges), data.sizes["friction_ratio"], set(data.verdict.values.ravel().tolist()), set(table.verdict))
 """
-
-
-@pytest.fixture
-def checks_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run tasks of `check` in this process."""
-    monkeypatch.setattr(functions, "executor_for", lambda *_: InProcessExecutor())
 
 
 def driven(chain: Chain) -> HarmonicBase:
@@ -55,7 +48,7 @@ def test_script_without_a_main_guard_sweeps_checks_and_draws(tmp_path: Path) -> 
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout == "8 2 {'agrees'} {'agree'}\n"
+    assert done.stdout == "8 2 {'agrees'} {'agrees'}\n"
     assert (tmp_path / "curves.pdf").stat().st_size > 1e4
 
 
@@ -113,27 +106,32 @@ def test_a_large_sweep_is_refused_without_a_yes(monkeypatch: pytest.MonkeyPatch)
     assert sweep("reference", **large, yes=True) == 120_000
 
 
-@pytest.mark.usefixtures("checks_here")
-def test_check_gives_a_row_a_number() -> None:
-    table = check("frictionless-limit", "reference")
-    assert set(table.engine) == {"reference"}
-    assert set(table.verdict) == {"agree"}
-    assert (table.difference.abs() <= table.allowed).all()
-    assert len(table) > 0
+def test_check_gives_a_row_a_number_and_keeps_the_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = tmp_path / "checks.sqlite"
+    table = check("static-hold", "mujoco", workers=1, store=store)
+    assert set(table.configuration) == {"mujoco:joint:tuned"}
+    assert set(table.verdict) == {"agrees"}
+    assert (table.distance <= table.allowed).all()
+    assert table.groupby("quantity").case.nunique().tolist() == [24, 24, 24]
+    monkeypatch.setattr("multibody_xval.scenarios.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    pd.testing.assert_frame_equal(table, check("static-hold", ["mujoco"], workers=1, store=store))
 
 
-@pytest.mark.usefixtures("checks_here")
-def test_verdicts_are_one_line_and_their_parts_are_rows() -> None:
-    table = check("frictionless-limit", ["reference", "exudyn-regularised"])
-    line = repr(table)
-    assert "\n" not in line
-    assert f"on {len(table)} numbers" in line
-    assert table.counts.to_numpy().sum() == len(table)
-    bars = table.counts.plot.barh(stacked=True)
-    assert sum(bar.get_width() for bar in bars.patches) == len(table)
-    plt.close(bars.figure)
-    part = table[table.engine == "reference"]
-    assert len(repr(part).splitlines()) > len(part) > 0
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"scenario": "static-hole"}, "scenario = 'static-hole' is unknown; allowed: .*did you mean static-hold?"),
+        ({"engines": "mojuco"}, "mojuco"),
+        ({"engines": 3}, "engines = 3; allowed: a name, or a list of names"),
+        ({"store": "no/such/folder/kept.sqlite"}, "no/such/folder"),
+        ({"workers": 0}, "workers"),
+        ({"time_limit": 0.0}, "time_limit = 0"),
+    ],
+)
+def test_mistake_in_a_check_is_named_before_any_work(arguments, message, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    with pytest.raises(ParameterError, match=re.escape(message).replace(r"\.\*", ".*")):
+        check(**{"scenario": "static-hold", "engines": "mujoco"} | arguments)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +158,6 @@ def test_verdicts_are_one_line_and_their_parts_are_rows() -> None:
         ({"amplitude": -1.0}, "drive.amplitude = -1.0"),
         ({"frequency_ratio": {"first": 0.3, "last": 0.2, "accuracy_db": 1.0}}, "last = 0.2; allowed: > first = 0.3"),
         ({"friction_ratio": (0.0, 1.0, 1001), "frequency_ratio": (0.3, 1.6, 1000)}, "1,001,000 points"),
-        ({"retry_blocked": True}, "sweep has no argument 'retry_blocked'"),
         ({"store": "no/such/folder/kept.sqlite"}, "no/such/folder"),
         ({"store": "a\x00b"}, "is no path"),
     ],
@@ -172,8 +169,3 @@ def test_mistake_is_named_before_any_work(
     whole = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9, **arguments}
     with pytest.raises(ParameterError, match=re.escape(message).replace(r"\.\*", ".*")):
         sweep(**whole)
-
-
-def test_unknown_scenario_is_refused_with_those_that_there_are() -> None:
-    with pytest.raises(ParameterError, match="unit-cell"):
-        check("unit-sell")

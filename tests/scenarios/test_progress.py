@@ -72,7 +72,7 @@ def test_many_results_are_a_few_lines(capsys) -> None:
         steps.more(400)
         for number in range(400):
             steps.ended(ended(number))
-    assert capsys.readouterr().err.count("step 1 of 1") == LINES + 1
+    assert capsys.readouterr().err.count("grid: ") == LINES + 1
 
 
 def test_what_has_failed_is_not_the_first_result(capsys) -> None:
@@ -102,8 +102,8 @@ def test_what_a_store_has_is_neither_counted_nor_the_first_result(tmp_path: Path
     means = Means(store=tmp_path / "results.sqlite", workers=1)
     computed([run_at(1), run_at(2)], means, "grid")
     lines = capsys.readouterr().err.splitlines()
-    assert lines[0] == "step 1 of 1, grid: 0 of 2 runs, about 1 s left"
-    assert lines[-1] == "step 1 of 1, grid: 2 of 2 runs"
+    assert lines[0] == "grid: 0 of 2 runs, about 1 s left"
+    assert lines[-1] == "grid: 2 of 2 runs"
     computed([run_at(1), run_at(2)], means, "grid", then=[("more", lambda table: [run_at(3)] * (len(table) == 2))])
     first, second, *_ = capsys.readouterr().err.splitlines()
     assert first == "step 2 of 2, more: 0 of 1 runs, about 1 s left"

@@ -8,7 +8,6 @@ import pytest
 
 from multibody_xval.scenarios import store as stores
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
-from multibody_xval.scenarios.runs.store import ResultStore
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ParameterError, RunError
 
@@ -71,13 +70,14 @@ def older(file: Path) -> None:
         own.execute("PRAGMA user_version = 2")
 
 
-def of_a_scenario(file: Path) -> None:
-    with ResultStore(file):
-        pass
+def with_other_tables(file: Path) -> None:
+    stored_in(file)
+    with sqlite3.connect(file) as own:
+        own.execute("ALTER TABLE results RENAME TO answers")
 
 
 REFUSED = {
-    "is one of `run NAME`": of_a_scenario,
+    "is of an earlier version of the suite": with_other_tables,
     "is no store of this suite": foreign,
     "is of format 2": older,
     "is damaged or no store": lambda file: file.write_text("no database at all, of some length" * 99),

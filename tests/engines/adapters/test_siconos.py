@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.presets import Formulation
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.isolated.process import EngineProcessError
 from multibody_xval.engines.siconos import Siconos
 from multibody_xval.reports.reproducers.recipe import recipe_text
-from multibody_xval.scenarios.catalogue.scenes.base import COMMON_STEP, SceneScenario
-from multibody_xval.scenarios.catalogue.scenes.hold import Grip
-from multibody_xval.scenarios.catalogue.scenes.recipes import named_recipes
-from multibody_xval.scenarios.catalogue.scenes.slide import SlideToStop, SlopeSlide
-from multibody_xval.scenarios.runs.scene import run_scenes
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.recipes import named_recipes
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -113,15 +111,12 @@ def test_default_contacts_let_go_for_single_steps_and_a_threshold_above_round_of
     assert np.all(held > 0.0)
 
 
-SCENE = Variant("siconos", "contact", "default")
-
-
-def measured(scenario: SceneScenario, name: str) -> dict[str, float]:
-    """Run one case of a scenario at 1 ms, and give its numbers."""
-    (case,) = (each for each in scenario.cases if each.name == name)
-    task = case.task(SCENE, COMMON_STEP)
-    (result,) = run_scenes([task])
-    return {metric.name: own.value for metric, own in scenario.numbers(case, task, result.series).items()}
+def measured(name: str, case: str) -> dict[str, float]:
+    """Run a case of a scenario at 1 ms, and give its numbers."""
+    scenario = SCENARIOS[name]
+    run = scenario.own_runs(Config("siconos", "contact", "default"))[f"{case}, 1 ms"]
+    (result,) = run_batch([run])
+    return {own.name: own.read(result, run) for own in scenario.quantities}
 
 
 def friction_on_slope(friction: float, load: float) -> float:
@@ -140,14 +135,14 @@ def friction_on_slope(friction: float, load: float) -> float:
 )
 def test_box_on_a_slope_along_x_rubs_too_little_by_the_frame_of_its_contacts(friction: float, load: float) -> None:
     """By 3 to 29 % below 45°: Siconos 4.4.0."""
-    off = measured(SlopeSlide(), f"μ {friction:g}, load {load:g}")["friction"]
+    off = measured("slope-slide", f"μ {friction:g}, load {load:g}")["friction"]
     assert off == pytest.approx(friction_on_slope(friction, load), abs=0.2)
 
 
 def test_box_on_the_flat_stops_where_it_should_and_one_that_fingers_press_holds() -> None:
     """There the frame is sound."""
-    assert abs(measured(SlideToStop(), "3 m/s")["distance"]) < 0.5
-    assert measured(Grip(), "1 kg, 10 N") == pytest.approx({"creep": 0.0, "sag": 0.0}, abs=0.1)
+    assert abs(measured("slide-to-stop", "3 m/s")["distance"]) < 0.5
+    assert measured("grip", "1 kg, 10 N") == pytest.approx({"drift": 0.0, "sag": 0.0}, abs=0.1)
 
 
 def test_joints_have_no_scenes_and_the_reason_is_said() -> None:

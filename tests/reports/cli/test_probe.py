@@ -13,11 +13,10 @@ from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
 from multibody_xval.engines.mujoco.scene import contact_model, joint_model
 from multibody_xval.reports.cli.probe import app
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.catalogue.scenes.hold import on_slope
-from multibody_xval.scenarios.runs.store import opened_store
+from multibody_xval.scenarios.catalogue.boxes import SLOPE_HOLD, on_slope
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.model import Config
 from reference_lcp.process import run_command
-from tests.scenarios.in_process import evaluator
 
 pytestmark = pytest.mark.needs("mujoco")
 
@@ -53,11 +52,10 @@ def test_box_on_a_slope_creeps_as_in_the_scene_as_it_is_and_with_the_recipe(caps
     (box,) = measured(capsys, file)["held"]
     assert box["load"] == pytest.approx(0.5, rel=1e-2)
     assert box["law"] == {}
-    scenario = CATALOGUE["slope-hold"]
     for preset, line in (("default", "as it is"), ("recommended", "all")):
-        with opened_store(None) as store, evaluator(store) as running:
-            findings = scenario.judged([Variant("mujoco", "contact", preset)], scenario.cases[1:2], running)
-        assert box["creep"][line] == pytest.approx(findings[0].value, rel=STEADY)
+        run = SLOPE_HOLD.own_runs(Config("mujoco", "contact", preset))["load 0.5, own step"]
+        drift = SLOPE_HOLD.quantities[0].read(run_batch([run])[0], run)
+        assert box["creep"][line] == pytest.approx(drift, rel=STEADY)
 
 
 @pytest.mark.parametrize("preset", [JOINT_DEFAULT, JOINT_RECOMMENDED])

@@ -1,236 +1,217 @@
-"""``multibody-xval run NAME``: verdicts, measurements, files, exit codes."""
+"""``multibody-xval run NAME``: what was asked, numbers beside what is expected, one sentence, files, exit codes."""
 
 import csv
 import json
-import math
+import sqlite3
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 
 import pytest
 
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.catalogue.base import Scenario
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.catalogue.verdict_table import (
-    FINDING_COLUMNS,
-    VERDICT_FORMATS,
-    details,
-    matrix,
-    rows_of,
-    unmodelled,
-    verdict_document,
-    verdict_table,
-)
-from multibody_xval.scenarios.runs.task import Recorded, SteadyStateTask
-from multibody_xval.scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
+from multibody_xval.scenarios.evaluate import stored_results
+from multibody_xval.scenarios.model import Config, Result, Run, Status, failed, unsupported
+from multibody_xval.scenarios.store import opened
 from reference_lcp.process import run_command
+from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
-PITCH = Metric("pitch", "Hz", "how high it is")
-RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset_name="default"), Variant("siconos")
+NAME = "two-points"
 
+SCENARIO = Scenario(
+    name=NAME, question="Does it move as it should?", expects="the exact motion", source="Of a test",
+    cases={"soft": CASE, "loud": OTHER}, quantities=(TRANSMITTANCE,), steps=steady_steps,
+)  # fmt: skip
 
-def finding(variant, case, verdict, difference=math.nan, tolerance=math.nan) -> Finding:
-    comparison = Comparison(verdict, f"{verdict} | by hand", difference, tolerance)
-    return Finding(variant, case, PITCH, 440.0 + difference, 440.0, comparison)
-
-
-PERIOD = SteadyStateTask(recorded=Recorded.LAW, variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
-
-
-class ByHand(Scenario):
-    name = "by-hand"
-    question = "Is the pitch right?"
-    source = "a tuning fork"
-    expects = "440 Hz"
-    metrics = (PITCH,)
-    wrong = LAWFUL
-
-    def parameters(self):
-        return ["length = 0.12"]
-
-    def period_tasks(self, variant):
-        return {"soft": PERIOD, "loud": PERIOD}
-
-    def run(self, variants, evaluator):
-        if variants == [LAWFUL.law]:
-            return [finding(LAWFUL.law, case, Verdict.DISAGREE, left) for case, left in (("soft", -3.0), ("loud", 9.0))]
-        return [
-            finding(RIGHT, "soft", Verdict.AGREE, 0.5, 1.0),
-            finding(RIGHT, "loud", Verdict.INCONCLUSIVE),
-            finding(self.wrong, "soft", Verdict.DISAGREE, -3.0, 1.0),
-            finding(self.wrong, "loud", Verdict.DISAGREE, 9.0, 1.0),
-            finding(MISSING, "soft", Verdict.BLOCKED),
-        ]
+SOUND = {CASE: with_bound(1.0), OTHER: with_bound(1.0, OTHER)}
+WRONG = SOUND | {OTHER: with_bound(1.01, OTHER)}
 
 
-class Interrupted(ByHand):
-    def run(self, variants, evaluator):
-        raise KeyboardInterrupt
-
-
-HELD = Prediction(value=449.0, difference=0.0, allowed=1.0, distance=0.0, period_bound=1.0)
-
-
-def predicted(judged: Finding) -> Finding:
-    """Give a finding as its law predicts it, where it has one."""
-    return replace(judged, prediction=HELD) if judged.variant == LAWFUL else judged
-
-
-RESULTS = MappingProxyType({ByHand(): [predicted(judged) for judged in ByHand().run((), None)]})
-
-
-@pytest.fixture
-def run(monkeypatch):
-    """Run a command in which another scenario has taken the place of one of the catalogue."""
-
-    def ran(scenario, *options) -> int:
-        monkeypatch.setattr(type(CATALOGUE["unit-cell"]), "run", lambda _self, *asked: scenario.run(*asked))
-        return run_command(app, ["run", "unit-cell", "--engine", "reference", "--workers", "1", *options])
-
-    return ran
-
-
-def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(capsys) -> None:
-    assert run_command(app, ["run"]) == 0
-    printed = capsys.readouterr().out
-    for name in (*CATALOGUE, "accuracy", "work-precision"):
-        assert name in printed
-
-
-def test_a_disagreement_is_as_the_law_of_the_engine_predicts_or_unmodelled(run, capsys) -> None:
-    assert run(ByHand()) == 0
-    printed = capsys.readouterr().out
-    assert "as its law predicts, mujoco:joint:default: friction is a soft constraint with a time constant" in printed
-    assert "unmodelled" not in printed
-    wrong = ByHand()
-    wrong.wrong = Variant("mujoco")
-    assert run(wrong) == 1
-    assert "unmodelled: 2 disagreements, of mujoco" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("options", "kept"), [((), "nothing is kept without --store"), (("--store", "s.sqlite"), "results are kept in ")]
-)
-def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch, options, kept) -> None:
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A catalogue with one more scenario, an empty folder, and a terminal of 80 columns."""
+    monkeypatch.setitem(SCENARIOS, NAME, SCENARIO)  # type: ignore[arg-type]
     monkeypatch.chdir(tmp_path)
-    assert run(Interrupted(), *options) == 130
-    assert f"interrupted: {kept}" in capsys.readouterr().err
+    monkeypatch.setenv("COLUMNS", "80")
+
+
+def shown(capsys, *words: str, of: str = NAME) -> tuple[int, str]:
+    """Run a command, and give its exit code and what it printed, in one line."""
+    code = run_command(app, ["run", of, *words])
+    printed = capsys.readouterr()
+    return code, " ".join((printed.err + printed.out).split())
+
+
+def stored(capsys, results: dict, *words: str) -> tuple[int, str]:
+    """Show results of an engine from a store."""
+    write_store(Path("s.sqlite"), results)
+    return shown(capsys, "--no-run", "--store=s.sqlite", *words)
+
+
+def test_every_scenario_is_listed_with_its_question(capsys) -> None:
+    assert run_command(app, ["run"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert all(own.name in printed for own in SCENARIOS.values())
+    assert "Does it move as it should?" in printed
+
+
+def test_a_sound_engine_agrees_in_one_sentence_at_the_end(capsys) -> None:
+    code, printed = stored(capsys, SOUND)
+    assert code == 0
+    asked = "two-points: Does it move as it should? Source: Of a test Expected: the exact motion. 2 cases: soft; loud."
+    assert printed.startswith(f"{asked} 400 time steps per period.")
+    assert printed.endswith("mujoco:joint:tuned agrees with what is expected in all 2 numbers.")
+
+
+def test_friction_that_is_a_hundredth_too_strong_fails_and_its_worst_case_is_shown(capsys) -> None:
+    code, printed = stored(capsys, WRONG)
+    assert code == 1
+    assert "loud 1 of 2 cases" in printed
+    assert " soft " not in printed.partition("transmittance")[2]
+    assert "It fails: mujoco:joint:tuned: 1 of 2 numbers deviate, by up to" in printed
+    assert "soft 1 of" not in printed
+
+
+def test_every_number_is_shown_on_demand(capsys) -> None:
+    _, printed = stored(capsys, WRONG, "--details")
+    table = printed.partition("number, case")[2]
+    assert table.index("agrees soft") < table.index("deviates loud")
+
+
+def test_what_a_preset_that_shares_the_scheme_is_off_the_exact_value_is_said(capsys) -> None:
+    _, printed = stored(capsys, SOUND)
+    assert "Expected is the reference at equal time steps; those alone are off the exact values by: trans" in printed
+
+
+def test_files_hold_amplitude_and_phase_of_every_number(capsys) -> None:
+    code, _ = stored(capsys, WRONG, "--out=a.csv", "--out=a.json", "--out=a.md")
+    (soft, loud) = csv.DictReader(Path("a.csv").read_text().splitlines())
+    assert float(soft["value"]) == pytest.approx(abs(SOUND[CASE].transmittance))
+    assert float(soft["value_phase_deg"]) == pytest.approx(SOUND[CASE].phase_deg)
+    assert [soft["verdict"], loud["verdict"]] == ["agrees", "deviates"]
+    content = json.loads(Path("a.json").read_text())
+    assert (content["passes"], code) == (False, 1)
+    assert [own["verdict"] for own in content["numbers"]] == ["agrees", "deviates"]
+    assert Path("a.md").read_text().startswith("## Scenarios: fail\n\nIt fails: mujoco:joint:tuned: 1 of 2")
+
+
+def test_what_an_engine_cannot_represent_is_said_and_does_not_fail(capsys) -> None:
+    lacks = unsupported("its joints take no normal force that changes")
+    code, printed = stored(capsys, dict.fromkeys(SOUND, lacks))
+    assert code == 0
+    assert "mujoco:joint:tuned: unsupported in 2 cases: its joints take no normal force that changes" in printed
+    assert printed.endswith("none of these configurations supports what was asked.")
+
+
+def add(config: Config, results: dict) -> None:
+    with opened(Path("s.sqlite")) as store:
+        store.add({Run(config, case, 400): result for case, result in results.items()})
+
+
+DEFAULT = Config("mujoco", preset_name="default")
+
+
+def test_a_measured_preset_fails_where_it_was_named_and_often_crashes(capsys) -> None:
+    add(DEFAULT, dict.fromkeys(SOUND, failed("it crashed")))
+    code, printed = stored(capsys, SOUND)
+    assert (code, "mujoco:joint:default: failed in 2 cases: it crashed" in printed) == (0, True)
+    code, printed = shown(capsys, "--no-run", "--store=s.sqlite", "--engine=mujoco:joint:default")
+    assert code == 1
+    assert printed.endswith("It fails: mujoco:joint:default: 2 of 2 runs failed: it crashed.")
+
+
+def test_measured_presets_alone_are_not_judged(capsys) -> None:
+    add(DEFAULT, WRONG)
+    code, printed = shown(capsys, "--no-run", "--store=s.sqlite")
+    assert code == 0
+    assert "Nothing was judged, errors were measured: of 2 numbers" in printed
+
+
+def test_a_steady_state_that_is_not_found_is_missing(capsys) -> None:
+    code, printed = stored(capsys, SOUND | {CASE: Result(status=Status.NOT_PERIODIC, reason="it hops")})
+    assert code == 1
+    assert "not periodic" in printed
+    assert "1 of 2 numbers are missing" in printed
+
+
+def test_what_a_store_lacks_is_not_run_and_missing(capsys) -> None:
+    code, printed = stored(capsys, {CASE: SOUND[CASE]})
+    assert code == 1
+    assert "not run" in printed
+    assert "It fails: mujoco:joint:tuned: 1 of 2 numbers are missing." in printed
+
+
+def test_many_configurations_and_several_scenarios_have_a_row_each(capsys) -> None:
+    write_store(Path("s.sqlite"), SOUND)
+    for preset in ("default", "recommended"):
+        add(Config("mujoco", preset_name=preset), WRONG)
+    add(Config("pybullet"), SOUND)
+    _, printed = shown(capsys, "--no-run", "--store=s.sqlite")
+    assert "mujoco:joint:recommended 1 agree, 1 deviate (not judged)" in printed
+    assert "worst case" not in printed
+    _, printed = shown(capsys, "unit-cell", "--no-run", "--store=s.sqlite", "--engine=mujoco")
+    assert "scenario, configuration" not in printed  # of one scenario alone are there results
+    assert "2 agree" in printed
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("words", "message"),
     [
-        (["run", "unit-sell"], "No such command 'unit-sell'"),
-        (["run", "unit-cell", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
-        (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .json or .csv"),
-        (["run", "unit-cell", "--out", "missing/verdicts.md"], "the folder missing does not exist"),
-        (["run", "unit-cell", "--workers", "0"], "workers = 0"),
-        (["run", "unit-cell", "--no-run"], "--store is missing; allowed where nothing is run: a store"),
-        (["run", "all", "--time-limit", "-1"], "time_limit = -1"),
-        (["run", "unit-cell", "--time-limit", "-1"], "time_limit = -1"),
-        (["repot"], "No such command 'repot'"),
+        ("unit-sell", "No such command 'unit-sell'. Did you mean 'unit-cell'"),
+        ("two-points unit-sell", "scenario = 'unit-sell' is unknown; allowed: .* did you mean unit-cell?"),
+        ("two-points --engine mujocko", "engine = 'mujocko' is unknown"),
+        ("two-points --out numbers.txt", "allowed: .md or .json or .csv"),
+        ("two-points --out missing/numbers.md", "the folder missing does not exist"),
+        ("two-points --workers 0", "workers = 0"),
+        ("two-points --no-run", "--no-run without --store"),
+        ("two-points --no-run --retry-failed", "--retry-failed with --no-run"),
+        ("two-points --no-run --store none.sqlite", "store none.sqlite is no file"),
+        ("two-points --no-run --store old.sqlite", "store old.sqlite is of an earlier version of the suite"),
+        ("two-points --store old.sqlite", "store old.sqlite is of an earlier version of the suite"),
+        ("unit-cell --no-run --store s.sqlite", "store s.sqlite holds no results of unit-cell; allowed: "),
+        ("all --time-limit -1", "time_limit = -1"),
     ],
 )
-def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, message) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.catalogue.base.run_with_predictions", None)
-    assert run_command(app, arguments) == 2
-    assert message in capsys.readouterr().err
+def test_wrong_input_is_one_line_before_any_work(capsys, monkeypatch, words, message) -> None:
+    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    write_store(Path("s.sqlite"), SOUND)
+    Path("old.sqlite").write_bytes(Path("s.sqlite").read_bytes())
+    with sqlite3.connect("old.sqlite") as old:
+        old.execute("ALTER TABLE results RENAME TO answers")
+    assert run_command(app, ["run", *words.split()]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    first, _, last = message.partition(".* ")
+    assert first in error
+    assert last in error
 
 
-def test_rows_count_verdicts_and_name_the_worst() -> None:
-    right, lawful, _ = rows_of(*RESULTS.values())
-    ends = verdict_table(*RESULTS.values())[["worst", "what"]].to_numpy().tolist()
-    assert [right.count(verdict) for verdict in Verdict] == [1, 0, 0, 1, 0]
-    assert right.outcome == "inconclusive 1/2"
-    assert ends[0] == ["0.5", "pitch, soft: agree | by hand"]
-    assert lawful.outcome == "modelled 2/2"
-    assert ends[1] == ["9", "pitch, loud: disagree | by hand"]
-    assert ends[2] == ["–", "blocked | by hand"]
-    assert unmodelled(*RESULTS.values()) == []
+@pytest.mark.parametrize(
+    ("options", "kept"), [((), "nothing is kept without --store"), (("--store=k.sqlite",), "results are kept in ")]
+)
+def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", interrupted)
+    code, printed = shown(capsys, "--engine=mujoco", *options)
+    assert code == 130
+    assert f"interrupted: {kept}" in printed
 
 
-def test_details_have_one_line_a_metric_and_verdict() -> None:
-    remarks = dict(details(*RESULTS.values()))
-    law = "its law gives 449, +0 left, allowed 1; after a period 0 U0 from its law, allowed 1"
-    assert remarks[LAWFUL] == [f"disagree, pitch, loud: disagree | by hand; {law} (and 1 more)"]
-    assert remarks[RIGHT] == ["inconclusive, pitch, loud: inconclusive | by hand"]
+def test_a_scenario_may_follow_the_record_of_a_user(capsys, monkeypatch) -> None:
+    own = replace(SCENARIO, name="follows", of_record=lambda file: replace(SCENARIO, question=f"Along {file}?"))
+    monkeypatch.setitem(SCENARIOS, "follows", own)  # type: ignore[arg-type]
+    write_store(Path("s.sqlite"), SOUND)
+    _, printed = shown(capsys, "--no-run", "--store=s.sqlite", "--record=quake.csv", of="follows")
+    assert "two-points: Along quake.csv?" in printed
 
 
-def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
-    table = matrix(RESULTS)
-    assert list(table.columns) == ["engine:formulation:preset", "by-hand"]
-    assert table.to_numpy().tolist() == [
-        ["reference", "inconclusive 1/2"],
-        ["mujoco:joint:default", "modelled 2/2"],
-        ["siconos", "blocked 1/1"],
-    ]
-
-
-def test_document_has_how_it_was_made_laws_parameters_and_reasons() -> None:
-    text = verdict_document(RESULTS, "multibody-xval run by-hand")
-    assert "`multibody-xval run by-hand`" in text
-    assert "- mujoco:joint:default: friction is a soft constraint with a time constant" in text
-    assert "- length = 0.12" in text
-    assert "pitch, soft: agree \\| by hand" in text
-    assert "Versions: mujoco" in text
-
-
-def test_document_says_first_whether_the_run_fails_and_folds_the_scenarios() -> None:
-    passes = verdict_document(RESULTS, "command")
-    counted = "5 numbers: 1 agree, 2 disagree, 1 inconclusive, 1 blocked; 2 as their law predicts, 0 fail."
-    assert passes.startswith(f"## Verdicts: passes\n\n{counted}\n")
-    assert passes.index("| mujoco:joint:default | by-hand | loud | pitch | +9 | 1 |") < passes.index("<details>")
-    wrong = ByHand()
-    wrong.wrong = Variant("mujoco")
-    fails = verdict_document({wrong: wrong.run((), None)}, "command")
-    assert fails.startswith("## Verdicts: fails\n")
-    assert "\n- by-hand: unmodelled: 2 disagreements, of mujoco\n" in fails
-    many = verdict_document({wrong: [finding(RIGHT, str(k), Verdict.DISAGREE, k, 1.0) for k in range(99)]}, "command")
-    assert "The 10 largest of 99:" in many
-    assert [f"| {k} | pitch |" in many.partition("<details>")[0] for k in (98, 89, 88)] == [True, True, False]
-
-
-def test_csv_and_json_hold_every_finding_in_full() -> None:
-    rows = list(csv.DictReader(VERDICT_FORMATS[".csv"](RESULTS, "command").splitlines()))
-    assert list(rows[0]) == [column.key for column in FINDING_COLUMNS]
-    assert [float(row["difference"]) for row in rows if row["difference"]] == [0.5, -3.0, 9.0]
-    content = json.loads(VERDICT_FORMATS[".json"](RESULTS, "command"))
-    assert content["passes"] is True
-    assert len(content["findings"]) == 5
-    assert content["findings"][4]["allowed"] is None
-    assert content["findings"][3]["modelled"] is True
-    assert content["scenarios"][0]["parameters"] == ["length = 0.12"]
-    wrong = ByHand()
-    wrong.wrong = Variant("mujoco")
-    fails = json.loads(VERDICT_FORMATS[".json"]({wrong: wrong.run((), None)}, "command"))
-    assert fails["passes"] is False
-
-
-def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, capsys) -> None:
-    out, store = tmp_path / "verdicts.csv", tmp_path / "store.sqlite"
-    options = ["--engine", "mujoco:joint", "--workers", "1", "--store", str(store), "--out", str(out)]
-    assert run_command(app, ["run", "locked-limit", *options]) == 0
-    rows = list(csv.DictReader(out.read_text().splitlines()))
-    assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
-    assert [row["metric"] for row in rows] == ["transmittance", "phase", "same step"] * 2
-    assert "locked-limit" in capsys.readouterr().out
-    options = ["--engine", "mujoco:all", "--no-run", "--store", str(store), "--out", str(out)]
-    assert run_command(app, ["run", "locked-limit", *options]) == 0
-    again = list(csv.DictReader(out.read_text().splitlines()))
-    assert [row for row in again if (row["formulation"], row["preset"]) == ("joint", "tuned")] == rows
-    assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not evaluated so far"}
-
-
-@pytest.mark.slow
-def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install, tmp_path: Path) -> None:
-    out = tmp_path / "verdicts.json"
-    printed = install("mutations").run(
-        "-m", "multibody_xval", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
-    )
-    assert "unmodelled:" in printed
-    found = json.loads(out.read_text())["findings"]
-    assert {one["case"] for one in found if one["metric"] == "transmittance" and one["verdict"] == "disagree"} == {
-        case.label for case in CATALOGUE["unit-cell"].cases
-    }
+def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
+    code, printed = shown(capsys, "--engine=mujoco", "--workers=1", "--store=k.sqlite")
+    assert code == 0
+    assert printed.endswith("mujoco:joint:tuned agrees with what is expected in all 2 numbers.")
+    assert {row.run.config.engine for row in stored_results(Path("k.sqlite"))} == {"mujoco", "reference"}
+    monkeypatch.setattr("multibody_xval.scenarios.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    assert shown(capsys, "--engine=mujoco", "--workers=1", "--store=k.sqlite")[0] == 0

@@ -3,7 +3,7 @@
 import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.variant import GENERAL, Variant
+from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.reports.cli.reproduce import app
 from multibody_xval.reports.reproducers.scene_script import (
     ON_A_PLANE,
@@ -13,22 +13,16 @@ from multibody_xval.reports.reproducers.scene_script import (
     scene_script,
 )
 from multibody_xval.reports.reproducers.script import LONGEST_LINE
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.runs.executor import InProcessExecutor
-from multibody_xval.scenarios.runs.store import opened_store
-from reference_lcp.errors import ParameterError
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.model import Config
 from reference_lcp.process import run_command
 from tests.reports.reproducers.test_reproducers import (
     DIGITS,
+    MEANS,
     MOST_LINES,
-    Hostile,
-    HostileMissing,
-    WithoutEngines,
-    printed_by,
+    NUMBER,
     printed_one_by_one,
-    statements,
 )
-from tests.scenarios.in_process import evaluator
 
 FORMULATIONS = {name: "joint" if name in ("joint-hold", "arm-hold") else "contact" for name in SCENES}
 
@@ -47,20 +41,20 @@ def own_number(name: str, scenario: str) -> tuple[str, float]:
     if reason is not None:
         pytest.skip(reason)
     shown = checked_scene(name, scenario)
-    with opened_store(None) as store, evaluator(store) as running:
-        return scene_script(shown, running), shown.number(running.evaluate([shown.task])[0])[1]
+    number = shown.number(MEANS)
+    return scene_script(shown, number), number.value
 
 
 def check_number(name: str, scenario: str, folder, changed=("", "")) -> None:
     text, value = own_number(name, scenario)
     assert changed[0] in text
-    printed = printed_by(text.replace(*changed), folder, Variant.parse(name))
+    (printed,) = printed_one_by_one([text.replace(*changed)], folder, Config.parse(name))
     assert printed == pytest.approx(value, rel=DIGITS, abs=0)
 
 
 @pytest.mark.parametrize("preset", GENERAL)
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
-def test_script_alone_prints_the_creep_that_the_suite_has(name, preset, tmp_path) -> None:
+def test_script_alone_prints_the_drift_that_the_suite_has(name, preset, tmp_path) -> None:
     check_number(f"{name}:contact:{preset}", "slope-hold", tmp_path)
 
 
@@ -69,8 +63,8 @@ def test_script_alone_prints_the_creep_that_the_suite_has(name, preset, tmp_path
 def test_scripts_alone_print_the_numbers_that_the_suite_has(formulation, tmp_path) -> None:
     """Those of all presets and scenes, one after the other."""
     own = {place: own_number(*place) for place in WRITTEN if place[0].startswith(f"{formulation}:")}
-    variant = Variant.parse(next(iter(own))[0])
-    printed = printed_one_by_one([text for text, _ in own.values()], tmp_path, variant)
+    config = Config.parse(next(iter(own))[0])
+    printed = printed_one_by_one([text for text, _ in own.values()], tmp_path, config)
     assert printed == pytest.approx([value for _, value in own.values()], rel=DIGITS, abs=0)
 
 
@@ -82,22 +76,12 @@ def test_script_with_a_hundredth_less_friction_prints_another_distance(tmp_path)
 
 @pytest.mark.parametrize(("name", "scenario"), WRITTEN)
 def test_script_of_every_case_is_short_enough_for_a_tracker(name, scenario) -> None:
-    with opened_store(None) as store, WithoutEngines(store, InProcessExecutor()) as results:
-        for case in CATALOGUE[scenario].cases:
-            if not case.sleeping:
-                lines = scene_script(checked_scene(name, scenario, case.name), results).splitlines()
-                assert len(lines) <= MOST_LINES, case
-                assert max(map(len, lines)) <= LONGEST_LINE
-                compile("\n".join(lines), "reproducer.py", "exec")
-
-
-def test_a_reason_of_a_strangers_store_stays_a_text_of_the_script() -> None:
-    shown = checked_scene("mujoco:contact:default", "slope-hold")
-    with opened_store(None) as store:
-        text = scene_script(shown, HostileMissing(store, InProcessExecutor()))
-        assert statements(text) == statements(scene_script(shown, WithoutEngines(store, InProcessExecutor())))
-        with pytest.raises(ParameterError, match="has no number of 'load"):
-            scene_script(shown, Hostile(store, InProcessExecutor()))
+    for own, case in SCENARIOS[scenario].cases.items():
+        if not case.sleeping:
+            lines = scene_script(checked_scene(name, scenario, own), NUMBER).splitlines()
+            assert len(lines) <= MOST_LINES, own
+            assert max(map(len, lines)) <= LONGEST_LINE
+            compile("\n".join(lines), "reproducer.py", "exec")
 
 
 def test_engines_with_scripts_of_scenes() -> None:

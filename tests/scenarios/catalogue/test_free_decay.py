@@ -1,37 +1,46 @@
 """Free decay: the friction oscillator's closed form, the exact motion, engines that are right and wrong."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.catalogue.transient.free_decay import OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
-from multibody_xval.scenarios.runs.executor import run_batch
-from multibody_xval.scenarios.verdicts.finding import Verdict
-from tests.scenarios.in_process import deviating, findings, rub_harder
+from multibody_xval.scenarios.catalogue.free_decay import (
+    FREE_DECAY,
+    OSCILLATOR,
+    half_width,
+    loss_a_cycle,
+    offsets,
+    rest_time,
+)
+from multibody_xval.scenarios.judge import AGREES
+from multibody_xval.scenarios.model import EXACT, Run
+from tests.scenarios.in_this_process import OTHER, SHARES, deviating, judged, judged_copy, result_of
 
-MUJOCO = Variant("mujoco")
 
-
-def exact_series(decay):
-    return run_batch(FreeDecay().baseline(decay))[0].series
+def exact_run(case):
+    return Run(EXACT, case, 8 * case.rows)
 
 
 def test_oscillator_of_the_scenario_decays_by_the_closed_form() -> None:
     """Let go at 1, with F / k = 0.06: turns at 0.88, 0.76, … 0.04, where it stays, after eight half cycles."""
-    exact = exact_series(OSCILLATOR_DECAY)
-    assert exact["offsets"][0] == pytest.approx(0.04, abs=1e-4)
-    assert exact["rest"][0] / OSCILLATOR_DECAY.period == pytest.approx(4, abs=0.03)
-    assert loss_a_cycle(np.array(exact["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
+    run = exact_run(OSCILLATOR)
+    exact = result_of(run)
+    assert exact.series["offsets"][0] == pytest.approx(0.04, abs=1e-4)
+    assert rest_time(exact, run) == pytest.approx(4, abs=0.03)
+    assert loss_a_cycle(np.array(exact.series["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
     # springs of the rest state hold (1/25)² of the energy
-    assert exact["energy"][0] == pytest.approx(0.04**2, abs=2e-4)
+    assert exact.series["energy"][0] == pytest.approx(0.04**2, abs=2e-4)
+    assert half_width(run) == pytest.approx(0.06)
 
 
-@pytest.mark.parametrize("decay", FreeDecay.cases, ids=str)
-def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(decay) -> None:
-    exact = exact_series(decay)
-    assert 0 < exact["rest"][0] < 0.9 * decay.periods * decay.period
-    assert np.max(np.abs(exact["offsets"])) <= decay.half_width
-    assert np.max(np.abs(exact["offsets"])) > 0.01 * decay.half_width
+@pytest.mark.parametrize("name", FREE_DECAY.cases)
+def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(name) -> None:
+    run = exact_run(FREE_DECAY.cases[name])
+    exact = result_of(run)
+    assert 0 < exact.series["rest"][0] < 0.9 * run.case.time
+    left = np.max(np.abs(offsets(exact, run)))
+    assert 0.01 < left <= 1
 
 
 def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
@@ -41,29 +50,27 @@ def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
     assert loss_a_cycle(swing) == pytest.approx((1 - np.exp(-0.01 * 8 * np.pi)) / 4, rel=0.05)
 
 
-def test_reference_and_mujoco_decay_as_the_exact_motion_does() -> None:
-    judged = findings(FreeDecay(), Variant("reference"), MUJOCO)
-    assert len(judged) == 2 * (8 + 7 + 7)
-    assert not deviating(judged)
+@pytest.mark.needs("mujoco")
+def test_mujoco_decays_as_the_exact_motion_does() -> None:
+    table = judged(FREE_DECAY, SHARES)
+    assert len(table) == 8 + 7 + 7
+    assert set(table.verdict) == {AGREES}
 
 
-def test_friction_that_is_too_large_by_a_twentieth_is_found(monkeypatch) -> None:
+@pytest.mark.parametrize("config", [SHARES, OTHER])
+def test_friction_that_is_too_large_by_a_twentieth_is_found(config) -> None:
     """It stops earlier and elsewhere, and loses more in a cycle."""
-    rub_harder(monkeypatch, 1.05)
-    wrong = {
-        (finding.case, finding.metric.name): finding
-        for finding in findings(FreeDecay(), MUJOCO)
-        if finding.comparison.verdict is Verdict.DISAGREE
-    }
-    loss = wrong["friction oscillator", "loss a cycle"]
-    assert loss.value == pytest.approx(1.05, rel=1e-3)
-    assert ("inner masses let go", "offsets") in wrong
+    table = judged_copy(FREE_DECAY, config, lambda case: replace(case, friction_ratio=1.05 * case.friction_ratio))
+    wrong = table[[own in deviating(table) for own in zip(table.case, table.quantity, strict=True)]]
+    by_name = wrong.set_index(["case", "quantity"])
+    assert by_name.value["friction oscillator", "loss a cycle"] == pytest.approx(1.05, rel=1e-3)
+    assert ("inner masses let go", "offsets") in by_name.index
 
 
-def test_variant_that_is_not_installed_is_blocked_in_every_metric(monkeypatch) -> None:
+def test_engine_that_is_not_installed_is_unsupported_in_every_number(monkeypatch) -> None:
     from multibody_xval.engines.mujoco import MuJoCo
 
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no wheel")
-    judged = findings(FreeDecay(), MUJOCO)
-    assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
-    assert "no wheel" in judged[0].comparison.reason
+    table = judged(FREE_DECAY, SHARES)
+    assert set(table.verdict) == {"unsupported"}
+    assert all("no wheel" in reason for reason in table.reason)

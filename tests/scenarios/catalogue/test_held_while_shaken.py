@@ -9,19 +9,18 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.reproducers.recipe import recipe_text
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.catalogue.scenes.shaken import FRICTION, HeldWhileShaken, pushed
-from multibody_xval.scenarios.runs import TIME_LIMIT
-from multibody_xval.scenarios.runs.dask_cluster import executor_for
-from multibody_xval.scenarios.runs.evaluator import Evaluator
-from multibody_xval.scenarios.runs.scene import swinging
-from multibody_xval.scenarios.runs.store import opened_store
-from tests.scenarios.in_process import evaluator
+from multibody_xval.scenarios.catalogue.boxes import box_scene
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.catalogue.shaken_boxes import FRICTION, HELD_WHILE_SHAKEN, pushed
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.evaluate import Means, computed
+from multibody_xval.scenarios.model import Config, Run
+from multibody_xval.scenarios.scene_motion import swinging
+from multibody_xval.scenarios.store import Stored
 
-SCENE = CATALOGUE["held-while-shaken"]
-RECIPE = Variant("mujoco", "contact", "recommended")
+EVERY = {**HELD_WHILE_SHAKEN.cases, **HELD_WHILE_SHAKEN.held_out}
+RECIPE = Config("mujoco", "contact", "recommended")
 SHAKER = Path(__file__).parents[2] / "reports" / "cli" / "probe_models" / "shaker.xml"
 FEW = SHAKER.with_name("stack20.xml")
 
@@ -95,29 +94,33 @@ def test_pasted_recipe_sets_the_iterations_that_a_model_has_too_few_of(iteration
     assert slips["ls_iterations"] > 100
 
 
-def judged(variant: Variant, cases) -> dict[str, float]:
-    with opened_store(None) as store, evaluator(store) as running:
-        return {each.case: abs(each.value) for each in SCENE.judged([variant], cases, running)}
+def drifts(config: Config, cases) -> dict[str, float]:
+    """Give what numbers say of cases, run in this process [µm/s]."""
+    scenario = replace(HELD_WHILE_SHAKEN, cases=cases)
+    runs = list(scenario.own_runs(config).values())
+    table = numbers(scenario, [Stored(run, "1", run_batch([run])[0]) for run in runs])
+    assert set(table.quantity) == {"drift"}
+    return dict(zip(table.case, table.value, strict=True))
 
 
 @pytest.mark.slow
 @pytest.mark.needs("mujoco")
 def test_mujoco_s_recipe_holds_all_that_is_shaken_and_variations_that_it_was_not_found_with() -> None:
-    found = judged(RECIPE, (*SCENE.cases, *SCENE.held_out))
-    assert len(found) == 3 * (len(SCENE.cases) + len(SCENE.held_out))
+    found = drifts(RECIPE, EVERY)
+    assert len(found) == 3 * len(EVERY)
     assert max(found.values()) < 0.25
 
 
 @pytest.mark.needs("mujoco")
 def test_mujoco_s_recipe_without_its_tolerance_does_not() -> None:
-    cases = [case for case in SCENE.cases if case.name in ("slope, mass inside, 60 Hz", "slope, mass inside, 30 Hz")]
-    assert max(judged(RECIPE, cases).values()) < 0.25
-    assert max(judged(RECIPE.changed("tolerance", 1e-8), cases).values()) > 10
+    cases = {name: EVERY[name] for name in ("slope, mass inside, 60 Hz", "slope, mass inside, 30 Hz")}
+    assert max(drifts(RECIPE, cases).values()) < 0.25
+    assert max(drifts(RECIPE.changed("tolerance", 1e-8), cases).values()) > 10
 
 
 def load(case) -> float:
     """Give the largest load over the bound while the box is watched, with the box at rest; its shaker in fine steps."""
-    scene, step = case.scene, 2e-5
+    scene, step = box_scene(case), 2e-5
     own, shaker = scene.boxes[-1].mass, scene.shaker
     whole = own + (shaker.mass if shaker else 0.0)
     weight = GRAVITY * math.sin(scene.slope)
@@ -134,17 +137,17 @@ def load(case) -> float:
     return largest / (FRICTION * whole * GRAVITY * math.cos(scene.slope))
 
 
-@pytest.mark.parametrize("case", [*HeldWhileShaken.cases, *HeldWhileShaken.held_out], ids=lambda case: case.name)
-def test_load_of_what_is_shaken_stays_below_the_bound(case) -> None:
-    assert 0.01 < load(case) < 0.98
+@pytest.mark.parametrize("name", EVERY)
+def test_load_of_what_is_shaken_stays_below_the_bound(name) -> None:
+    assert 0.01 < load(EVERY[name]) < 0.98
 
 
 def test_time_that_is_watched_has_whole_periods_and_steps_of_three_sizes() -> None:
-    for case in (*SCENE.cases, *SCENE.held_out):
+    for case in EVERY.values():
         assert all((tone.frequency * case.time).is_integer() for tone in case.shake)
     for name in engine_names():
         if "contact" in engine(name).scene_worlds:
-            assert len(SCENE.steps(Variant(name, "contact", "default"))) == 3
+            assert len(HELD_WHILE_SHAKEN.steps(Config(name, "contact", "default"), case)) == 3
 
 
 @pytest.mark.parametrize(
@@ -157,9 +160,8 @@ def test_force_above_the_bound_moves_the_box_in_every_engine_and_one_below_does_
     """
     if engine(name).unavailable_reason() is not None:
         pytest.skip("not installed")
-    cases = [replace(pushed("", 0.0, ((part, 5),)), time=0.1, settling=0.0) for part in (1.6, 0.5)]
-    tasks = [case.task(Variant(name, "contact", "default"), 0.001) for case in cases]
-    with opened_store(None) as store, Evaluator(store, executor_for(None, TIME_LIMIT, None)) as running:
-        ways = [np.max(np.abs(result.series["along"])) for result in running.evaluate(tasks)]
+    cases = [replace(pushed(0.0, ((part, 5),)), time=0.1, settling=0.0) for part in (1.6, 0.5)]
+    runs = [Run(Config(name, "contact", "default"), case, 100) for case in cases]
+    ways = [np.max(np.abs(own.result.series["along"])) for own in computed(runs, Means())]
     assert ways[0] > 1e-3
     assert ways[1] < 2e-4

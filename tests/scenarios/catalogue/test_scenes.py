@@ -5,22 +5,27 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
-from multibody_xval.scenarios.catalogue.scenes import base
-from multibody_xval.scenarios.catalogue.scenes.base import COMMON_STEP, CREEP, SceneScenario
-from multibody_xval.scenarios.catalogue.scenes.hold import HEAVY, STACK_SLOPE
-from multibody_xval.scenarios.catalogue.scenes.joints import TURNING, arm
-from multibody_xval.scenarios.catalogue.scenes.spin import CORNERS, TORQUE, UNIFORM
-from multibody_xval.scenarios.runs.scene import SceneTask
-from multibody_xval.scenarios.verdicts.finding import Finding, Verdict
+from multibody_xval.scenarios.catalogue import boxes, loaded_joints, shaken_boxes, sliding_boxes, spinning_box
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.catalogue.scenario import Scenario, scene_steps
+from multibody_xval.scenarios.catalogue.spinning_box import CORNERS, UNIFORM
+from multibody_xval.scenarios.compute import scenes
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE
+from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
-from tests.scenarios.in_process import findings
-from tests.scenarios.point_mass import CONTACT, JOINT, judged
+from tests.scenarios.point_mass import Wrong, point_mass_numbers
 
-SCENES = [scenario for scenario in CATALOGUE.values() if isinstance(scenario, SceneScenario)]
+FAMILIES = (boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints)
+SCENES = {own.name: own for family in FAMILIES for own in family.SCENARIOS}
 HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "held-while-shaken", "joint-hold", "arm-hold")
 SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
 
@@ -35,86 +40,115 @@ def each_of(names):
     )
 
 
-def disagreeing(found: list[Finding]) -> list[Finding]:
-    return [finding for finding in found if finding.comparison.verdict is not Verdict.AGREE]
+def off(table: pd.DataFrame) -> pd.DataFrame:
+    return table[table.verdict != AGREES]
 
 
-@pytest.mark.parametrize("scenario", SCENES, ids=lambda each: each.name)
-def test_coulomb_s_law_in_euler_s_steps_agrees_with_every_scene(scenario) -> None:
-    assert not disagreeing(judged(scenario))
+def measured(scenario: Scenario, config: Config, *names: str) -> pd.DataFrame:
+    """Run cases of a scene in this process."""
+    cases = {name: scenario.cases[name] for name in names or scenario.cases}
+    runs = list(replace(scenario, cases=cases).own_runs(config).values())
+    return numbers(scenario, [Stored(run, "1", result) for run, result in zip(runs, run_batch(runs), strict=True)])
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_coulomb_s_law_in_euler_s_steps_agrees_with_every_scene(name) -> None:
+    table = point_mass_numbers(SCENARIOS[name])
+    assert set(table.verdict) == {AGREES}
+    assert set(table.exact_kind) == {"closed form"}
 
 
 @each_of(HOLDING)
-def test_creep_of_a_micrometre_a_second_is_found_in_everything_that_should_hold(name) -> None:
-    found = [each for each in judged(CATALOGUE[name], creep=1e-6) if each.metric in (CREEP, TURNING)]
-    assert disagreeing(found) == found
+def test_drift_of_a_micrometre_a_second_is_found_in_everything_that_should_hold(name) -> None:
+    table = point_mass_numbers(SCENARIOS[name], Wrong(drift=1e-6))
+    drifts = table[table.quantity.isin(["drift", "turning"])]
+    assert set(drifts.verdict) == {DEVIATES}
+
+
+@pytest.mark.parametrize("name", engine_names())
+def test_no_preset_states_a_drift_that_would_hide_a_micrometre_a_second(name) -> None:
+    for presets in engine(name).capabilities.presets.values():
+        for own in presets.values():
+            assert own.accuracy_of("drift") <= 0.5
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wrong", [{"friction": 0.99}, {"normal": 1.01}], ids=["less friction", "pressed harder"])
+@pytest.mark.parametrize("wrong", [Wrong(friction=0.99), Wrong(normal=1.01)], ids=["less friction", "pressed harder"])
 @pytest.mark.parametrize("name", SLIDING)
 def test_friction_that_is_wrong_by_a_hundredth_is_found_in_everything_that_slides(name, wrong) -> None:
     """Where Euler's own step is a smaller error than that: at 1 ms, and not at 1 m/s."""
-    found = [each for each in judged(CATALOGUE[name], **wrong) if each.case.endswith("1 ms")]
-    wrong_ones = {each.case for each in disagreeing(found)}
-    slow = {each.case for each in found if each.case.startswith("1 m/s, 1 ms")}
-    assert wrong_ones | slow == {each.case for each in found}
-    assert wrong_ones
+    table = point_mass_numbers(SCENARIOS[name], wrong)
+    fine = table[table.case.str.endswith("1 ms")]
+    slow = set(fine.case[fine.case.str.startswith("1 m/s, 1 ms")])
+    assert set(off(fine).case) | slow == set(fine.case)
+    assert len(off(fine))
 
 
 @pytest.mark.parametrize(("friction", "sound"), [(1.01, False), (1.0, True), (UNIFORM / CORNERS, True), (0.53, False)])
 def test_torque_that_no_pressure_can_make_is_found(friction, sound) -> None:
     """More than at the corners, or less than under a uniform pressure: the latter is 0.541 of the former."""
-    found = [each for each in judged(CATALOGUE["spin"], friction=friction) if each.case.endswith("1 ms")]
-    assert {each.metric for each in disagreeing(found)} == (set() if sound else {TORQUE})
+    table = point_mass_numbers(SCENARIOS["spin"], Wrong(friction=friction))
+    fine = table[table.case.str.endswith("1 ms")].set_index("quantity")
+    assert set(off(fine).index) == (set() if sound else {"torque"})
+    lowest = 100 * (UNIFORM / CORNERS - 1)
+    assert fine.exact["torque"] == pytest.approx(np.clip(fine.value["torque"], lowest, 0.0))
 
 
 def test_drift_after_the_stop_is_found() -> None:
-    found = judged(CATALOGUE["slide-to-stop"], creep=1e-6)
-    assert {each.metric.name for each in disagreeing(found)} == {"drift"}
+    assert set(off(point_mass_numbers(SCENARIOS["slide-to-stop"], Wrong(drift=1e-6))).quantity) == {"drift"}
 
 
 @each_of([name for name in HOLDING if name not in ("joint-hold", "held-while-shaken")])
 def test_what_falls_at_once_and_rests_is_found(name) -> None:
-    """It does not creep when that is measured."""
-    found = judged(CATALOGUE[name], fall=0.01)
-    assert {each.metric.name for each in disagreeing(found)} <= {"sag", "turned"}
-    assert disagreeing(found)
+    """It does not drift when that is measured."""
+    table = point_mass_numbers(SCENARIOS[name], Wrong(fall=0.01))
+    assert len(off(table))
+    assert set(off(table).quantity) <= {"sag", "turned"}
 
 
 @needs_mujoco
-def test_mujoco_s_joint_creeps_by_its_own_law() -> None:
+def test_mujoco_s_joint_drifts_by_its_own_law() -> None:
     """A (1 − d_0) / d_0 · load · d_max τ / 2, with its own d_0 = 0.9, d_max = 0.95 and τ = 20 ms."""
-    for finding in findings(CATALOGUE["joint-hold"], JOINT):
-        load = float(finding.case.split("load ")[1].split(",")[0]) * (1.0 if "hinge" in finding.case else 5.0)
-        assert finding.value == pytest.approx(1e6 * (1 - 0.9) / 0.9 * load * 0.95 * 0.02 / 2, rel=1e-5)
+    for own in measured(SCENARIOS["joint-hold"], Config("mujoco", "joint", "default")).itertuples():
+        load = float(own.case.split("load ")[1].split(",")[0]) * (1.0 if "hinge" in own.case else 5.0)
+        assert own.value == pytest.approx(1e6 * (1 - 0.9) / 0.9 * load * 0.95 * 0.02 / 2, rel=1e-5)
 
 
 @needs_mujoco
-def test_box_creeps_in_mujoco_as_one_writes_it_and_hardly_with_the_recommended_options() -> None:
+def test_box_drifts_in_mujoco_as_one_writes_it_and_hardly_with_the_recipe() -> None:
     worst = {}
     for preset in ("default", "recommended"):
-        found = findings(CATALOGUE["slope-hold"], replace(CONTACT, preset_name=preset))
-        worst[preset] = max(each.value for each in found if each.metric == CREEP)
+        table = measured(SCENARIOS["slope-hold"], Config("mujoco", "contact", preset), "load 0.1", "load 0.9")
+        worst[preset] = table.value[table.quantity == "drift"].max()
     assert worst["default"] > 1000
-    assert worst["recommended"] < 1
+    assert 0.1 < worst["recommended"] < 0.5
+
+
+@needs_mujoco
+def test_what_is_left_of_mujoco_s_drift_is_divided_by_impratio() -> None:
+    """At any time step: so it is stated, and no error of a step."""
+    recipe = Config("mujoco", "contact", "recommended")
+    drifts = []
+    for config in (recipe, recipe.changed("impratio", 1e3)):
+        table = measured(SCENARIOS["stack-hold"], config)
+        drifts.append(table.value[table.quantity == "drift"].astype(float).to_numpy())
+    assert drifts[0] == pytest.approx([0.444, 0.444], rel=0.01)
+    assert drifts[1] == pytest.approx(10 * drifts[0], rel=0.01)
 
 
 @needs_mujoco
 def test_exploding_scene_is_a_failure_of_the_engine(monkeypatch) -> None:
-    def exploding(task) -> SteppedWorld:
-        return SteppedWorld(lambda: None, lambda: (np.full(10, np.nan),))
-
-    monkeypatch.setattr("multibody_xval.scenarios.runs.scene.built", exploding)
-    found = findings(CATALOGUE["grip"], CONTACT)
-    assert {each.comparison.verdict for each in found} == {Verdict.DISAGREE}
-    assert "exploded" in found[0].comparison.reason
+    monkeypatch.setattr(scenes, "built", lambda _run: SteppedWorld(lambda: None, lambda: (np.full(10, np.nan),)))
+    table = measured(SCENARIOS["grip"], Config("mujoco", "contact", "default"))
+    assert set(table.verdict) == {"failed"}
+    assert set(table.reason) == {"the scene exploded"}
 
 
+@needs_mujoco
 def test_presets_for_the_chain_have_no_scenes() -> None:
-    found = findings(CATALOGUE["grip"], replace(CONTACT, preset_name="tuned"))
-    assert {each.comparison.verdict for each in found} == {Verdict.BLOCKED}
-    assert "is for the chain; allowed in scenes: default, recommended" in found[0].comparison.reason
+    table = measured(SCENARIOS["grip"], Config("mujoco", "contact", "tuned"))
+    assert set(table.verdict) == {"unsupported"}
+    assert "is for the chain; allowed in scenes: default, recommended" in table.reason.iloc[0]
 
 
 BAD: list[tuple[Callable[[], object], str]] = [
@@ -123,7 +157,7 @@ BAD: list[tuple[Callable[[], object], str]] = [
     (lambda: ContactScene(grip=1.0, boxes=(Box(), Box())), "boxes = 2; allowed: 1 in a grip"),
     (lambda: JointScene(kind="ball"), "kind = 'ball' is unknown; allowed: hinge, slide"),
     (lambda: ArmScene(friction=()), "friction = .*at least one"),
-    (lambda: SceneTask(variant=JOINT, scene=JointScene(), time_step=0.0, time=1.0), "time_step = 0.*allowed: > 0"),
+    (lambda: SceneMotion(scene=JointScene(), time=0.0), "time = 0.*allowed: > 0"),
 ]
 
 
@@ -134,20 +168,31 @@ def test_scene_that_cannot_be_is_refused(build, message) -> None:
 
 
 def test_scenes_are_what_their_names_say() -> None:
-    heavy = CATALOGUE["heavy-on-light"].cases[0].scene
-    assert [box.mass for box in heavy.boxes] == [1.0, HEAVY]
-    assert heavy.slope == STACK_SLOPE
-    assert arm(1, 0.9).friction == pytest.approx([GRAVITY * 0.1 / 0.9])
-    assert arm(2, 1.0).friction == pytest.approx([GRAVITY * (0.1 + 0.3), GRAVITY * 0.1])
+    heavy = boxes.box_scene(SCENARIOS["heavy-on-light"].cases["100 kg on 1 kg, 12°"])
+    assert [box.mass for box in heavy.boxes] == [1.0, 100.0]
+    assert heavy.slope == math.radians(12)
+    assert loaded_joints.arm(1, 0.9).friction == pytest.approx([GRAVITY * 0.1 / 0.9])
+    assert loaded_joints.arm(2, 1.0).friction == pytest.approx([GRAVITY * (0.1 + 0.3), GRAVITY * 0.1])
     heights = [place[2] for place in ContactScene(boxes=(Box(side=0.2), Box(side=0.1))).places]
     assert heights == pytest.approx([0.1, 0.25])
-    assert COMMON_STEP == 1e-3
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_engine_runs_every_scene_at_its_own_time_step(name) -> None:
+    """A whole number of steps of that size fits into each motion."""
+    scenario = SCENARIOS[name]
+    for own in engine_names():
+        step = engine(own).scene_step
+        for label, run in scenario.own_runs(Config(own, "contact", "default")).items():
+            size = boxes.time_step(run)
+            aim = step if label.endswith("own step") else float(label.split(", ")[-1].removesuffix(" ms")) / 1e3
+            assert size == pytest.approx(aim, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", SLIDING[1:])
-def test_scene_in_steps_as_long_as_its_motion_shows_nothing(name, monkeypatch) -> None:
+def test_scene_in_steps_as_long_as_its_motion_shows_nothing(name) -> None:
     """At 1 m/s, 50 ms are a quarter of the time that friction takes: half of it or all of it is left open."""
-    monkeypatch.setattr(base, "COMMON_STEP", 0.05)
-    found = [each for each in judged(CATALOGUE[name]) if each.case.endswith("50 ms") and each.metric.unit == "%"]
-    assert Verdict.TOO_COARSE in {each.comparison.verdict for each in found}
-    assert Verdict.AGREE not in {each.comparison.verdict for each in found if each.case.startswith("1 m/s")}
+    coarse = replace(SCENARIOS[name], steps=lambda config, case: {"50 ms": scene_steps(config, case, (0.05,))["50 ms"]})
+    table = point_mass_numbers(coarse)
+    slow = table[table.case.str.startswith("1 m/s") & (table.unit == "%")]
+    assert set(slow.verdict) == {TOO_LARGE}

@@ -1,0 +1,273 @@
+"""Numbers of scenarios as people and programs read them: a screen, a comment, tables."""
+
+import math
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from textwrap import wrap
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from multibody_xval.reports.formatting import MISSING, significant
+from multibody_xval.scenarios.catalogue.finding import (
+    WORST_FIRST,
+    conclusion,
+    counts,
+    over_allowed,
+    reasons_to_fail,
+    worst_cases,
+)
+from multibody_xval.scenarios.catalogue.numbers import COLUMNS
+from multibody_xval.scenarios.catalogue.scenario import Scenario
+from multibody_xval.scenarios.judge import AGREES
+from multibody_xval.scenarios.model import Case, Config
+from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, markdown_text, records
+
+MOST_CONFIGURATIONS = 3
+"""Configurations that have a table each; more of them have a row each."""
+
+MOST_ROWS = 60
+"""Rows of the table of several scenarios: with more, a scenario has one row for all configurations."""
+
+MOST_CASES = 4
+"""Cases that the first lines name; of more, the first and the last."""
+
+MOST_REASONS = 6
+"""Reasons why there are no numbers that are printed; `--details` prints all."""
+
+NAME_WIDTH = 26
+"""Columns of the names of cases: beside all others in 80."""
+
+AT_EQUAL_STEPS = "reference at equal steps"
+
+
+class Answer(NamedTuple):
+    """What was asked, and what has come out."""
+
+    scenarios: Sequence[Scenario]
+    rows: pd.DataFrame
+    """See `multibody_xval.scenarios.catalogue.numbers`."""
+    command: str
+    named: bool = False
+    """Whether the user has named the engines: those fail that often fail."""
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why the command fails."""
+        return reasons_to_fail(self.rows, named=self.named)
+
+    @property
+    def conclusion(self) -> str:
+        """One sentence."""
+        return conclusion(self.rows, self.reasons)
+
+    def of(self, scenario: Scenario) -> pd.DataFrame:
+        """Give the numbers of one scenario."""
+        return self.rows[self.rows.scenario == scenario.name]
+
+
+def asked(scenario: Scenario, rows: pd.DataFrame) -> list[str]:
+    """Say what a scenario asks: question, source, expected values, cases and steps, parameters of the cases."""
+    names = list(scenario.cases)
+    many = len(names) > MOST_CASES
+    listed = f"from {names[0]} to {names[-1]}" if many else "; ".join(names)
+    cases = f"{len(names)} cases" if len(names) > 1 else "Case"
+    return [
+        scenario.question,
+        f"Source: {scenario.source}",
+        f"Expected: {scenario.expects}.",
+        f"{cases}: {listed}. {_steps(scenario, rows)}.",
+        *scenario.details,
+    ]
+
+
+def _steps(scenario: Scenario, rows: pd.DataFrame) -> str:
+    """Give time steps: of steady states, their number per period."""
+    configs = [Config(*own) for own in rows[["engine", "formulation", "preset"]].drop_duplicates().to_numpy().tolist()]
+    runs = [run for config in configs for run in scenario.own_runs(config).values()]
+    if all(isinstance(run.case, Case) for run in runs):
+        return f"{_span([run.steps for run in runs])} time steps per period"
+    return (
+        f"Time steps of {_span([1e3 * run.case.time / run.steps for run in runs if not isinstance(run.case, Case)])} ms"
+    )
+
+
+def _span(values: Sequence[float]) -> str:
+    texts = [f"{own:.4g}" for own in (min(values, default=math.nan), max(values, default=math.nan))]
+    return " to ".join(dict.fromkeys(texts))
+
+
+def number_table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give numbers of one configuration as texts: each with its case below, and the verdict."""
+    expected = rows.exact.where(
+        rows.expected != AT_EQUAL_STEPS, rows.reference.where(rows.reference.notna(), rows.exact)
+    )
+    texts = {
+        "number, case": [_numbered(*own) for own in rows[["quantity", "unit", "case"]].to_numpy()],
+        "value": rows.value.map(_number),
+        "expected": expected.map(_number),
+        "off by": rows.distance.astype(float).map(significant),
+        "allowed": rows.allowed.astype(float).map(significant),
+        "result": rows.verdict,
+    }
+    return pd.DataFrame(texts, rows.index, dtype=object)
+
+
+def worst_table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give the worst case of every number of one configuration as texts, and how many cases are like it."""
+    worst = worst_cases(rows)
+    texts = number_table(worst).rename(columns={"number, case": "number, worst case"})
+    alike = [f"{own.alike} of {own.cases} cases" if own.cases > 1 else "" for own in worst.itertuples()]
+    return texts.assign(
+        result=[f"{verdict}\n{more}".strip() for verdict, more in zip(texts.result, alike, strict=True)]
+    )
+
+
+def _numbered(name: str, unit: str, case: str) -> str:
+    """Name a number, and below it its case, in lines that leave room for the other columns."""
+    first = f"{name} [{unit}]" if unit else name
+    return "\n".join([first, *wrap(case, NAME_WIDTH, initial_indent="  ", subsequent_indent="  ")])
+
+
+def _number(value: Any) -> str:
+    """Give a number in five digits; of a complex one, its size."""
+    size = abs(value) if isinstance(value, complex) else float(value)
+    if not math.isfinite(size):
+        return MISSING
+    text = f"{size:.5g}"
+    return (text if len(text) <= len("-0.12345") else f"{size:.2e}").replace("-", "−")
+
+
+def title(rows: pd.DataFrame) -> str:
+    """Name a configuration, and say whether it is judged."""
+    first = rows.iloc[0]
+    version = f" (version {first.version})" if first.version else ""
+    return f"{first.configuration}{version}, {'judged' if first.judged else 'measured, not judged'}"
+
+
+def overview(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give a row a configuration, or scenario and configuration, as texts: what its numbers are, and the worst one."""
+    by = [name for name in ("scenario", "configuration") if rows[name].nunique() > 1 or name == "configuration"]
+    if "scenario" in by and len(rows[by].drop_duplicates()) > MOST_ROWS:
+        by = ["scenario"]
+    texts = []
+    for names, own in rows.groupby(by, sort=False):
+        judged = "" if own.judged.any() else " (not judged)"
+        texts.append(["\n  ".join(names), f"{counts(own)}{judged}{_worst(own)}"])
+    return pd.DataFrame(texts, columns=[", ".join(by), "numbers"], dtype=object)
+
+
+def _worst(rows: pd.DataFrame) -> str:
+    """Name the number that is farthest from what is expected, over what is allowed, in a line below."""
+    times = over_allowed(rows)
+    if times.isna().all():
+        return ""
+    own = rows.loc[times.idxmax()]
+    size = significant(times.max()) if math.isfinite(times.max()) else "∞"
+    return f"\nat most {size} times what is allowed: {own.quantity}; {own.case}"
+
+
+def why(rows: pd.DataFrame) -> list[str]:
+    """Say why numbers are not there, a line a reason."""
+    own = rows[(rows.reason != "") & ~rows.verdict.isin([AGREES])]
+    found = own.groupby(["configuration", "verdict", "reason"], sort=False).case.agg(["first", "nunique"])
+    return [
+        f"{name}: {verdict if verdict in WORST_FIRST[1:] else 'note'} in {_cases(case, count)}: {reason}"
+        for (name, verdict, reason), (case, count) in zip(found.index, found.to_numpy(), strict=True)
+    ]
+
+
+def _cases(first: str, count: int) -> str:
+    return first if count == 1 else f"{count} cases"
+
+
+def meanings(scenario: Scenario) -> str:
+    """Say what the numbers of a scenario are."""
+    by_meaning = {
+        own.meaning: [each.name for each in scenario.quantities if each.meaning == own.meaning]
+        for own in scenario.quantities
+    }
+    return " ".join(f"{', '.join(names)}: {text[0].lower()}{text[1:]}" for text, names in by_meaning.items())
+
+
+def errors(rows: pd.DataFrame) -> list[str]:
+    """Give the largest errors to the exact values of what is compared at equal steps, in a line."""
+    own = rows[(rows.expected == AT_EQUAL_STEPS) & rows.error.notna()]
+    sizes = own.error.map(abs).astype(float).groupby([own.quantity, own.unit], sort=False).max()
+    parts = [f"{name} {significant(size)} {unit}".strip() for (name, unit), size in sizes.items() if size > 0]
+    if not parts:
+        return []
+    return [
+        f"Expected is the reference at equal time steps; those alone are off the exact values by: {', '.join(parts)}."
+    ]
+
+
+def tables(rows: pd.DataFrame, *, details: bool) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Give the tables of one scenario with their titles."""
+    named = [(title(own), own) for _, own in rows.groupby("configuration", sort=False)]
+    if len(named) > MOST_CONFIGURATIONS and not details:
+        yield "", overview(rows)
+        return
+    for name, own in named:
+        there = own[own.verdict != "unsupported"]
+        if len(there):
+            yield name, number_table(there) if details else worst_table(there)
+
+
+def markdown(answer: Answer) -> str:
+    """Give a comment for a pull request: one sentence, a table, all else folded."""
+    lines = [f"## Scenarios: {'fail' if answer.reasons else 'pass'}", "", markdown_text(answer.conclusion), ""]
+    lines += [*markdown_lines(_flat(overview(answer.rows))), ""]
+    for scenario in answer.scenarios:
+        rows = answer.of(scenario)
+        lines += [f"<details><summary>{scenario.name}</summary>", "", *markdown_list(asked(scenario, rows)), ""]
+        for name, table in tables(rows, details=True):
+            lines += [markdown_text(name), "", *markdown_lines(_flat(table)), ""]
+        lines += [*markdown_list(why(rows)), "", "</details>", ""]
+    return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(_versions(answer.rows))}", ""])
+
+
+def _flat(table: pd.DataFrame) -> pd.DataFrame:
+    """Give texts in one line each."""
+    return table.map(lambda text: "; ".join(map(str.strip, text.split("\n"))))
+
+
+def _versions(rows: pd.DataFrame) -> str:
+    pairs = rows[rows.version != ""][["engine", "version"]].drop_duplicates().sort_values("engine")
+    named = [f"{own.engine} {own.version}" for own in pairs.itertuples()]
+    return f"Versions: {', '.join([*named, f'Python {platform.python_version()}'])}."
+
+
+def plain(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give numbers with plain values: of complex ones the amplitude, and the phase in columns of their own."""
+    own = rows[COLUMNS]
+    phases = {f"{name}_phase_deg": own[name].map(_phase) for name in ("value", "reference", "exact")}
+    return own.map(lambda value: abs(value) if isinstance(value, complex) else value).assign(**phases)
+
+
+def _phase(value: Any) -> float:
+    return float(np.degrees(np.angle(value))) if isinstance(value, complex) else math.nan
+
+
+def _content(answer: Answer) -> str:
+    about = [
+        {"name": own.name, "question": own.question, "source": own.source, "expected": own.expects,
+         "cases": list(own.cases), "details": list(own.details)}
+        for own in answer.scenarios
+    ]  # fmt: skip
+    return json_text(
+        {
+            "command": answer.command, "passes": not answer.reasons, "conclusion": answer.conclusion,
+            "reasons": answer.reasons, "scenarios": about, "numbers": records(plain(answer.rows)),
+        },
+        indent=1,
+    )  # fmt: skip
+
+
+WRITTEN: dict[str, Callable[[Answer], str]] = {
+    ".md": markdown,
+    ".json": _content,
+    ".csv": lambda answer: csv_text(plain(answer.rows)),
+}
+"""What is written into a file, by its ending."""

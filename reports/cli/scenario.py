@@ -1,0 +1,174 @@
+"""``multibody-xval run NAME`` where the name is that of a scenario: a question whose answer is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from multibody_xval.reports.cli.options import Computing, Engines, Store, check_outs, grouped, keeping
+from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.output import write_whole
+from reference_lcp.terminal import announce_compilation, print_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from multibody_xval.reports.answers import Answer
+    from multibody_xval.scenarios.catalogue.scenario import Scenario
+
+ALL = "all"
+
+ENDINGS = (".md", ".json", ".csv")
+"""Formats of numbers."""
+
+EXIT_CODES = (
+    "Exit code 0: no judged number deviates; 1: one does, or more than a quarter of a judged preset's numbers are "
+    "missing, or more than a quarter of a named engine's runs fail; 2: wrong input; 3: results or --out could not be "
+    "written; 130: interrupted."
+)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Where results come from, and what of them is shown and written."""
+
+    store: Store = None
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Write the numbers here: a short comment for a pull request as .md, every number as .json or .csv; "
+            "may be repeated."
+        ),
+    ] = None
+    details: Annotated[
+        bool, typer.Option("--details", help="Print every number, and not the worst case of each alone.")
+    ] = False
+    run: Annotated[
+        bool, typer.Option("--run/--no-run", help="Run what is missing; --no-run shows only what --store holds.")
+    ] = True
+
+
+def names() -> list[str]:
+    """Give the names of all scenarios, and of all together."""
+    from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+
+    return [*SCENARIOS, ALL]
+
+
+def questions() -> list[tuple[str, str]]:
+    """Give the names of scenarios with their questions."""
+    from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+
+    return [(name, own.question) for name, own in SCENARIOS.items()]
+
+
+def command(name: str) -> Any:
+    """Make the command of a scenario, or of all."""
+    from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+
+    own = SCENARIOS.get(name)
+    follows = own is not None and own.of_record is not None
+    what = "Run every scenario." if own is None else f"{own.question} Expected: {own.expects}."
+    options = " --record quake.csv" if follows else ""
+    text = f"{what}\n\n{EXIT_CODES}\n\nExample: multibody-xval run {name}{options} --engine mujoco --out numbers.md"
+    made = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    made.command(name, help=text)(_followed if follows else _named)
+    return typer.main.get_command(made)
+
+
+@grouped
+def _named(
+    context: typer.Context,
+    others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
+    *,
+    engines: Engines,
+    shown: Shown,
+    computing: Computing,
+) -> None:
+    """Run the scenario that the command is named after, or all, and others."""
+    _answer([str(context.info_name), *(others or ())], engines, shown, computing)
+
+
+@grouped
+def _followed(
+    context: typer.Context,
+    *,
+    engines: Engines,
+    record: Annotated[
+        Path | None,
+        typer.Option(help="CSV table of time in s and displacement in m; without it, the suite's example."),
+    ] = None,
+    shown: Shown,
+    computing: Computing,
+) -> None:
+    """Run the scenario whose base follows a file."""
+    _answer([str(context.info_name)], engines, shown, computing, record)
+
+
+def _answer(
+    asked: Sequence[str], engines: Engines, shown: Shown, computing: Computing, record: Path | None = None
+) -> None:
+    """Run scenarios, of which the only one may follow a record, print what has come out, and end with its code."""
+    computing.check(run=shown.run)
+    outs = check_outs(shown.out, ENDINGS, shown.store, record)
+    if not shown.run and shown.store is None:
+        raise ParameterError("--no-run without --store; allowed where nothing is run: a store of an earlier command")
+    from multibody_xval.reports.answers import WRITTEN, Answer
+    from multibody_xval.scenarios.catalogue.asking import named_scenarios
+
+    scenarios, options = named_scenarios(asked), [] if shown.run else ["--no-run"]
+    if record is not None and scenarios[0].of_record is not None:
+        scenarios, options = [scenarios[0].of_record(record)], [f"--record={record}", *options]
+    rows = _rows(scenarios, engines, shown, computing)
+    answer = Answer(scenarios, rows, engines.command(" ".join(asked), options), named=bool(engines.names))
+    for out in outs:
+        write_whole(out, WRITTEN[out.suffix](answer))
+    _print(answer, details=shown.details)
+    if answer.reasons:
+        raise typer.Exit(ExitCode.FAILED)
+
+
+def _rows(scenarios: Sequence[Scenario], engines: Engines, shown: Shown, computing: Computing) -> pd.DataFrame:
+    """Give the numbers of scenarios: what the store lacks is run, or not."""
+    from multibody_xval.scenarios.catalogue.asking import answers, stored_answers
+
+    if not shown.run:
+        assert shown.store is not None, "checked before"
+        return stored_answers(scenarios, engines.names, shown.store)
+    means = computing.means(shown.store)
+    announce_compilation()
+    with keeping(shown.store):
+        return answers(scenarios, engines.names, means)
+
+
+def _print(answer: Answer, *, details: bool) -> None:
+    """Print what was asked and the numbers: of one scenario its worst cases, of several a row each."""
+    from rich.console import Console
+
+    from multibody_xval.reports import answers
+    from multibody_xval.scenarios.catalogue.finding import MOST_NAMED
+    from multibody_xval.scenarios.tables import plain
+
+    console = Console()
+    one = len(answer.scenarios) == 1
+    for scenario in answer.scenarios if one or details else ():
+        rows = answer.of(scenario)
+        question, *lines = answers.asked(scenario, rows)
+        console.print(f"[bold]{scenario.name}[/bold]: {plain(question)}", highlight=False)
+        console.print(plain(*lines), highlight=False)
+        for title, table in answers.tables(rows, details=details):
+            print_table(list(table), table.to_numpy().tolist(), title=title or None)
+        for line in (answers.meanings(scenario), *answers.errors(rows)):
+            console.print(plain(line), highlight=False)
+    if not one:
+        table = answers.overview(answer.rows)
+        print_table(list(table), table.to_numpy().tolist())
+    reasons = answers.why(answer.rows)
+    shown = reasons if details else reasons[: answers.MOST_REASONS]
+    rest = [f"{len(reasons) - len(shown)} more reasons: --details"] if len(shown) < len(reasons) else []
+    for line in (*shown, *rest, *answer.reasons[MOST_NAMED:], answer.conclusion):
+        console.print(plain(line), highlight=False)

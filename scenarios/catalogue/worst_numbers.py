@@ -1,0 +1,57 @@
+"""The worst number of each scene of each engine, with default options and with the recipe."""
+
+import math
+
+import pandas as pd
+
+from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.scenarios.catalogue.scenario import OWN_STEP
+
+FAILED, NONE = math.inf, math.nan
+"""Numbers of a scene that an engine fails at, and of one that it has none of."""
+
+LEAST_PRINTED = 5e-3
+"""Smaller numbers are printed as zero: far below the resolution of every quantity."""
+
+THOUSANDS = 100.0
+"""From here on numbers are printed without decimals."""
+
+
+def worst_numbers(table: pd.DataFrame) -> pd.DataFrame:
+    """Give the worst number of each scene of each engine, at its own time step.
+
+    Parameters
+    ----------
+    table
+        Numbers of scenes; see `multibody_xval.scenarios.catalogue.numbers`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Rows: engine and number, such as ``slope-hold, drift [µm/s]``; columns ``default`` and ``recommended``: the
+        number that is largest in size; infinite where the engine failed, NaN where it has no such scene.
+    """
+    own = table[table.preset.isin(GENERAL) & ~table.case.str.contains("may sleep")]
+    at_own = own.case.str.endswith(OWN_STEP)
+    rows = own[at_own | ~own.engine.isin(own.engine[at_own])]
+    rows = rows.assign(
+        what=rows.scenario + ", " + rows.quantity + " [" + rows.unit + "]",
+        number=rows.value.astype(float).mask(rows.verdict == "failed", FAILED),
+    )
+    worst = rows.groupby(["engine", "what", "preset"], sort=False).number.apply(_worst)
+    return worst.unstack("preset").reindex(columns=list(GENERAL))
+
+
+def _worst(values: "pd.Series[float]") -> float:
+    """Give the value that is largest in size; NaN where there is none."""
+    return max(values.dropna(), key=abs, default=NONE)
+
+
+def printed_number(value: float) -> str:
+    """Write a number of a scene for people."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "failed"
+    size = abs(value)
+    return "0" if size < LEAST_PRINTED else f"{value:,.0f}" if size >= THOUSANDS else f"{value:.2g}"
