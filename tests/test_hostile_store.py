@@ -1,6 +1,5 @@
 """A store whose texts are hostile, through every output: nothing is obeyed, and nothing is run."""
 
-import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +9,6 @@ import pytest
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config, Result, Status, failed
-from multibody_xval.scenarios.runs.result import Result as OldResult
-from multibody_xval.scenarios.runs.store import ResultStore
-from multibody_xval.scenarios.runs.task import Task
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
@@ -24,21 +20,6 @@ HOSTILE = f'\x1b[2J\u202e{FORGED}</details><script>run()</script>|[passes](http:
 """A text that a terminal would obey, a reader see backwards, and Markdown, HTML and Python take for their own."""
 
 RAW = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
-
-BLOCKED = json.dumps({"status": "blocked", "reason": HOSTILE, "by_engine": True})
-
-
-@pytest.fixture
-def answered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every store has an answer of a stranger to every question that is not the reference's."""
-    known = ResultStore.results
-
-    def results(store: ResultStore, tasks: list[Task]):
-        for task in tasks:
-            own = task.variant.engine.startswith(("reference", "exact"))
-            yield next(known(store, [task])) if own else OldResult.from_json(BLOCKED)
-
-    monkeypatch.setattr(ResultStore, "results", results)
 
 
 def run(*arguments: str) -> int:
@@ -79,15 +60,6 @@ def test_the_page_of_a_hostile_store_shows_its_texts_and_obeys_none(tmp_path, ca
     check_texts(tmp_path, capsys.readouterr().out)
 
 
-@pytest.mark.usefixtures("answered")
-@pytest.mark.parametrize("line", ["reproduce mujoco static-hold", "reproduce mujoco:contact:default slope-hold"])
-def test_a_hostile_reason_is_shown_and_not_obeyed(line, tmp_path, capsys) -> None:
-    assert run(*line.split(), f"--store={tmp_path / 'a.sqlite'}") == ExitCode.WRONG_INPUT
-    printed = capsys.readouterr()
-    assert "\\x1b[2J" in "".join((printed.out + printed.err).split())
-    check_texts(tmp_path, printed.out + printed.err)
-
-
 def of_strangers(file: Path, name: str, configuration: str, result: Result) -> None:
     """Write the same result of every run of an engine, with the ruler's as they are where they are short."""
     runs = SCENARIOS[name].own_runs(Config.parse(configuration)).values()
@@ -107,6 +79,17 @@ def test_hostile_reasons_of_a_scenario_are_shown_and_not_obeyed(name, tmp_path, 
     printed = capsys.readouterr().out
     assert "\\x1b[2J" in "".join(printed.split())
     check_texts(tmp_path, printed)
+
+
+@pytest.mark.parametrize("line", ["reproduce mujoco static-hold", "reproduce mujoco:contact:default slope-hold"])
+def test_a_hostile_reason_of_a_number_is_shown_and_not_obeyed(line, tmp_path, capsys) -> None:
+    _, configuration, name = line.split()
+    of_strangers(tmp_path / "a.sqlite", name, configuration, failed(HOSTILE))
+    assert run(*line.split(), f"--store={tmp_path / 'a.sqlite'}") == ExitCode.WRONG_INPUT
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert "\\x1b[2J" in "".join(printed.err.split())
+    check_texts(tmp_path, printed.err)
 
 
 @pytest.mark.parametrize("name", ASKED)
