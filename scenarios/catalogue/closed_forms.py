@@ -81,12 +81,13 @@ def sliding_response(case: AnyCase) -> complex:
 def left_by_standing(case: AnyCase) -> float:
     """Give what the heavy mass, which does not quite stand, makes of T.
 
-    k_i x0 and the friction, with the fundamental 4F/π, accelerate it.
+    k_i x0 and the friction, with the fundamental 4F/π, accelerate it; by its motion k_i drives the oscillator too.
     """
     motion = SLIDING[steady(case)]
     spring = STIFFNESS_RATIO / (1 + STIFFNESS_RATIO)
     pulled = spring + 4 / math.pi * motion.force_ratio / motion.amplitude
-    return pulled / (STANDING_RATIO * motion.frequency_ratio**2) * abs(sliding_response(case))
+    moved = pulled / (STANDING_RATIO * motion.frequency_ratio**2)
+    return moved * spring / abs(1 - motion.frequency_ratio**2) * abs(sliding_response(case))
 
 
 DEN_HARTOG = Scenario(
