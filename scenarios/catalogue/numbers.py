@@ -60,14 +60,17 @@ class Known(NamedTuple):
     scheme_error: float = math.nan
     reference: Number = math.nan
     """Of the scheme itself with these steps."""
-    over: Number = 1.0
+    over: float = 1.0
     """What a number is given over."""
 
     def over_exact(self) -> "Known":
         """Give all over the exact value."""
-        unit = self.exact
-        bar, scheme_error = (size / abs(unit) for size in (self.bar, self.scheme_error))
-        return Known(unit / unit, bar, self.kind, scheme_error, self.reference / unit, unit)
+        unit, reference = self.exact, self.reference
+        assert isinstance(unit, float), "real numbers are given over their exact values"
+        assert isinstance(reference, float), "a number like the exact one"
+        return Known(
+            unit / unit, self.bar / abs(unit), self.kind, self.scheme_error / abs(unit), reference / unit, over=unit
+        )
 
 
 def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
@@ -147,10 +150,10 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
     assert quantity.read is not None, "it is read alone"
     run, known, about = own.run, ruler.known(quantity, own.run), about_config(own.run)
     expected_is_scheme = about["shares_scheme"] and quantity.step_error is None
-    value: Number = quantity.read(own.result, run) / known.over if own.result.status in DONE else math.nan
+    value: Any = quantity.read(own.result, run) / known.over if own.result.status in DONE else math.nan
     if quantity.between:
         known = known._replace(exact=float(np.clip(value, *quantity.between)))
-    per_amplitude = quantity.per_amplitude / largest(known.over)
+    per_amplitude = quantity.per_amplitude / abs(known.over)
     amplitude = DB / 10 ** (float(known.exact.real) / 20) if quantity.unit == "dB" else per_amplitude
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)

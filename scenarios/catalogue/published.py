@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import resources
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from multibody_xval.scenarios.catalogue.blocks import (
     ROUND_OFF,
@@ -55,7 +55,7 @@ class Published(NamedTuple):
     """By how much roundings change that."""
 
 
-def moved(time: float, rows: int, length: float, stiffness: float, **start: float) -> BlockMotion:
+def moved(time: float, rows: int, length: float, stiffness: float, **start: Any) -> BlockMotion:
     """Give a mass on the ground with a spring [N/m], moved at first; `length` [m] is the size of its slip."""
     return BlockMotion(block=_block(stiffness, time), drive=StillBase(length), time=time, rows=rows, **start)
 
