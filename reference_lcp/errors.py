@@ -73,8 +73,8 @@ class ExitCode(IntEnum):
     DONE = 0
     """The command succeeded."""
     FAILED = 1
-    """A comparison failed: an unmodelled disagreement, a preset with too few certified numbers, an engine that fails
-    too often, a regression, or no steady state."""
+    """A comparison failed: a judged number deviates, too many numbers of a judged preset are missing, a named engine
+    fails too often, something became worse, or there is no steady state."""
     WRONG_INPUT = 2
     """The input is refused: a value, a damaged store, an output that cannot be written, an engine that is missing."""
     RUN_FAILED = 3

@@ -22,6 +22,7 @@ from multibody_xval.scenarios.catalogue.numbers import COLUMNS
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import Case, Config
+from multibody_xval.scenarios.result_tables import rows_of
 from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, markdown_text, records
 
 MOST_CONFIGURATIONS = 3
@@ -118,7 +119,8 @@ def worst_table(rows: pd.DataFrame) -> pd.DataFrame:
     """Give the worst case of every number of one configuration as texts, and how many cases are like it."""
     worst = worst_cases(rows)
     texts = number_table(worst).rename(columns={"number, case": "number, worst case"})
-    alike = [f"{own.alike} of {own.cases} cases" if own.cases > 1 else "" for own in worst.itertuples()]
+    numbers = rows_of(worst, "alike", "cases")
+    alike = [f"{count} of {cases} cases" if cases > 1 else "" for count, cases in numbers]
     return texts.assign(
         result=[f"{verdict}\n{more}".strip() for verdict, more in zip(texts.result, alike, strict=True)]
     )
@@ -154,7 +156,7 @@ def overview(rows: pd.DataFrame) -> pd.DataFrame:
     texts = []
     for names, own in rows.groupby(by, sort=False):
         judged = "" if own.judged.any() else " (not judged)"
-        texts.append(["\n  ".join(names), f"{counts(own)}{judged}{_worst(own)}"])
+        texts.append(["\n  ".join(map(str, names)), f"{counts(own)}{judged}{_worst(own)}"])
     return pd.DataFrame(texts, columns=[", ".join(by), "numbers"], dtype=object)
 
 
@@ -163,9 +165,9 @@ def _worst(rows: pd.DataFrame) -> str:
     times = over_allowed(rows)
     if times.isna().all():
         return ""
-    own = rows.loc[times.idxmax()]
+    (name, case) = rows[["quantity", "case"]].to_numpy()[times.argmax()]
     size = significant(times.max()) if math.isfinite(times.max()) else "∞"
-    return f"\nat most {size} times what is allowed: {own.quantity}; {own.case}"
+    return f"\nat most {size} times what is allowed: {name}; {case}"
 
 
 def why(rows: pd.DataFrame) -> list[str]:
@@ -194,8 +196,9 @@ def meanings(scenario: Scenario) -> str:
 def errors(rows: pd.DataFrame) -> list[str]:
     """Give the largest errors to the exact values of what is compared at equal steps, in a line."""
     own = rows[(rows.expected == AT_EQUAL_STEPS) & rows.error.notna()]
-    sizes = own.error.map(abs).astype(float).groupby([own.quantity, own.unit], sort=False).max()
-    parts = [f"{name} {significant(size)} {unit}".strip() for (name, unit), size in sizes.items() if size > 0]
+    sizes = own.assign(size=own.error.map(abs).astype(float)).sort_values("size", ascending=False, kind="stable")
+    largest = rows_of(sizes.drop_duplicates("quantity").sort_index(), "quantity", "unit", "size")
+    parts = [f"{name} {significant(size)} {unit}".strip() for name, unit, size in largest if size > 0]
     if not parts:
         return []
     return [

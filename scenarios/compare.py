@@ -57,9 +57,9 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
         If a file is no store, the stores have no point in common, or `db` is outside its range.
     """
     checked_db(db)
-    stored, options = zip(*(_results_of(Path(file)) for file in (first, second)), strict=True)
-    before, now = (_points_of(*own) for own in zip(stored, options, strict=True))
-    numbers = number_changes(*stored, options, db)
+    old, new = (_results_of(Path(file)) for file in (first, second))
+    before, now = _points_of(*old), _points_of(*new)
+    numbers = number_changes(old, new, db)
     _check_common(before, now, numbers, f"{first} and {second}")
     rows = pd.concat([*_points_compared(before, now, db), numbers], ignore_index=True)
     return rows.sort_values("configuration", key=_is_reference, kind="stable", ignore_index=True)

@@ -1,6 +1,7 @@
 """What has become of the numbers of scenarios from one store to another, by their distance from the exact values."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,7 +20,7 @@ from multibody_xval.scenarios.changes import (
     UNKNOWN,
     with_texts,
 )
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config
+from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config
 from multibody_xval.scenarios.result_tables import CONFIG
 from multibody_xval.scenarios.store import Stored
 
@@ -32,9 +33,11 @@ TWICE = ["engine", "version", "options", "status", "reason", "value", "error", "
 DONE = "finished"
 
 
-def number_changes(
-    before: Sequence[Stored], now: Sequence[Stored], options: Sequence[Mapping[str, str]], db: float
-) -> pd.DataFrame:
+Store = tuple[Sequence[Stored], Mapping[str, str]]
+"""Results of a store, one a run, and options by configuration."""
+
+
+def number_changes(before: Store, now: Store, db: float) -> pd.DataFrame:
     """Compare the numbers of motions and scenes that either store holds; those of steady states are points.
 
     The reference and the exact motions of either store judge both, those of the first where both have them.
@@ -42,16 +45,13 @@ def number_changes(
     Parameters
     ----------
     before, now
-        Results of both stores, one a run.
-    options
-        Options by configuration, before and now.
+        Results of both stores.
     db
         Largest change that does not count, as a part of the number [dB].
     """
-    ruler = {row.run: row for row in (*now, *before) if row.run.config in (REFERENCE, EXACT)}
+    ruler = {row.run: row for row in (*now[0], *before[0]) if row.run.config in (REFERENCE, EXACT)}
     sides = [
-        _side([*ruler.values(), *(row for row in rows if row.run not in ruler)], own)
-        for rows, own in zip((before, now), options, strict=True)
+        _side([*ruler.values(), *(row for row in rows if row.run not in ruler)], own) for rows, own in (before, now)
     ]
     rows = sides[0].merge(sides[1], on=NUMBER, how="outer", suffixes=("_before", "_now"), sort=False)
     rows = with_texts(rows)
@@ -61,7 +61,7 @@ def number_changes(
 
 def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
     """Give the numbers of one store."""
-    cases = {row.run.case for row in stored if not isinstance(row.run.case, Case)}
+    cases: set[AnyCase] = {row.run.case for row in stored if not isinstance(row.run.case, Case)}
     found = [
         _numbers(own, [row for row in stored if row.run.case in cases]) for own in SCENARIOS.values() if _of(own, cases)
     ]
@@ -77,7 +77,7 @@ def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
     return rows[[*NUMBER, *TWICE]]
 
 
-def _of(scenario: Scenario, cases: set[object]) -> bool:
+def _of(scenario: Scenario, cases: set[AnyCase]) -> bool:
     return any(case in cases for case in scenario.cases.values())
 
 
@@ -103,7 +103,7 @@ def _changes(rows: pd.DataFrame, least: float) -> pd.DataFrame:
     return rows.assign(change=change, what=[_words(*own) for own in zip(moved, rows.to_dict("records"), strict=True)])
 
 
-def _words(moved: bool, row: dict[str, object]) -> str:
+def _words(moved: bool, row: dict[Hashable, Any]) -> str:
     """Say what has changed, with the reason of the run that is worse."""
     if row["status_before"] != row["status_now"]:
         reason = row["reason_now"] or row["reason_before"]

@@ -161,12 +161,12 @@ def _print(answer: Answer, *, details: bool) -> None:
         console.print(f"[bold]{scenario.name}[/bold]: {plain(question)}", highlight=False)
         console.print(plain(*lines), highlight=False)
         for title, table in answers.tables(rows, details=details):
-            print_table(list(table), table.to_numpy().tolist(), title=title or None)
+            print_table(list(map(str, table)), table.to_numpy().tolist(), title=title or None)
         for line in (answers.meanings(scenario), *answers.errors(rows)):
             console.print(plain(line), highlight=False)
     if not one:
         table = answers.overview(answer.rows)
-        print_table(list(table), table.to_numpy().tolist())
+        print_table(list(map(str, table)), table.to_numpy().tolist())
     reasons = answers.why(answer.rows)
     shown = reasons if details else reasons[: answers.MOST_REASONS]
     rest = [f"{len(reasons) - len(shown)} more reasons: --details"] if len(shown) < len(reasons) else []

@@ -65,12 +65,12 @@ def reasons_to_fail(rows: pd.DataFrame, *, named: bool) -> list[str]:
 
 
 def _by(off: pd.DataFrame) -> str:
-    worst = off.loc[over_allowed(off).idxmax()]
-    times = over_allowed(off).max()
+    times = float(over_allowed(off).max())
+    quantity, case = off[["quantity", "case"]].to_numpy()[over_allowed(off).argmax()]
     size = "any amount, where nothing is allowed"
     if np.isfinite(times):
         size = f"{float(f'{times:.2g}'):,g} times what is allowed"
-    return f"{size} ({worst.quantity}; {worst.case})"
+    return f"{size} ({quantity}; {case})"
 
 
 def conclusion(rows: pd.DataFrame, reasons: Sequence[str]) -> str:
