@@ -15,19 +15,13 @@ import typer
 
 from multibody_xval.engines.completion import complete_variant
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
-from multibody_xval.scenarios.runs import TIME_LIMIT
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import checked_output_file
 from reference_lcp.process import announce_interrupt
-from reference_lcp.terminal import announce_compilation
 
 if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant
     from multibody_xval.scenarios.evaluate import Means
-    from multibody_xval.scenarios.runs.evaluator import Evaluator
-    from multibody_xval.scenarios.runs.executor import Executor
-    from multibody_xval.scenarios.runs.store import ResultStore
-    from multibody_xval.scenarios.runs.task import Task
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
@@ -55,9 +49,6 @@ Store = Annotated[
     typer.Option(help="File that stores every result; a stopped run continues from it. Without it, nothing is stored."),
 ]
 Workers = Annotated[int | None, typer.Option(help="Number of worker processes; without it, one for each processor.")]
-Limit = Annotated[
-    float, typer.Option(help="Time limit of a batch of points, in seconds; an engine that hangs is then stopped.")
-]
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
 ]
@@ -113,60 +104,6 @@ class GridEngines(Engines):
 
 
 @dataclass(frozen=True)
-class Work:
-    """What computes."""
-
-    workers: Workers = None
-    time_limit: Limit = TIME_LIMIT
-    scheduler: Scheduler = None
-    retry_blocked: Annotated[
-        bool,
-        typer.Option(
-            "--retry-blocked",
-            help="Run again the stored points at which an engine failed: it crashed, raised an error or passed the "
-            "time limit.",
-        ),
-    ] = False
-
-    keep_old: Annotated[
-        bool,
-        typer.Option("--keep-old", help="Take stored results of another version of the suite too; they are counted."),
-    ] = False
-
-    def check(self, *, run: bool) -> None:
-        """Refuse to run points again where nothing is run."""
-        if self.retry_blocked and not run:
-            raise ParameterError("--retry-blocked with --no-run, which runs nothing; allowed: one of the two")
-
-    def executor(self) -> Executor:
-        """Give the workers."""
-        from multibody_xval.scenarios.runs.dask_cluster import executor_for
-
-        return executor_for(self.workers, self.time_limit, self.scheduler)
-
-    @contextmanager
-    def evaluator(
-        self, store: Path | None, shown: Sequence[Variant], expected: Sequence[Task] = (), *, run: bool = True
-    ) -> Iterator[Evaluator]:
-        """Evaluate with the store of a run, see `opened`, and bars on the way; without `run`, give what it has."""
-        from multibody_xval.scenarios.runs.evaluator import Evaluator, StoredResults
-        from multibody_xval.scenarios.runs.progress import ProgressBars
-        from multibody_xval.scenarios.runs.store import existing_store
-
-        if not run:
-            with opened(existing_store(store), keep_old=self.keep_old) as stored, StoredResults(stored) as known:
-                yield known
-            return
-        executor = self.executor()
-        with (
-            opened(store, keep_old=self.keep_old) as stored,
-            ProgressBars(shown, expected) as bars,
-            Evaluator(stored, executor, bars, retry_blocked=self.retry_blocked) as evaluator,
-        ):
-            yield evaluator
-
-
-@dataclass(frozen=True)
 class Computing:
     """What computes runs, as `Means` takes it."""
 
@@ -196,16 +133,6 @@ class Computing:
         """Refuse to run something again where nothing is run."""
         if self.retry_failed and not run:
             raise ParameterError("--retry-failed with --no-run, which runs nothing; allowed: one of the two")
-
-
-@contextmanager
-def opened(store: Path | None, *, keep_old: bool = False) -> Iterator[ResultStore]:
-    """Open the store of a run, a temporary one if none is named; see `keeping`."""
-    from multibody_xval.scenarios.runs.store import opened_store
-
-    announce_compilation()
-    with opened_store(store, keep_old=keep_old) as stored, keeping(store):
-        yield stored
 
 
 @contextmanager
