@@ -23,7 +23,14 @@ from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import Case, Config
 from multibody_xval.scenarios.result_tables import rows_of
-from multibody_xval.scenarios.tables import csv_text, json_text, markdown_lines, markdown_list, markdown_text, records
+from multibody_xval.scenarios.table_text import (
+    csv_text,
+    json_text,
+    markdown_lines,
+    markdown_list,
+    markdown_text,
+    records,
+)
 
 MOST_CONFIGURATIONS = 3
 """Configurations that have a table each; more of them have a row each."""

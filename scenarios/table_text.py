@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 from pydantic_core import to_json
+from rich.markup import escape
 
 from reference_lcp.terminal import print_table as print_rows
 from reference_lcp.terminal import visible
@@ -61,6 +62,11 @@ def markdown_list(lines: Iterable[str]) -> list[str]:
 def markdown_text(text: str) -> str:
     """Give a text as a document shows it: in one line, with no cells, tags and links of its own."""
     return visible(text).replace("|", "\\|").replace("<", "&lt;").replace("](", "]\\(")
+
+
+def plain(*lines: str) -> str:
+    """Give lines as rich prints them: neither its markup nor characters that control a terminal mean anything."""
+    return escape("\n".join(map(visible, lines)))
 
 
 def print_table(table: pd.DataFrame, title: str | None = None) -> None:

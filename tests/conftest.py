@@ -22,14 +22,6 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     skip_absent(item)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _kept_templates():
-    from tests.kept_template import kept_templates  # not where xdist only hands out tests
-
-    with kept_templates():
-        yield
-
-
 @pytest.fixture(scope="module")
 def here():
     """Run everything in this process: starting workers takes longer than their work."""

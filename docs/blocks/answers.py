@@ -1,6 +1,9 @@
-"""The tables of engines in the page of one block, from the verdicts of its scenarios.
+"""The tables of engines in the page of one block, from the numbers of its scenarios.
 
-python docs/blocks/answers.py docs/blocks/answers.csv static-hold.csv breakaway.csv stopping-distance.csv direction.csv
+multibody-xval run static-hold breakaway stopping-distance direction --engine mujoco:all:all --out numbers.csv
+python docs/blocks/answers.py docs/blocks/answers.csv numbers.csv ...
+
+Rows of the table stay where there are no numbers of their configuration.
 """
 
 import sys
@@ -10,40 +13,51 @@ from pathlib import Path
 import pandas as pd
 
 COLUMNS = {
-    "creep, load 0.5 [µm/s]": ("static-hold", "1 kg, load 0.5", "creep"),
-    "creep, load 0.99 [µm/s]": ("static-hold", "1 kg, load 0.99", "creep"),
-    "creep, load 0.99, shaken [µm/s]": ("static-hold", "1 kg, load 0.99, shaken", "creep"),
+    "drift, load 0.5 [µm/s]": ("static-hold", "1 kg, load 0.5", "drift"),
+    "drift, load 0.99 [µm/s]": ("static-hold", "1 kg, load 0.99", "drift"),
+    "drift, load 0.99, shaken [µm/s]": ("static-hold", "1 kg, load 0.99, shaken", "drift"),
     "breakaway": ("breakaway", "1 kg, 2 ms", "breakaway"),
     "stopping distance": ("stopping-distance", "1 kg, 4.9 m/s", "distance"),
     "drift at rest [µm/s]": ("stopping-distance", "1 kg, 4.9 m/s", "drift"),
     "friction at 45°": ("direction", "1 kg, 4.9 m/s, 45°", "bound"),
 }
-"""Scenario, case and metric of each column: the block of 1 kg."""
+"""Scenario, case and quantity of each column: the block of 1 kg."""
+
+NAMES = "engine:formulation:preset"
 
 UNASKED = "–"
-"""Where a variant does not answer: joints have no direction, and an engine may be missing."""
+"""Where a configuration does not answer: joints have no direction, and an engine may be missing."""
+
+MARKS = {"agrees": "", "deviates": " *", "time step too large": " c"}
+"""Behind a value; where there is none, the verdict stands in its place."""
 
 
-def text(row: pd.Series) -> str:
-    """Give a value as the table shows it: with ``p`` behind it where its law predicts it, ``*`` where none does."""
-    if row["verdict"] not in ("agree", "disagree"):
-        return UNASKED if row["verdict"] == "blocked" else str(row["verdict"])
-    number = "0" if abs(row["value"]) < 1e-6 else f"{row['value']:.4g}"
-    mark = "" if row["verdict"] == "agree" else " p" if row["modelled"] is True else " *"
-    return number + mark
+def text(value: float, verdict: str) -> str:
+    """Give a value as the tables show it."""
+    if verdict not in MARKS:
+        return UNASKED if verdict == "unsupported" else verdict
+    return ("0" if abs(value) < 1e-6 else f"{value:.4g}") + MARKS[verdict]
 
 
-def write(table: Path, verdicts: Sequence[Path]) -> None:
-    """Write a row a variant."""
-    rows = pd.concat(map(pd.read_csv, verdicts))
-    rows.insert(0, "variant", rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"])
+def merged(before: Path, rows: pd.DataFrame, index: list[str]) -> pd.DataFrame:
+    """Put rows in the place of those of a table, or behind them."""
+    if not before.is_file():
+        return rows
+    known = pd.read_csv(before, index_col=index, dtype=str)
+    order = dict.fromkeys([*known.index, *rows.index])
+    return pd.concat([known.drop(rows.index, errors="ignore"), rows]).loc[list(order)]
+
+
+def write(table: Path, files: Sequence[Path]) -> None:
+    """Write a row a configuration."""
+    rows = pd.concat(map(pd.read_csv, files))
     parts = {}
-    for name, (scenario, case, metric) in COLUMNS.items():
-        asked = rows[(rows["scenario"] == scenario) & (rows["case"] == case) & (rows["metric"] == metric)]
-        parts[name] = asked.set_index("variant").apply(text, axis="columns") if len(asked) else pd.Series(dtype=str)
-    wide = pd.DataFrame(parts, index=list(dict.fromkeys(rows["variant"]))).fillna(UNASKED)
-    wide = wide[(wide != UNASKED).any(axis="columns")]
-    wide.to_csv(table, index_label="engine:formulation:preset", lineterminator="\n")
+    for name, (scenario, case, quantity) in COLUMNS.items():
+        asked = rows[(rows.scenario == scenario) & (rows.case == case) & (rows.quantity == quantity)]
+        parts[name] = pd.Series(list(map(text, asked.value, asked.verdict)), asked.configuration, dtype=object)
+    wide = pd.DataFrame(parts, index=list(dict.fromkeys(rows.configuration))).fillna(UNASKED)
+    wide = wide[(wide != UNASKED).any(axis="columns")].rename_axis(NAMES)
+    merged(table, wide, [NAMES]).to_csv(table, lineterminator="\n")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
-"""The rose of the page of one block: the bound of friction over the direction of the slip, from its verdicts.
+"""The rose of the page of one block: the bound of friction over the direction of the slip, from its numbers.
 
+multibody-xval run direction --engine all:all:all --out direction.csv
 python docs/blocks/rose.py docs/blocks/directions.csv docs/_static/rose.svg direction.csv
 """
 
@@ -21,28 +22,25 @@ LARGEST = 1.5
 """Bound at which the figure ends; what is beyond it is left out, and the table has it."""
 
 
-def bounds(verdicts: Path) -> pd.DataFrame:
-    """Give bounds by variant and speed, a column an angle; variants that turn their rows."""
-    rows = pd.read_csv(verdicts)
+def bounds(numbers: Path) -> pd.DataFrame:
+    """Give bounds by configuration and speed, a column an angle; those that turn their rows."""
+    rows = pd.read_csv(numbers)
+    rows = rows[rows["scenario"] == "direction"]
     parts = rows["case"].str.extract(rf"^{SCALE}, ([\d.]+) m/s, (\d+)°$")
-    rows = rows.assign(
-        variant=rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"],
-        speed=parts[0],
-        angle=parts[1].astype(float),
-    )
-    table = rows.pivot_table(index=["speed", "variant"], columns="angle", values="value", sort=False)
+    rows = rows.assign(speed=parts[0], angle=parts[1].astype(float))
+    table = rows.pivot_table(index=["speed", "configuration"], columns="angle", values="value", sort=False)
     return table.dropna().rename(columns="{:g}°".format)
 
 
 def alike(table: pd.DataFrame) -> list[tuple[str, pd.Series]]:
     """Give each curve once, with the names of all that share it."""
     groups: list[tuple[list[str], pd.Series]] = []
-    for variant, curve in table.iterrows():
+    for name, curve in table.iterrows():
         same = next((names for names, known in groups if np.abs(known - curve).max() < ALIKE), None)
         if same is None:
-            groups.append(([str(variant)], curve))
+            groups.append(([str(name)], curve))
         else:
-            same.append(str(variant))
+            same.append(str(name))
     return [("\n".join(names), curve) for names, curve in groups]
 
 
@@ -66,11 +64,11 @@ def draw(table: pd.DataFrame, picture: Path) -> None:
     plt.close(figure)
 
 
-def main(numbers: Path, picture: Path, verdicts: Path) -> None:
+def main(table: Path, picture: Path, numbers: Path) -> None:
     """Write the table and the picture."""
-    table = bounds(verdicts)
-    table.round(4).to_csv(numbers, lineterminator="\n")
-    draw(table, picture)
+    found = bounds(numbers)
+    found.round(4).to_csv(table, lineterminator="\n")
+    draw(found, picture)
 
 
 if __name__ == "__main__":

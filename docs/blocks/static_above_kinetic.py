@@ -1,34 +1,33 @@
-"""The table of static friction above kinetic friction, from the verdicts of its scenario.
+"""The table of static friction above kinetic friction, from the numbers of its scenario.
 
-python docs/blocks/static_above_kinetic.py docs/blocks/static_above_kinetic.csv static-above-kinetic.csv
+multibody-xval run static-above-kinetic --engine sapien:all:all --out numbers.csv
+python docs/blocks/static_above_kinetic.py docs/blocks/static_above_kinetic.csv numbers.csv ...
+
+Rows of the table stay where there are no numbers of their configuration.
 """
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
-from answers import text
+from answers import NAMES, merged, text
 
-TOO_COARSE = "own step too coarse"
-
-
-def marked(row: pd.Series) -> str:
-    """Give a value as `text` does, with ``c`` behind it where the variant's own step leaves too much of it open."""
-    return f"{row['value']:.4g} c" if row["verdict"] == TOO_COARSE else text(row)
+RATIO = "μ_s/μ_k"
 
 
-def write(table: Path, verdicts: Path) -> None:
-    """Write a row a variant and ratio, without those that cannot take part."""
-    rows = pd.read_csv(verdicts)
-    rows = rows[rows["verdict"] != "blocked"]
-    rows["variant"] = rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"]
-    rows[["scale", "μ_s/μ_k"]] = rows["case"].str.rsplit(", ", n=1, expand=True)
-    rows["column"] = rows["metric"] + ", " + rows["scale"]
-    rows["text"] = rows.apply(marked, axis="columns")
-    wide = rows.pivot_table(index=["variant", "μ_s/μ_k"], columns="column", values="text", aggfunc="first", sort=False)
-    columns = [f"{metric}, {scale}" for metric in ("breakaway", "jump") for scale in dict.fromkeys(rows["scale"])]
-    wide[columns].to_csv(table, index_label=["engine:formulation:preset", "μ_s/μ_k"], lineterminator="\n")
+def write(table: Path, files: Sequence[Path]) -> None:
+    """Write a row a configuration and ratio, without those that cannot take part."""
+    rows = pd.concat(map(pd.read_csv, files))
+    rows = rows[(rows.scenario == "static-above-kinetic") & (rows.verdict != "unsupported")]
+    parts = rows.case.str.rsplit(", ", n=1)
+    rows = rows.assign(**{"scale": parts.str[0], RATIO: parts.str[1], NAMES: rows.configuration})
+    rows["column"] = rows.quantity + ", " + rows.scale
+    rows["text"] = list(map(text, rows.value, rows.verdict))
+    wide = rows.pivot_table(index=[NAMES, RATIO], columns="column", values="text", aggfunc="first", sort=False)
+    columns = [f"{name}, {own}" for name in ("breakaway", "jump") for own in dict.fromkeys(rows.scale)]
+    merged(table, wide.reindex(columns=columns), [NAMES, RATIO]).to_csv(table, lineterminator="\n")
 
 
 if __name__ == "__main__":
-    write(*map(Path, sys.argv[1:]))
+    write(Path(sys.argv[1]), [Path(name) for name in sys.argv[2:]])

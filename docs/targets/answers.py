@@ -1,8 +1,9 @@
-"""The table of engines in the index of the target sheets, from the verdicts of the scenario `published`.
+"""The table of engines in the index of the target sheets, from the numbers of the scenario `published`.
 
+multibody-xval run published --engine all:all:all --out published.csv
 python docs/targets/answers.py published.csv docs/targets/answers.csv
 
-Rows of the table stay where there are no verdicts of their variant.
+Rows of the table stay where there are no numbers of their configuration.
 """
 
 import sys
@@ -10,32 +11,31 @@ from pathlib import Path
 
 import pandas as pd
 
-MARKS = {"agree": "", "disagree": " *", "own step too coarse": " c", "inconclusive": " ?"}
+MARKS = {"agrees": "", "deviates": " *", "time step too large": " c"}
 """Behind a value; where there is none, the verdict stands in its place."""
 
-VARIANT = "engine:formulation:preset"
+NAMES = "engine:formulation:preset"
 
 
-def cell(row: pd.Series) -> str:
-    """Give a value as the table shows it."""
-    if pd.isna(row["value"]):
-        return str(row["verdict"])
-    size = row["value"] / row["expected"] if row["expected"] else row["value"]
-    text = "0" if abs(size) < 1e-9 else f"{size:.4g}" if row["expected"] == 0 else f"{size:.5f}"
-    predicted = row["modelled"] is True and row["verdict"] == "disagree"
-    return text + (" p" if predicted else MARKS[row["verdict"]])
+def cell(value: float, exact: float, verdict: str) -> str:
+    """Give a value as the table shows it: over the exact one where that is not 0."""
+    if verdict not in MARKS:
+        return verdict
+    size = value / exact if exact else value
+    text = "0" if abs(size) < 1e-9 else f"{size:.4g}" if exact == 0 else f"{size:.5f}"
+    return text + MARKS[verdict]
 
 
-def write(verdicts: Path, table: Path) -> None:
-    """Write a row a variant, a column a published number."""
-    rows = pd.read_csv(verdicts).query("scenario == 'published'")
-    rows = rows[~rows["reason"].str.contains("not installed")]
-    rows[VARIANT] = rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"]
-    rows["cell"] = rows.apply(cell, axis="columns")
-    wide = rows.pivot_table(index=VARIANT, columns="case", values="cell", aggfunc="first", sort=False)
+def write(numbers: Path, table: Path) -> None:
+    """Write a row a configuration, a column a published number."""
+    rows = pd.read_csv(numbers).query("scenario == 'published'")
+    rows = rows[~rows.reason.fillna("").str.contains("not installed")].assign(**{NAMES: rows.configuration})
+    rows["cell"] = list(map(cell, rows.value, rows.exact, rows.verdict))
+    wide = rows.pivot_table(index=NAMES, columns="case", values="cell", aggfunc="first", sort=False)
     if table.exists():
-        before = pd.read_csv(table, index_col=VARIANT, dtype=str)
-        wide = pd.concat([before.drop(wide.index, errors="ignore"), wide])
+        before = pd.read_csv(table, index_col=NAMES, dtype=str)
+        order = dict.fromkeys([*before.index, *wide.index])
+        wide = pd.concat([before.drop(wide.index, errors="ignore"), wide]).loc[list(order)]
     wide.to_csv(table, lineterminator="\n")
 
 

@@ -4,65 +4,41 @@ The documentation calls `write` before it is built; what it writes is not kept.
 """
 
 from collections.abc import Iterator, Mapping
-from enum import StrEnum
 from html import escape
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from summary import NUMBERS, read
 
 from multibody_xval.engines.interface import registry
-from multibody_xval.scenarios.catalogue.registry import CATALOGUE
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 
-
-class Outcome(StrEnum):
-    """Of one number; several have that of the worst, which comes first."""
-
-    UNMODELLED = "unmodelled"
-    MODELLED = "modelled"
-    INCONCLUSIVE = "inconclusive"
-    BLOCKED = "blocked"
-    AGREES = "agrees"
-
-
-SIGNS: Mapping[str, str] = {
-    Outcome.UNMODELLED: "✗", Outcome.MODELLED: "≈", Outcome.INCONCLUSIVE: "?",
-    Outcome.BLOCKED: "–", Outcome.AGREES: "✓",
+SIGNS = {
+    "deviates": "✗", "failed": "!", "not periodic": "~", "unknown": "?", "time step too large": "Δ",
+    "unsupported": "–", "agrees": "✓",
 }  # fmt: skip
-"""What a cell shows beside its colour."""
-
+"""What a cell shows beside its colour, by verdict; of several, the worst, which comes first."""
 
 ENGINES = Path(__file__).parents[1] / "engines"
 """Pages of the engines."""
 
-NUMBERS = ("value", "expected", "difference", "allowed")
-"""Columns that can be empty."""
-
-OUTCOMES = tuple(map(str, Outcome))
-"""Of one number; a group has that of its worst."""
-
 
 def cell_of(counts: Mapping[Any, int]) -> dict[str, str]:
-    """Give the class, the text and the words of a cell: the worst outcome, with how many have it where not all do."""
-    worst = next(iter(counts))
-    number = "" if len(counts) == 1 else f" {counts[worst]}"
+    """Give the class, the text and the words of a cell: the worst verdict, with how many have it where not all do."""
+    found = {name: int(counts[name]) for name in SIGNS if counts[name]}
+    worst = next(iter(found))
     return {
-        "outcome": str(worst).replace(" ", "-"),
-        "text": SIGNS[worst] + number,
-        "words": ", ".join(f"{count} {outcome}" for outcome, count in counts.items()),
+        "class": worst.replace(" ", "-"),
+        "text": SIGNS[worst] + ("" if len(found) == 1 else f" {found[worst]}"),
+        "words": ", ".join(f"{count} {name}" for name, count in found.items()),
     }
-
-
-def read(table: Path) -> pd.DataFrame:
-    """Read the table that `summary.py` writes."""
-    rows = pd.read_csv(table, keep_default_na=False, na_values=dict.fromkeys(NUMBERS, ""))
-    absent = {name: 0 for name in OUTCOMES if name not in rows}
-    return rows.assign(**absent, variant=rows["formulation"] + " " + rows["preset"])
 
 
 def write(table: Path, folder: Path) -> None:
     """Write the heat map as HTML, and the pages as Markdown."""
     rows = read(table)
+    rows["configuration"] = rows.formulation + " " + rows.preset
     texts = {"heat_map.html": heat_map(rows)}
     for kind, page in (("engine", engine_page), ("scenario", scenario_page)):
         texts |= {f"{kind}s/{name}.md": page(str(name), own) for name, own in rows.groupby(kind, sort=False)}
@@ -71,44 +47,39 @@ def write(table: Path, folder: Path) -> None:
         (folder / file).write_text("\n".join(lines), encoding="utf-8")
 
 
-def _counted(counts: Mapping[Any, Any]) -> dict[str, int]:
-    """Give how many numbers have each outcome that there is, the worst first."""
-    return {name: int(count) for name, count in counts.items() if count}
-
-
 def heat_map(rows: pd.DataFrame) -> Iterator[str]:
-    """Give the lines of HTML tables: a column a scenario, a row a variant below its engine; defaults are folded."""
-    installed = rows["preset"].str.startswith("default")
-    yield from _map(rows, rows[~installed])
-    yield "<details><summary>As installed: the presets <code>default</code></summary>"
-    yield from _map(rows, rows[installed])
+    """Give the lines of HTML tables: a column a scenario, a row a configuration; defaults are folded."""
+    default = rows["preset"].str.startswith("default")
+    yield from _map(rows, rows[~default])
+    yield "<details><summary>Default options: the presets <code>default</code></summary>"
+    yield from _map(rows, rows[default])
     yield "</details>"
 
 
 def _map(every: pd.DataFrame, rows: pd.DataFrame) -> Iterator[str]:
-    scenarios = [name for name in CATALOGUE if name in set(every["scenario"])]
+    scenarios = [name for name in SCENARIOS if name in set(every["scenario"])]
     yield '<div class="verdict-map"><table><thead><tr><th>formulation, preset</th>'
     yield from (f'<th><a href="scenarios/{name}.html"><span>{name}</span></a></th>' for name in scenarios)
     yield "</tr></thead>"
     for engine, of_engine in rows.groupby("engine", sort=False):
         title = f'<a href="engines/{engine}.html">{engine}</a>'
         yield f'<tbody><tr><th class="engine" scope="rowgroup" colspan="{1 + len(scenarios)}">{title}</th></tr>'
-        for variant, own in of_engine.groupby("variant", sort=False):
+        for name, own in of_engine.groupby("configuration", sort=False):
             by_scenario = dict(list(own.groupby("scenario")))
-            yield f"<tr><th>{escape(str(variant))}</th>"
-            yield from (_cell(str(engine), str(variant), name, by_scenario.get(name)) for name in scenarios)
+            yield f"<tr><th>{escape(str(name))}</th>"
+            yield from (_cell(str(engine), str(name), each, by_scenario.get(each)) for each in scenarios)
             yield "</tr>"
         yield "</tbody>"
     yield "</table></div>"
 
 
-def _cell(engine: str, variant: str, scenario: str, rows: pd.DataFrame | None) -> str:
+def _cell(engine: str, configuration: str, scenario: str, rows: pd.DataFrame | None) -> str:
     if rows is None:
         return "<td></td>"
-    cell = cell_of(_counted(rows[list(OUTCOMES)].sum().to_dict()))
+    cell = cell_of(rows[list(SIGNS)].sum())
     return (
-        f'<td class="{cell["outcome"]}"><a href="engines/{engine}.html#{scenario}" '
-        f'title="{engine} {variant}, {scenario}: {cell["words"]}">{cell["text"]}</a></td>'
+        f'<td class="{cell["class"]}"><a href="engines/{engine}.html#{scenario}" '
+        f'title="{engine} {configuration}, {scenario}: {cell["words"]}">{cell["text"]}</a></td>'
     )
 
 
@@ -116,7 +87,7 @@ def engine_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
     """Give the lines of the page of an engine: a table a scenario."""
     yield from (f"# {name}: verdicts", "", f"[All engines](../index.md).{_reasons(name)}", "")
     for scenario, own in rows.groupby("scenario", sort=False):
-        yield from (f"## {scenario}", "", f"[{CATALOGUE[str(scenario)].question}](../scenarios/{scenario}.md)", "")
+        yield from (f"## {scenario}", "", f"[{SCENARIOS[str(scenario)].question}](../scenarios/{scenario}.md)", "")
         yield from (*_table(own), "")
 
 
@@ -128,22 +99,23 @@ def _reasons(name: str) -> str:
 
 def scenario_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
     """Give the lines of the page of a scenario: what it asks, and a table an engine."""
-    scenario = CATALOGUE[name]
+    scenario = SCENARIOS[name]
     yield from (f"# {name}: verdicts", "", scenario.question, "", "[All scenarios](../index.md).", "")
     yield from (f"- from: {scenario.source}", f"- compared with: {scenario.expects}")
-    yield from (f"- {_with_unit(each.name, each.unit)}: {each.meaning}" for each in scenario.metrics)
-    yield from (f"- {line}" for line in scenario.parameters())
+    yield from (f"- {_with_unit(each.name, each.unit)}: {each.meaning}" for each in scenario.quantities)
+    yield from (f"- {line}" for line in scenario.details)
     for engine, own in rows.groupby("engine", sort=False):
         yield from ("", f"## {engine}", "", *_table(own))
     yield ""
 
 
 def _table(rows: pd.DataFrame) -> list[str]:
-    """Give a table with one row a preset and metric, in HTML: Sphinx need not read its thousands of cells."""
+    """Give a table with one row a preset and quantity, in HTML: Sphinx need not read its thousands of cells."""
     shown = pd.DataFrame({
-        "preset": rows["variant"],
-        "metric": list(map(_with_unit, rows["metric"], rows["unit"])),
-        "verdicts": [cell_of(_counted(own))["words"] for own in rows[list(OUTCOMES)].to_dict("records")],
+        "configuration": rows["configuration"],
+        "judged": rows["judged"].map({True: "yes", False: "no"}),
+        "quantity": list(map(_with_unit, rows["quantity"], rows["unit"])),
+        "verdicts": [cell_of(own)["words"] for own in rows[list(SIGNS)].to_dict("records")],
         "worst at": rows["case"],
         **{name: rows[name].map("{:.4g}".format).replace("nan", "–") for name in NUMBERS},
         "why": rows["reason"],

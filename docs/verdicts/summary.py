@@ -1,9 +1,9 @@
-"""The table of verdicts that the documentation is made of: a row a scenario, variant and metric, from findings.
+"""The table of verdicts that the documentation is made of: a row a scenario, configuration and quantity.
 
-multibody-xval run figure3 --engine all --out figure3.csv
-python docs/verdicts/summary.py docs/verdicts/verdicts.csv figure3.csv ...
+multibody-xval run all --engine mujoco:all:all --out mujoco.csv
+python docs/verdicts/summary.py docs/verdicts/verdicts.csv mujoco.csv ...
 
-Rows of the table stay where there are no findings of their scenario and variant.
+Rows of the table stay where there are no numbers of their scenario and configuration.
 """
 
 import sys
@@ -12,73 +12,64 @@ from pathlib import Path
 
 import pandas as pd
 
-NOT_THERE = "is not installed|needs an environment|skipped"
-"""What reasons say of an engine that was not there, or of a chain that would take too long."""
+from multibody_xval.scenarios.judge import VERDICTS
 
-VARIANT = ["engine", "formulation", "preset"]
+CONFIG = ["engine", "formulation", "preset"]
 
-GROUP = ["scenario", *VARIANT, "metric", "unit"]
+GROUP = ["scenario", *CONFIG, "quantity", "unit"]
 """What one row is about."""
 
-WORDS = {"agree": "agrees", "own step too coarse": "inconclusive", "inconclusive": "inconclusive"}
-"""Outcomes by verdict, where the law has no say."""
-
-NUMBERS = ("value", "expected", "difference", "allowed")
+NUMBERS = ("value", "exact", "distance", "allowed")
 """Columns that can be empty."""
 
-COUNTS = ["agrees", "modelled", "unmodelled", "inconclusive", "blocked"]
-"""Columns of outcomes."""
+WORST = ["case", *NUMBERS, "reason"]
+"""Of the case whose distance is largest beside what is allowed; the reason where there is no number."""
 
-WORST = ["case", "value", "expected", "difference", "allowed", "reason"]
-"""Of the finding whose difference is largest beside what is allowed; the reason where there is no difference."""
+NOT_THERE = "not installed|needs an environment"
+"""What reasons say of an engine that was not there."""
 
 DIGITS = 5
 """Significant ones of a number."""
 
 
-def outcomes(findings: pd.DataFrame) -> pd.Series:
-    """Give one word a finding."""
-    words = findings["verdict"].replace(WORDS)
-    predicted = findings["modelled"].astype(str) == "True"
-    return words.mask(words == "disagree", predicted.map({True: "modelled", False: "unmodelled"}))
-
-
-def summarised(findings: pd.DataFrame) -> pd.DataFrame:
-    """Count outcomes, and keep the worst finding of each group."""
-    findings = findings.assign(
-        unit=findings["unit"].fillna(""),
-        outcome=outcomes(findings),
-        excess=(findings["difference"].abs() / findings["allowed"]).fillna(-1.0),
+def summarised(numbers: pd.DataFrame) -> pd.DataFrame:
+    """Count verdicts, and keep the worst case of each group."""
+    numbers = numbers.assign(
+        unit=numbers.unit.fillna(""),
+        reason=numbers.reason.fillna("").mask(numbers.distance.notna(), ""),
+        excess=(numbers.distance / numbers.allowed).fillna(-1.0),
     )
-    counts = findings.groupby([*GROUP, "outcome"], sort=False).size().unstack("outcome", fill_value=0)
-    worst = findings.loc[findings.groupby(GROUP, sort=False)["excess"].idxmax()].set_index(GROUP)[WORST]
-    worst["reason"] = worst["reason"].mask(worst["difference"].notna(), "")
-    return counts.join(worst).reset_index()
+    groups = numbers.groupby(GROUP, sort=False)
+    counts = groups.verdict.value_counts().unstack(fill_value=0).reindex(columns=list(VERDICTS), fill_value=0)
+    worst = numbers.loc[groups.excess.idxmax()].set_index(GROUP)[WORST]
+    return groups.judged.any().to_frame().join(counts).join(worst).reset_index()
 
 
-def run_here(findings: pd.DataFrame) -> pd.DataFrame:
-    """Leave out variants that gave no number in a scenario because their engine was not there, or was left out."""
-    missing = findings["reason"].str.contains(NOT_THERE) & findings["value"].isna()
-    ran = findings["value"].notna().groupby([findings[name] for name in VARIANT]).transform("any")
-    return findings[ran & ~missing].reset_index(drop=True)
+def run_here(numbers: pd.DataFrame) -> pd.DataFrame:
+    """Leave out engines that were not there."""
+    return numbers[~numbers.reason.fillna("").str.contains(NOT_THERE)].reset_index(drop=True)
 
 
 def merged(before: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
-    """Put rows in the place of those of the same scenario and variant, or behind those of their scenario and engine."""
-    names = ["scenario", *VARIANT]
+    """Put rows in the place of those of the same scenario and configuration, or behind those of their scenario."""
+    names = ["scenario", *CONFIG]
     known, made = (pd.MultiIndex.from_frame(each[names]) for each in (before, rows))
-    joined = pd.concat([before[~known.isin(made)], rows])
-    joined = joined.fillna(dict.fromkeys(COUNTS, 0)).astype(dict.fromkeys(COUNTS, int))
+    joined = pd.concat([before[~known.isin(made)], rows]).reset_index(drop=True)
     order = [pd.Index(pd.concat([before, rows])[name].unique()) for name in names[:2]]
     places = pd.DataFrame({name: own.get_indexer(joined[name]) for name, own in zip(names, order, strict=False)})
-    return joined.iloc[places.sort_values(names[:2], kind="stable").index]
+    return joined.loc[places.sort_values(names[:2], kind="stable").index]
 
 
-def main(table: Path, findings: Sequence[Path]) -> None:
+def read(table: Path) -> pd.DataFrame:
+    """Read the table; only numbers may be missing."""
+    return pd.read_csv(table, keep_default_na=False, na_values=dict.fromkeys(NUMBERS, ""))
+
+
+def main(table: Path, files: Sequence[Path]) -> None:
     """Write the table."""
-    rows = summarised(run_here(pd.concat(map(pd.read_csv, findings)).reset_index(drop=True)))
+    rows = summarised(run_here(pd.concat(map(pd.read_csv, files), ignore_index=True)))
     if table.is_file():
-        rows = merged(pd.read_csv(table, keep_default_na=False, na_values=dict.fromkeys(NUMBERS, "")), rows)
+        rows = merged(read(table), rows)
     rows.to_csv(table, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
 
 

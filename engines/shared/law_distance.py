@@ -17,7 +17,6 @@ from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import BASE_AMPLITUDE, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import shortened
-from reference_lcp.observables.transmittance import fundamental
 
 FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3, 1.0), (0.5, 0.7, 0.9, 1.1, 1.3, 1.5)
 """The points of figure 3 at which engine and law are compared."""
@@ -68,34 +67,6 @@ def distance_from_law(simulation: Simulation, law: Engine | Law, lane: Lane, ste
     return LawDistance(
         *(float(np.max(np.abs(own.positions - run.positions))) / scale for run in (predicted, reference))
     )
-
-
-DRAWS, ADDED_PERIODS, GAIN_MARGIN = 4, 20, 3.0
-"""Directions in which a law is pushed after every period, periods of that, and what other directions may make of it."""
-
-
-def gain(law: Engine | Law, lane: Lane, steps: int, distance: float) -> float:
-    """Give how many times a `distance` from the law after every period is left in the response; no less than one.
-
-    An engine in a steady state rounds alike in every period. The law is pushed by up to so much, in positions and in
-    velocities, by the same after every period; friction and dashpots take it away again. What counts is the fundamental
-    of the last outer mass over the displacement scale, beside that of the law alone.
-    """
-    model, scale = law.build([lane] * (DRAWS + 1)), lane.drive.displacement_scale(lane.chain)
-    rng, count = np.random.default_rng(0), 2 * lane.chain.cells
-    push = distance * scale * rng.uniform(-1, 1, (2, DRAWS + 1, count)) * (np.arange(DRAWS + 1) > 0)[:, None]
-    push[1] *= 2 * np.pi / (steps * lane.time_step)
-    approached = model.subset([0]).advance(State.at_rest(1, lane.chain.cells), 0, APPROACH_PERIODS * steps)
-    state = State.stack([approached] * (DRAWS + 1))
-    largest = 0.0
-    for _ in range(ADDED_PERIODS):
-        runs = model.run(state, 0, steps)
-        response = np.array([fundamental(run.outer_positions[:, -1]) for run in runs]) / scale
-        largest = max(largest, float(np.max(np.abs(response - response[0]))))
-        end = State.stack([run.end for run in runs])
-        state = State(end.positions + push[0], end.velocities + push[1], end.internal_state)
-    model.close()
-    return max(1.0, GAIN_MARGIN * largest / distance)
 
 
 def _period(simulation: Simulation, state: State, steps: int) -> Trajectory:

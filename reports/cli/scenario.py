@@ -151,7 +151,7 @@ def _print(answer: Answer, *, details: bool) -> None:
 
     from multibody_xval.reports import answers
     from multibody_xval.scenarios.catalogue.finding import MOST_NAMED
-    from multibody_xval.scenarios.tables import plain
+    from multibody_xval.scenarios.table_text import plain
 
     console = Console()
     one = len(answer.scenarios) == 1

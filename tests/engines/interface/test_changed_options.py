@@ -11,7 +11,7 @@ from multibody_xval.engines.interface.law import Law, NotModelled
 from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import Variant, variants_named
-from multibody_xval.scenarios.runs.task import SteadyStateTask, options_of
+from multibody_xval.scenarios.model import Case, Run
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from tests.installed import each_variant
@@ -84,7 +84,7 @@ def test_what_is_the_adapters_is_no_option_of_an_engine(variant: Variant) -> Non
     preset = variant.preset
     own = {ADAPTERS_UNITS, ACROSS}
     assert not own & set(preset.engine_options)
-    left_out = set(options_of(preset)) - set(preset.engine_options)
+    left_out = set(preset.options) - set(preset.engine_options)
     assert {option for option in left_out if not preset.options[option].held} == set(preset.options) & own
 
 
@@ -99,11 +99,15 @@ def test_the_damping_of_a_held_contact_is_no_option_of_a_free_one(name: str) -> 
         Variant.parse(f"{default}:{option}=0.01")
 
 
-def test_a_changed_option_is_another_task() -> None:
-    pair = [Variant.parse(name) for name in ("mujoco", "mujoco:noslip_iterations=3")]
-    tasks = [SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=0.9) for variant in pair]
-    assert tasks[0].key() != tasks[1].key()
-    assert tasks[1].content()["options"]["noslip_iterations"] == "3"
+def test_a_changed_option_is_another_run() -> None:
+    runs = [
+        Run(Variant.parse(name), Case(friction_ratio=0.3, frequency_ratio=0.9), 400)
+        for name in ("mujoco", "mujoco:noslip_iterations=3")
+    ]
+    assert runs[0] != runs[1]
+    assert runs[0].text != runs[1].text
+    assert Run.from_text(runs[1].text) == runs[1]
+    assert runs[1].config.preset["noslip_iterations"] == 3
 
 
 def test_a_law_is_that_of_the_changed_options() -> None:

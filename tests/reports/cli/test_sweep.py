@@ -1,10 +1,13 @@
 """The command `sweep`: what it prints, writes and keeps, and how it ends."""
 
+import contextlib
+import resource
 import signal
 import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -23,9 +26,20 @@ from multibody_xval.scenarios.sweep_file import EXAMPLE, read_sweep
 from multibody_xval.scenarios.swept import stored_sweep, swept
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
-from tests.scenarios.runs.builders import files_up_to
 
 pytestmark = pytest.mark.usefixtures("here")
+
+
+@contextlib.contextmanager
+def files_up_to(size: int) -> Iterator[None]:
+    """Let no file become larger than this [bytes]: it stands for a disk that is full."""
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, old[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+
 
 SWEEP = """\
 engines = ["reference", "mujoco", "mujoco:joint:default"]

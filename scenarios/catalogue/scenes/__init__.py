@@ -1,1 +1,0 @@
-"""Scenes of rigid bodies as users of engines write them, whose truth is a closed form."""

@@ -1,1 +1,0 @@
-"""Motions that do not repeat: one scenario a file, and what they share."""

@@ -1,1 +1,0 @@
-"""When results agree: the judge, and what it is applied to."""
