@@ -76,8 +76,9 @@ def script(shown: Reproduction, number: Number) -> str:
 def _templates(adapter: Engine, template: str) -> Environment:
     """Give the template of the engine, those that all scripts share, and those of other engines by their folders."""
     own = DictLoader({"engine": beside(adapter, template).read_text(encoding="utf-8")})
-    templates = environment("multibody_xval.reports.reproducers", markup=False)
-    templates.loader = ChoiceLoader([own, templates.loader, PackageLoader("multibody_xval.engines", "")])
+    shared, others = PackageLoader("multibody_xval.reports.reproducers"), PackageLoader("multibody_xval.engines", "")
+    templates = environment(markup=False)
+    templates.loader = ChoiceLoader([own, shared, others])
     templates.filters["listed"] = _list
     return templates
 
