@@ -21,7 +21,6 @@ STUDIES = {
 """Measurements of several points and engines; the first one answers the paper's claims too."""
 
 EXPERIMENTS = {
-    "figure3": "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?",
     "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     "laws": "How well does the law of each preset predict its engine over a period?",
     "proofs": "What is the exact transmittance at every point of the standard grids, proven?",

@@ -17,7 +17,7 @@ from reference_lcp.terminal import announce_compilation, print_table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from multibody_xval.reports.answers import Answer
+    from multibody_xval.reports.answer_files import Answer
     from multibody_xval.scenarios.catalogue.scenario import Scenario
 
 ALL = "all"
@@ -117,7 +117,7 @@ def _answer(
     outs = check_outs(shown.out, ENDINGS, shown.store, record)
     if not shown.run and shown.store is None:
         raise ParameterError("--no-run without --store; allowed where nothing is run: a store of an earlier command")
-    from multibody_xval.reports.answers import WRITTEN, Answer
+    from multibody_xval.reports.answer_files import WRITTEN, Answer
     from multibody_xval.scenarios.catalogue.asking import named_scenarios
 
     scenarios, options = named_scenarios(asked), [] if shown.run else ["--no-run"]
