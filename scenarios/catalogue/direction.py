@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from multibody_xval.scenarios.catalogue.blocks import (
     ROUND_OFF,
-    ROUNDINGS,
     SCALES,
     STEPS_A_ROW,
     Scale,
@@ -45,8 +44,11 @@ def lost_velocity(result: Result, run: Run) -> float:
 
 
 def left_open(run: Run, _exact: Number) -> float:
-    """Give what springs, roundings of velocities and the stated residual slip compliance leave open of the bound."""
-    rounding = ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * math.sqrt(run.steps) / PART
+    """Give what springs, roundings of velocities and the stated residual slip compliance leave open of the bound.
+
+    The velocity falls by equal parts, so that its roundings are equal too, and add up as the number of steps.
+    """
+    rounding = ROUND_OFF[run.config.capabilities.precision] * run.steps / PART
     return LEFT_BY_SPRINGS + rounding + compliance(run)
 
 

@@ -104,9 +104,11 @@ def wear_power(result: Result, _case: BlockMotion) -> float:
 
 
 def _rounded_power(run: Run) -> float:
-    """Give by how much roundings of two velocities change that [W]."""
-    velocity = abs(block_motion(run.case).carrier_velocity)
-    return WEAR_FORCE * ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * velocity
+    """Give by how much roundings change that [W]: those of two velocities, and in a slip of 1 s as their root."""
+    rounding = ROUNDINGS * ROUND_OFF[run.config.capabilities.precision]
+    of_velocities = WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
+    of_slips = float(TARGETS[name_of(run.case)]["value"]) * math.sqrt(run.steps / WEAR_TO)
+    return rounding * (of_velocities + of_slips)
 
 
 def wear(acceleration: float) -> Published:

@@ -108,11 +108,12 @@ STATIC_ABOVE_KINETIC = Scenario(
     quantities=(
         Quantity(
             name="breakaway", unit="", read=breakaway_load, over_exact=True, step_error=always(0.0),
-            resolution=always(TWO_STEPS), effect=above,
+            resolution=always(TWO_STEPS), effect=above, accuracy="transmittance",
             meaning="Load at which the block jumps over that at which it does in the exact motion.",
         ),
         Quantity(
             name="jump", unit="", read=jump, over_exact=True, step_error=always(0.0), resolution=farther,
+            accuracy="transmittance",
             meaning="Slip in the end over that of the exact motion.",
         ),
     ),
