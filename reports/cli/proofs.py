@@ -51,9 +51,12 @@ def proofs(
 
 def _print_exceptions(table: pd.DataFrame) -> None:
     """Print what is not proven, and what is not as in the table."""
-    for own in table[table.level.isna() | ~table.as_known].itertuples():
-        other = "" if own.as_known else "not as in the table; "
-        print(visible(f"{own.case.title}: {other}{own.reason or own.level}"))
+    from multibody_xval.scenarios.result_tables import rows_of
+
+    shown = table[table.level.isna() | ~table.as_known]
+    for case, level, reason, known in rows_of(shown, "case", "level", "reason", "as_known"):
+        other = "" if known else "not as in the table; "
+        print(visible(f"{case.title}: {other}{reason or level}"))
 
 
 def _print_edges() -> bool:

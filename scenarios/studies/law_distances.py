@@ -62,7 +62,12 @@ def law_distances(configs: Iterable[Config]) -> pd.DataFrame:
 def _row(config: Config, pool: Pool) -> dict[str, Any]:
     stated = config.preset.stated_law()
     labels = dict(zip(CONFIG, (config.engine, str(config.formulation), config.preset_name), strict=True))
-    row = {"configuration": full_name(config), **labels, "version": identity(config)[0], "steps_by": "neither"}
+    row: dict[str, Any] = {
+        "configuration": full_name(config),
+        **labels,
+        "version": identity(config)[0],
+        "steps_by": "neither",
+    }
     row |= {"formula": "", "constants": "", "points": 0}
     if isinstance(stated, Law):
         numbers = (f"{name} = {each.value:g} {each.unit}".strip() for name, each in stated.constants.items())

@@ -18,7 +18,7 @@ ROUND_OFF = 1e-7
 WRITTEN_DB, WRITTEN_DEG = 1e-7, 1e-4
 """What the digits of a file leave open of a level [dB] and a phase [deg]."""
 
-RESOLUTION = {"µm/s": 0.1, "µrad/s": 0.1, "mm": 1e-3, "mrad": 1e-3, "%": 1e-3, "in η_r": 1e-6}
+RESOLUTION = {"µm/s": 0.1, "µrad/s": 0.1, "mm": 1e-3, "mrad": 1e-3, "°": 1e-3, "%": 1e-3, "in η_r": 1e-6}
 """Differences of scenes and blocks that count as none, by unit: creep has a resolution of 0.1 µm/s."""
 
 PHASE_OF_DB = math.degrees(math.log(10) / 20)

@@ -42,9 +42,10 @@ FAULTS = {
 
 
 @pytest.fixture(scope="module")
-def rows(faulty) -> dict[str, list[Result]]:
+def rows(install) -> dict[str, list[Result]]:
     """Results of every kind of case, by engine."""
-    return {name: [run_batch([run])[0] for run in runs_of(name)] for name in ("faulty-sound", *FAULTS)}
+    with install("mutations").visible():
+        return {name: [run_batch([run])[0] for run in runs_of(name)] for name in ("faulty-sound", *FAULTS)}
 
 
 @pytest.mark.parametrize("name", FAULTS)
