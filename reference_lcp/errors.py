@@ -42,6 +42,8 @@ def shown(value: object) -> str:
 
 def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
     """Give a path that the system can name, whether or not something is there."""
+    if isinstance(path, str) and not path.strip():
+        raise ParameterError(f"{name} = {path!r} is empty; allowed: a path")
     try:
         checked = Path(path)
         checked.absolute().lstat()

@@ -16,9 +16,9 @@ from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.sweep_plan import FREQUENCY
-from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
-from reference_lcp.studies.plot import checked_picture_format
+from reference_lcp.errors import ParameterError
+from reference_lcp.output import replacing, shown_in_notebooks
+from reference_lcp.studies.plot import checked_picture
 
 PAGE_WIDTH, PANEL_HEIGHT = 7.2, 2.0
 """Width of two columns of a journal, and height of a row of panels [inch]."""
@@ -42,7 +42,7 @@ PRINT: dict[Any, Any] = {**PRINT_STYLE, "legend.columnspacing": 2.0}
 
 def drawn_curves(data: xr.Dataset, file: str | Path | None) -> Figure:
     """Draw the transmittance of a dataset; see `multibody_xval.plot`."""
-    picture = None if file is None else checked_picture_format(checked_output_file("file", checked_path("file", file)))
+    picture = None if file is None else checked_picture("file", file)
     table = judged_table(data)
     axes = [name for name in sweep_in(data).axes if name != FREQUENCY]
     with mpl.rc_context(PRINT):

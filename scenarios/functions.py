@@ -105,7 +105,7 @@ def sweep(
     }  # fmt: skip
     planned = sweep_of(content, "what the documentation of multibody_xval.sweep lists")
     check_size(planned, yes=yes, how="yes=True")
-    file = None if store is None else checked_store(Path(store))
+    file = None if store is None else checked_store(store)
     return swept(
         planned,
         Means(store=file, workers=workers, scheduler=scheduler, seconds_a_run=time_limit, retry_failed=retry_failed),

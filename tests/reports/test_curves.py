@@ -86,7 +86,10 @@ def test_too_many_cases_for_one_figure_are_refused(data: xr.Dataset) -> None:
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("missing/figure.pdf", "the folder .*missing does not exist"), ("figure.doc", "unknown ending; allowed: .*pdf")],
+    [
+        ("missing/figure.pdf", "the folder .*missing does not exist"),
+        ("figure.gif", "the ending '.gif'; allowed: .pdf, .svg, "),
+    ],
 )
 def test_a_figure_that_cannot_be_written_is_refused_before_it_is_drawn(data, tmp_path, name, message) -> None:
     with pytest.raises(ParameterError, match=message):
