@@ -83,11 +83,18 @@ def _check_values(name: str, array: FloatArray, requirement: str, largest: float
         fulfilled &= array > 0 if requirement == "> 0" else array >= 0
     if not np.all(fulfilled):
         wrong = array[~fulfilled].flat[0]
-        raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {requirement}, finite")
+        raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {_range(requirement, largest)}")
     extreme = (array > largest) | ((array > 0) & (array < 1 / largest))
     if requirement != "finite" and np.any(extreme):
         allowed = f"{'0, or ' if requirement == '>= 0' else ''}{1 / largest:g} to {largest:g}"
         raise ParameterError(f"{name} = {array[extreme].flat[0]:g} is outside its range; allowed: {allowed}")
+
+
+def _range(requirement: str, largest: float) -> str:
+    """Say what is allowed, with the ends of a range that is narrower than that of any number."""
+    if requirement == "finite" or largest == LARGEST_NUMBER:
+        return f"{requirement}, finite"
+    return f"> 0, {1 / largest:g} to {largest:g}" if requirement == "> 0" else f">= 0, up to {largest:g}"
 
 
 def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str = "finite") -> FloatArray:
