@@ -65,8 +65,15 @@ def checked_choice(name: str, value: str, allowed: Sequence[str], instead: Mappi
 
 def choices(value: object, allowed: Sequence[str]) -> str:
     """List the names that are allowed in place of `value`, and ask whether the one most like it was meant."""
-    near = difflib.get_close_matches(str(value)[:SHOWN], allowed, 1)
-    return f"allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]}?" if near else "")
+    return f"allowed: {', '.join(allowed)}{meant(value, allowed)}"
+
+
+def meant(value: object, allowed: Sequence[str]) -> str:
+    """Ask whether the name most like a value was meant, or the first that begins with it; else give an empty text."""
+    text = str(value)[:SHOWN]
+    begun = [name for name in allowed if text and name.startswith(text)]
+    near = difflib.get_close_matches(text, allowed, 1) or begun
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 class ExitCode(IntEnum):

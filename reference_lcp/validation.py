@@ -123,7 +123,8 @@ def checked_count(name: str, value: int, minimum: int = 1, maximum: int = LARGES
     except TypeError:
         raise ParameterError(f"{name} = {shown(value)} is not a whole number; allowed: >= {minimum}") from None
     if isinstance(value, bool) or count < minimum:
-        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: whole numbers >= {minimum}")
+        allowed = f"whole numbers >= {minimum}{'' if maximum == LARGEST_COUNT else f', up to {maximum}'}"
+        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: {allowed}")
     if count > maximum:
         raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: {minimum} to {maximum}")
     return count

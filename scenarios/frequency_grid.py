@@ -53,7 +53,7 @@ class AdaptiveGrid(BaseModel):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.last <= self.first:
-            raise ParameterError(f"grid.frequency_ratio.last = {self.last:g}; allowed: > first = {self.first:g}")
+            raise ParameterError(f"last = {self.last:g}; allowed: > first = {self.first:g}")
         return self
 
     def start(self, peaks: Iterable[float] = ()) -> list[float]:

@@ -20,7 +20,7 @@ PICTURES = (".pdf", ".svg", ".png", ".eps", ".jpg", ".tif")
 
 
 def checked_picture(name: str, file: str | Path) -> Path:
-    """Give the path of a picture if it can be written and its ending is one of `PICTURES`; else raise `ParameterError`."""
+    """Give the path of a picture, or raise `ParameterError` if its ending or its folder is none for one."""
     path = checked_path(name, file)
     if path.suffix.lower() not in PICTURES:
         raise ParameterError(f"{name} = {path} has the ending {path.suffix!r}; allowed: {', '.join(PICTURES)}")
