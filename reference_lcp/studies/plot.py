@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.observables.stick_slip import contact_modes
@@ -45,9 +46,10 @@ def plot_period(orbit: PeriodicOrbit) -> "Figure":
         _draw(row[1], phase, stuck[:, cell], {"": trajectory.relative_velocity[:, cell] / (scale * omega)})
         _draw(row[2], phase, stuck[:, cell], {"": trajectory.friction[:, cell] / bound[cell]})
         row[0].set_ylabel(f"cell {cell + 1}")
-    for axis, title in zip(
-        axes[0], ("displacement / U0 [-]", "relative velocity / (U0 ω) [-]", "friction / bound [-]"), strict=True
-    ):
+    titles = ("displacement / U0 [-]", "relative velocity / (U0 ω) [-]", "friction / bound [-]")
+    if isinstance(lane.drive, HarmonicForce):
+        titles = ("displacement k_c / P0 [-]", "relative velocity k_c / (P0 ω) [-]", titles[-1])
+    for axis, title in zip(axes[0], titles, strict=True):
         axis.set_title(title, fontsize=10)
     for axis in axes[-1]:
         axis.set_xlabel("time / period [-]")

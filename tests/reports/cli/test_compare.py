@@ -81,6 +81,7 @@ def test_files_say_what_the_command_says(folder) -> None:
     assert [row["change"] for row in rows] == [row["change"] for row in content["changes"]]
     (gone,) = [row for row in rows if row["change"] == "missing"]
     assert (gone["frequency_ratio"], gone["status_now"], gone["version_now"]) == ("0.47", "failed", "4.0.0")
+    assert (gone["amplitude"], gone["amplitude_unit"]) == ("0.01", "m")
     document = Path("changes.md").read_text()
     assert document.startswith(
         "## Engine regression: fails\n\n10 points, from before.sqlite to crashing.sqlite: 1 missing"
