@@ -36,6 +36,11 @@ COMMAND_LINES = [
     ("reference --plot missing/period.png", r"the folder missing does not exist"),
     ("reference --plot period.gif", r"--plot = period.gif has the ending '.gif'; allowed: .pdf, .svg, .png, .eps, "),
     ("reference --cells 100000 --plot period", r"--plot = period has the ending ''; allowed: .pdf"),
+    ("reference --cells 100001", r"cells = 100001 is outside its range; allowed: 1 to 100000"),
+    ("reference --cells 100000 --error-bar", r"cells = 100000 is more than an error bar takes; allowed: <= 1000"),
+    ("reference --cells 100000 --exact-value", r"cells = 100000 is more than an exact value takes; allowed: <= 500"),
+    ("reference --cells 100000 --solver lemke", r"cells = 100000 is more than the solver 'lemke' takes; .* <= 100,"),
+    ("reference --mass-ratio 1e9", r"needs 1.21e\+06 steps; allowed: <= 1000000, as with a frequency 1.21 times"),
     ("reference --plot ''", r"--plot = '' is empty; allowed: "),
     ("reference bench 7", r"unexpected extra argument"),
     ("truth show block-stop", r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"),
@@ -139,6 +144,10 @@ SWEEP_FILES = [
     (
         SWEEP + "[chain]\nouter_mass_ratio = [1.0, 2.0]\n",
         r"chain.outer_mass_ratio has 2 values and the chain 7 cells; allowed: one number, or as many",
+    ),
+    (
+        SWEEP.replace("[0.9]", "{ first = 0.3, last = 1.6, accuracy_db = 1 }") + "[chain]\ncells = 3000\n",
+        r"cells = 3000 with an accuracy of frequency_ratio, .*; allowed: <= 1000, or values of frequency_ratio",
     ),
     (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: cells, mass_ratio"),
     ("steps_per_period = 3\n" + SWEEP, r"steps_per_period = 3; .*16"),

@@ -15,9 +15,10 @@ import typer
 
 from multibody_xval.reports.cli.options import grouped
 from reference_lcp import defaults
+from reference_lcp.deadline import watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
 from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import announce_compilation, print_table
+from reference_lcp.terminal import SearchLines, announce_compilation, print_table, said_if_long
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain
@@ -164,6 +165,7 @@ def run(
         return
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
+    from reference_lcp.chain.simulation import steps_per_period_for
     from reference_lcp.one_call import steady_state
     from reference_lcp.studies.plot import checked_picture, save_picture
 
@@ -174,7 +176,10 @@ def run(
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
     ratios = {name: ratio for name, ratio in vars(parameters).items() if name != "base_amplitude"}
     question = proof.question({"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **ratios})
-    state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
+    steps = steps_per_period_for(chain, drive, search.steps_per_period)
+    size = f"{chain.cells:,} cells, {steps:,} steps per period, at most {search.max_periods:,} periods"
+    with said_if_long(f"searching: {size}; Ctrl-C ends it"), watched(SearchLines()):
+        state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)
     steps = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
     proven = proof.answer(question)
