@@ -54,7 +54,8 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
         If a file is no store, the stores have no point in common, or `db` is outside its range.
     """
     checked_db(db)
-    before, now = (_points_of(Path(file)) for file in (first, second))
+    files = [existing_store(file) for file in (first, second)]
+    before, now = map(_points_of, files)
     _check_common(before, now, f"{first} and {second}")
     both = pd.concat([before, now], ignore_index=True)
     ruler = both[both.status == "periodic"].drop_duplicates(RUN)
@@ -98,7 +99,7 @@ def checked_db(db: float) -> float:
 def _points_of(file: Path) -> pd.DataFrame:
     """Give the points of a store, of several versions of an engine the last, with options."""
     found = {row.run: row for row in stored_results(file)}
-    with opened(existing_store(file)) as store:
+    with opened(file) as store:
         options = store.options()
     table = points(found.values())
     return table.assign(options=[options[str(config)] for config in table.config])

@@ -23,7 +23,10 @@ SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""
 
 TABLES = {"results"}
-"""Of the file: a store of `run NAME` has others, under the same marks."""
+"""Of the file."""
+
+SCENARIO_TABLES = {"answers", "sweeps"}
+"""Of a store of `run NAME` or `check`, which has the same marks."""
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -72,6 +75,8 @@ class Store:
         tables = {name for (name,) in self._file.execute(made).fetchall()}
         marks = [self._file.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")]
         if tables and (marks != [APPLICATION_ID, FORMAT] or tables != TABLES):
+            if marks == [APPLICATION_ID, FORMAT] and tables == SCENARIO_TABLES:
+                raise other_kind(self.path, SCENARIOS, SWEEPS)
             raise ParameterError(
                 f"store {self.path} {_other(*marks)}; allowed: one of format {FORMAT}, or a new file to compute anew"
             )
@@ -153,7 +158,7 @@ def opened(path: Path | None) -> Iterator[Store]:
         store.close()
 
 
-def existing_store(path: Path) -> Path:
+def existing_store(path: str | Path) -> Path:
     """Give the path of a store that is there."""
     path = checked_path("store", path)
     if not path.is_file():
@@ -161,7 +166,7 @@ def existing_store(path: Path) -> Path:
     return path
 
 
-def checked_store(path: Path) -> Path:
+def checked_store(path: str | Path) -> Path:
     """Give the path of a store, if a file can be there."""
     path = checked_path("store", path)
     if str(path).startswith((":", "file:")):
@@ -194,7 +199,27 @@ def _other(mark: int, form: int) -> str:
     """Say what a file is that is no store of this format."""
     if mark != APPLICATION_ID:
         return "is no store of this suite"
-    return "is one of `run NAME` or `check`, not of `sweep` or `report`" if form == FORMAT else f"is of format {form}"
+    return "has other tables than a store" if form == FORMAT else f"is of format {form}"
+
+
+class Kind(NamedTuple):
+    """A kind of store: what writes it, and how what it holds is shown."""
+
+    writers: str
+    reader: str
+
+
+SWEEPS = Kind("`sweep` or `report`", "report --no-run --store {file}")
+SCENARIOS = Kind("`run NAME` or `check`", "run NAME --no-run --store {file}")
+
+
+def other_kind(file: Path | None, own: Kind, needed: Kind) -> ParameterError:
+    """Give the error of a store that is whole, and of another kind than what is needed."""
+    reader = f"multibody-xval {own.reader.format(file=file)}"
+    return ParameterError(
+        f"store {file} is one of {own.writers}, not of {needed.writers}: `{reader}` reads it; nothing in it was "
+        f"changed; allowed: a store of {needed.writers}, or a new file"
+    )
 
 
 def is_kept(result: Result, *, retry_failed: bool) -> bool:

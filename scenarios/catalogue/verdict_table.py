@@ -281,9 +281,8 @@ class VerdictTable(pd.DataFrame):
 
     def __repr__(self) -> str:
         """Count the verdicts."""
-        counts = self.counts
-        each = ", ".join(f"{count:,} {verdict}" for verdict, count in counts.sum().items())
-        return f"<verdicts on {len(self):,} numbers, {len(counts)} rows of scenario and variant: {each}>"
+        each = ", ".join(f"{count:,} {verdict}" for verdict, count in self.counts.sum().items())
+        return f"<verdicts on {len(self):,} numbers: {each}>"
 
 
 def _content(results: Results, command: str) -> dict[str, object]:

@@ -15,6 +15,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
 
+from multibody_xval.scenarios import store as stores
 from multibody_xval.scenarios.runs.recorded import ARRAYS
 from multibody_xval.scenarios.runs.result import NamedNumbers, Result, ResultStatus
 from multibody_xval.scenarios.runs.scratch import Closing, ScratchFolder
@@ -125,6 +126,7 @@ class ResultStore(Closing):
     def _open(self) -> None:
         # takes the write lock: a file that cannot be written is found out before any work
         made = f"PRAGMA application_id = {APPLICATION_ID}", f"PRAGMA user_version = {SCHEMA_VERSION}", *TABLES.values()
+        refuse_sweeps(self._connection, self._file)
         self._connection.execute("BEGIN IMMEDIATE")
         with self._connection:
             if self._file.stat().st_size == 0:
@@ -344,6 +346,14 @@ def _code(problem: BaseException) -> int:
 def damaged(file: Path, what: str) -> ParameterError:
     """Give the error of a damaged store, with what to do."""
     return ParameterError(f"store {file} is damaged: {what}; {ANEW}")
+
+
+def refuse_sweeps(connection: sqlite3.Connection, file: Path) -> None:
+    """Refuse a store of `sweep` or `report`, which is whole; another process may be writing it."""
+    made = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
+    mark = connection.execute("PRAGMA application_id").fetchone()[0]
+    if mark == stores.APPLICATION_ID and {name.decode(errors="replace") for (name,) in made} == stores.TABLES:
+        raise stores.other_kind(file, stores.SWEEPS, stores.SCENARIOS)
 
 
 def check_layout(connection: sqlite3.Connection, file: Path) -> None:

@@ -76,8 +76,16 @@ def of_a_scenario(file: Path) -> None:
         pass
 
 
+def with_another_table(file: Path) -> None:
+    stored_in(file)
+    with sqlite3.connect(file) as own:
+        own.execute("CREATE TABLE mine (number)")
+
+
 REFUSED = {
-    "is one of `run NAME`": of_a_scenario,
+    r"is one of `run NAME` or `check`, not of .*: `multibody-xval run NAME --no-run --store \S*other.sqlite` reads it; "
+    "nothing in it was changed": of_a_scenario,
+    "has other tables than a store": with_another_table,
     "is no store of this suite": foreign,
     "is of format 2": older,
     "is damaged or no store": lambda file: file.write_text("no database at all, of some length" * 99),
