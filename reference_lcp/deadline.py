@@ -1,7 +1,15 @@
-"""A time limit that loops ask for, and what says that a proof ends without one."""
+"""A time limit that loops ask for, what says that a proof ends without one, and who watches how far a search is."""
 
 import math
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+Watcher = Callable[[str, int, int], None]
+"""Is told what is being done, how many periods of it are done, and how many there are at most."""
+
+_WATCHER: ContextVar[Watcher | None] = ContextVar("watcher", default=None)
 
 
 class NotProven(Exception):
@@ -28,3 +36,20 @@ class Deadline:
 
 UNLIMITED = Deadline(math.inf)
 """As long as it takes."""
+
+
+@contextmanager
+def watched(watcher: Watcher) -> Iterator[None]:
+    """Let a watcher be told how far searches are, here and in what is called from here."""
+    token = _WATCHER.set(watcher)
+    try:
+        yield
+    finally:
+        _WATCHER.reset(token)
+
+
+def tell(what: str, done: int, most: int) -> None:
+    """Tell whoever watches how far a search is."""
+    watcher = _WATCHER.get()
+    if watcher is not None:
+        watcher(what, done, most)

@@ -42,6 +42,8 @@ def shown(value: object) -> str:
 
 def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
     """Give a path that the system can name, whether or not something is there."""
+    if isinstance(path, str) and not path.strip():
+        raise ParameterError(f"{name} = {path!r} is empty; allowed: a path")
     try:
         checked = Path(path)
         checked.absolute().lstat()
@@ -63,8 +65,15 @@ def checked_choice(name: str, value: str, allowed: Sequence[str], instead: Mappi
 
 def choices(value: object, allowed: Sequence[str]) -> str:
     """List the names that are allowed in place of `value`, and ask whether the one most like it was meant."""
-    near = difflib.get_close_matches(str(value)[:SHOWN], allowed, 1)
-    return f"allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]}?" if near else "")
+    return f"allowed: {', '.join(allowed)}{meant(value, allowed)}"
+
+
+def meant(value: object, allowed: Sequence[str]) -> str:
+    """Ask whether the name most like a value was meant, or the first that begins with it; else give an empty text."""
+    text = str(value)[:SHOWN]
+    begun = [name for name in allowed if text and name.startswith(text)]
+    near = difflib.get_close_matches(text, allowed, 1) or begun
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 class ExitCode(IntEnum):

@@ -37,6 +37,12 @@ SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
 )
 """Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
 
+LONGEST_CHAINS = {"lemke": 100, "exact": 500}
+"""Most cells by solver, where that is less than of any chain: a period of Lemke's method takes 12 s there, a search for
+the exact motion minutes, and both grow at least with the square of the cells."""
+
+LONGEST_BARRED = 1000
+"""Most cells of an error bar, whose matrices have four rows a cell: two minutes and 1.3 GB."""
 
 WHOLE_PERIOD = 1 - 1e-9
 """Stuck fraction from which on a contact sticks all the time: sums of durations have an error of round-off."""
@@ -178,7 +184,8 @@ def steady_state(
     ParameterError
         If an argument is outside its range.
     """
-    build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
+    build = _solver(solver, chain)
+    _check_extras(chain, bar=with_error_bar and solver != "exact", exact=with_exact_value)
     steps = steps_per_period_for(chain, drive, steps_per_period)
     exact = partial(exact_steady_state, chain, drive, steps_per_period=steps_per_period, max_periods=max_periods)
     if solver == "exact":
@@ -191,6 +198,27 @@ def steady_state(
         bar = measured_error_bar(state.orbit, tolerance=residual, max_periods=max_periods)
         state = dataclasses.replace(state, error_bar=bar)
     return dataclasses.replace(state, exact_db=exact().transmittance_db) if with_exact_value else state
+
+
+def _solver(name: str, chain: Chain) -> Callable[[list[Lane]], Simulation]:
+    """Give what builds a simulation by the solver of a name, if it takes a chain of that length."""
+    build = SOLVERS[checked_choice("solver", name, list(SOLVERS))]
+    _check_length(f"the solver {name!r}", chain, LONGEST_CHAINS.get(name, chain.cells))
+    return build
+
+
+def _check_extras(chain: Chain, *, bar: bool, exact: bool) -> None:
+    """Refuse an error bar and an exact value of chains that are too long for them."""
+    if bar:
+        _check_length("an error bar", chain, LONGEST_BARRED)
+    if exact:
+        _check_length("an exact value", chain, LONGEST_CHAINS["exact"])
+
+
+def _check_length(name: str, chain: Chain, longest: int) -> None:
+    """Refuse a chain with friction that is too long for something; without friction all are as fast as they can be."""
+    if chain.cells > longest and chain.friction_bound.any():
+        raise ParameterError(f"cells = {chain.cells} is more than {name} takes; allowed: <= {longest}, or without it")
 
 
 def exact_steady_state(
@@ -224,6 +252,7 @@ def exact_steady_state(
     """
     checked_scalar("tolerance", tolerance, "> 0")
     checked_count("max_periods", max_periods)
+    _solver("exact", chain)
     lane = Lane.periodic(chain, drive, steps_per_period)
     if isinstance(drive, PeriodicDrive) and attracts_all(lane) and not chain.friction_bound.any():
         return _frictionless(lane, drive)
@@ -277,7 +306,7 @@ def simulate(
     ParameterError
         If an argument is outside its range.
     """
-    build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
+    build = _solver(solver, chain)
     check_record_size(chain.cells, checked_count("steps", steps))
     rest, given = np.zeros(2 * chain.cells), {"positions": positions, "velocities": velocities}
     start = [checked_array(f"initial {name}", rest if values is None else values) for name, values in given.items()]

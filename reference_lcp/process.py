@@ -39,6 +39,10 @@ CACHE_VARIABLE = "NUMBA_CACHE_DIR"
 ROOT = Path(__file__).resolve().parents[1]
 
 
+KINDS = {"valid number": "a number", "valid integer": "a whole number"}
+"""What typer's message about a word that cannot be read as an option's value contains, and what it means."""
+
+
 class _State:
     """What Ctrl-C does in this process."""
 
@@ -197,6 +201,7 @@ def _exit_code(app: "typer.Typer", arguments: list[str]) -> int:
 
     usage_error: Any = typer.BadParameter.__base__  # of wrong options too; typer exports only this subclass
     try:
+        _check_words(arguments)
         with _standard_output():
             result = typer.main.get_command(app).main(arguments, prog_name=app.info.name, standalone_mode=False)
     except typer.Abort:
@@ -213,6 +218,15 @@ def _exit_code(app: "typer.Typer", arguments: list[str]) -> int:
     else:
         return result if isinstance(result, int) else ExitCode.DONE
     return ExitCode.WRONG_INPUT
+
+
+def _check_words(words: list[str]) -> None:
+    """Refuse an empty word, as of a variable that is not set: as a path it would be the folder one is in."""
+    for before, word in itertools.pairwise(["", *words]):
+        name, equals, value = word.partition("=") if word.startswith("--") else (before, "=", word)
+        if equals and not value.strip():
+            where = name if name.startswith("-") else "an argument"
+            raise ParameterError(f"{where} = {value!r} is empty; allowed: a name, a number or a path")
 
 
 class _ReaderGoneError(Exception):
@@ -256,9 +270,12 @@ def _message(problem: Any, arguments: list[str]) -> str:
     """Say in one line what is wrong, with the value that was given for an option."""
     message = " ".join(problem.format_message().split())
     names = getattr(getattr(problem, "param", None), "opts", [])
-    for name, value in itertools.zip_longest(arguments, arguments[1:]):
+    for word, following in itertools.zip_longest(arguments, arguments[1:]):
+        name, equals, joined = word.partition("=")
+        value = joined if equals else following
         if name in names and value is not None:
+            kind = next((own for words, own in KINDS.items() if words in message), None)
+            if kind is not None:
+                return f"{name} = {value[:SHOWN]!r} is not {kind}; allowed: {kind}"
             return f"{message} (given: {value[:SHOWN]})"
-        if name.partition("=")[0] in names:
-            return f"{message} (given: {name.partition('=')[2][:SHOWN]})"
     return message

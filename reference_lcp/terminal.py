@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from threading import Event, RLock, Thread
+from threading import Event, RLock, Thread, Timer
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -36,6 +36,9 @@ LINE_SECONDS = 10.0
 
 LINE_PART = 0.05
 """Part of the work after which a line is printed."""
+
+SILENT_SECONDS = 5.0
+"""Time that a command may take without a word [s]."""
 
 LEAST_SECONDS = 1.0
 """Time between lines at least [s]: work of seconds needs none."""
@@ -199,6 +202,41 @@ class ProgressLines:
     def __exit__(self, *_problem: object) -> None:
         self._end.set()
         self._thread.join()
+
+
+@contextmanager
+def said_if_long(line: str) -> Iterator[None]:
+    """Print a line to standard error if what is done takes longer than `SILENT_SECONDS`."""
+    timer = Timer(SILENT_SECONDS, lambda: print(line, file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+class SearchLines:
+    """Prints to standard error every `LINE_SECONDS` how far a search is: a watcher, see `reference_lcp.deadline`."""
+
+    def __init__(self, clock: Callable[[], float] = monotonic):
+        self._clock, self._what, self._count = clock, "", 0
+        self._began = self._printed = clock()
+
+    def __call__(self, what: str, done: int, most: int) -> None:
+        """Hear of a period, and print a line if the last one is old."""
+        now = self._clock()
+        if what != self._what or done <= self._count:
+            self._began = now if self._what else self._began
+        self._what, self._count = what, done
+        if now >= self._printed + LINE_SECONDS:
+            self._printed = now
+            seconds = now - self._began
+            every = _duration(seconds * most / done)
+            print(
+                f"{what}: {done} of at most {most} periods; {_duration(seconds)} so far, all take about {every}",
+                file=sys.stderr, flush=True,
+            )  # fmt: skip
 
 
 def _duration(seconds: float) -> str:

@@ -23,7 +23,7 @@ LARGEST_COUNT = 1_000_000_000
 """Largest whole number where nothing smaller is named: whatever is counted takes longer than anyone waits."""
 
 MOST_CELLS = 100_000
-"""Longest chain whose cost has been measured."""
+"""Longest chain whose cost has been measured: 3 s for a period of the search, so 25 minutes for 400."""
 
 MOST_STEPS = 1_000_000
 """Most steps a period: a thousandth of the error of 1,000 steps is below round-off in the steady state."""
@@ -83,11 +83,18 @@ def _check_values(name: str, array: FloatArray, requirement: str, largest: float
         fulfilled &= array > 0 if requirement == "> 0" else array >= 0
     if not np.all(fulfilled):
         wrong = array[~fulfilled].flat[0]
-        raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {requirement}, finite")
+        raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {_range(requirement, largest)}")
     extreme = (array > largest) | ((array > 0) & (array < 1 / largest))
     if requirement != "finite" and np.any(extreme):
         allowed = f"{'0, or ' if requirement == '>= 0' else ''}{1 / largest:g} to {largest:g}"
         raise ParameterError(f"{name} = {array[extreme].flat[0]:g} is outside its range; allowed: {allowed}")
+
+
+def _range(requirement: str, largest: float) -> str:
+    """Say what is allowed, with the ends of a range that is narrower than that of any number."""
+    if requirement == "finite" or largest == LARGEST_NUMBER:
+        return f"{requirement}, finite"
+    return f"> 0, {1 / largest:g} to {largest:g}" if requirement == "> 0" else f">= 0, up to {largest:g}"
 
 
 def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str = "finite") -> FloatArray:
@@ -116,7 +123,8 @@ def checked_count(name: str, value: int, minimum: int = 1, maximum: int = LARGES
     except TypeError:
         raise ParameterError(f"{name} = {shown(value)} is not a whole number; allowed: >= {minimum}") from None
     if isinstance(value, bool) or count < minimum:
-        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: whole numbers >= {minimum}")
+        allowed = f"whole numbers >= {minimum}{'' if maximum == LARGEST_COUNT else f', up to {maximum}'}"
+        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: {allowed}")
     if count > maximum:
         raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: {minimum} to {maximum}")
     return count

@@ -72,7 +72,7 @@ def band_edges(
     from multibody_xval.scenarios.evaluate import Means
     from multibody_xval.scenarios.store import checked_store
 
-    file = None if store is None else checked_store(Path(store))
+    file = None if store is None else checked_store(store)
     seconds = SECONDS_A_RUN if time_limit is None else time_limit
     return edge_table(data, Means(store=file, workers=workers, seconds_a_run=seconds))
 
@@ -85,7 +85,7 @@ def plot(data: "xr.Dataset", file: str | Path | None = None) -> "Figure":
     data
         The dataset of a sweep, or a part of one with 24 cases at most.
     file
-        Where the figure is written too: ``.pdf``, ``.svg``, ``.png`` or what else matplotlib writes.
+        Where the figure is written too: ``.pdf``, ``.svg``, ``.png``, ``.eps``, ``.jpg`` or ``.tif``.
 
     Returns
     -------

@@ -9,6 +9,7 @@ import pandas as pd
 from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
 from multibody_xval.scenarios.compare import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
+from multibody_xval.scenarios.result_tables import with_amplitude
 from multibody_xval.scenarios.table_text import csv_text, json_text, markdown_lines, markdown_list, records
 
 MOST_SHOWN, MOST_FOLDED = 10, 200
@@ -132,7 +133,7 @@ def _content(own: Comparison) -> str:
 
 def _plain(changes: pd.DataFrame) -> pd.DataFrame:
     """Give every point with plain values."""
-    table = changes.drop(columns=list(_NOT_IN_FILES), errors="ignore")
+    table = with_amplitude(changes.drop(columns=list(_NOT_IN_FILES), errors="ignore"))
     return table.map(lambda value: value_text(value) if isinstance(value, tuple) else value)
 
 

@@ -5,29 +5,26 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from multibody_xval.reports.figures.limits import level_limits
 from multibody_xval.reports.figures.style import COLUMN, INK, PALETTE, PRINT_STYLE
 from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.sweep_plan import FREQUENCY
-from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
-from reference_lcp.studies.plot import checked_picture_format
+from reference_lcp.errors import ParameterError
+from reference_lcp.output import replacing, shown_in_notebooks
+from reference_lcp.studies.plot import checked_picture
 
 PAGE_WIDTH, PANEL_HEIGHT = 7.2, 2.0
 """Width of two columns of a journal, and height of a row of panels [inch]."""
 
 MOST_CASES = 24
 """Cases that one figure shows."""
-
-LOWEST_DB = -80.0
-"""Lowest transmittance that is drawn: beyond, the motion is less than the ten-thousandth part of the base's."""
 
 SOFT = "#57606a"
 
@@ -42,7 +39,7 @@ PRINT: dict[Any, Any] = {**PRINT_STYLE, "legend.columnspacing": 2.0}
 
 def drawn_curves(data: xr.Dataset, file: str | Path | None) -> Figure:
     """Draw the transmittance of a dataset; see `multibody_xval.plot`."""
-    picture = None if file is None else checked_picture_format(checked_output_file("file", checked_path("file", file)))
+    picture = None if file is None else checked_picture("file", file)
     table = judged_table(data)
     axes = [name for name in sweep_in(data).axes if name != FREQUENCY]
     with mpl.rc_context(PRINT):
@@ -63,10 +60,10 @@ def _drawn(table: pd.DataFrame, axes: list[str]) -> Figure:
     titles = [_title(row) for row in cases.to_dict("records")]
     alone = len(configs) == 1
     figure, panels = _panels([configs[0].title] if alone else titles)
-    low, high = _limits(table)
+    limits = level_limits(table.transmittance_db[table.status == "periodic"], THRESHOLD_DB)
     for panel in panels:
         panel.axhline(THRESHOLD_DB, color=SOFT, linewidth=0.6)
-        panel.set(ylim=(low, high))
+        panel.set(ylim=limits)
     for place, config, own in _curves(table, cases, configs):
         style = place if alone else configs.index(config)
         colour, dashes = COLOURS[style % len(COLOURS)], DASHES[style % len(DASHES)]
@@ -110,13 +107,6 @@ def _panels(titles: list[str]) -> tuple[Figure, list[Axes]]:
         panel.set_visible(False)
     figure.supxlabel("frequency ratio $η_r$ = ω/$ω_r$ [-]")
     return figure, list(grid[: len(titles)])
-
-
-def _limits(table: pd.DataFrame) -> tuple[float, float]:
-    """Give the lowest and the highest transmittance that is drawn."""
-    levels = table.transmittance_db[table.status == "periodic"].to_numpy()
-    known = np.append(levels[np.isfinite(levels)], THRESHOLD_DB)
-    return max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5
 
 
 def _legend(figure: Figure, panels: list[Axes]) -> None:

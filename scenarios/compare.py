@@ -57,7 +57,7 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
         If a file is no store, the stores have no point in common, or `db` is outside its range.
     """
     checked_db(db)
-    old, new = (_results_of(Path(file)) for file in (first, second))
+    old, new = map(_results_of, [existing_store(Path(file)) for file in (first, second)])
     before, now = _points_of(*old), _points_of(*new)
     numbers = number_changes(old, new, db)
     _check_common(before, now, numbers, f"{first} and {second}")
@@ -110,7 +110,7 @@ def checked_db(db: float) -> float:
 def _results_of(file: Path) -> tuple[list[Stored], dict[str, str]]:
     """Give the results of a store, of several versions of an engine the last, and options by configuration."""
     found = {row.run: row for row in stored_results(file)}
-    with opened(existing_store(file)) as store:
+    with opened(file) as store:
         return list(found.values()), store.options()
 
 

@@ -44,6 +44,9 @@ AXES = {
 }
 """What axes are, in words."""
 
+FORCE_FRICTION = "friction bound over the amplitude of the force, μ λ_N / P0"
+"""What the friction ratio is where a force drives the chain."""
+
 NO_POINT = "missing"
 """Status where a sweep has no point: adaptive curves have each their own frequencies."""
 
@@ -100,8 +103,9 @@ def _describe(data: xr.Dataset, sweep: Sweep) -> None:
     for name, unit in {**units, **dict.fromkeys(sweep.axes, "1"), "modulation_phase": "rad"}.items():
         if name in data.variables:
             data[name].attrs["units"] = unit
+    of_force = {"friction_ratio": FORCE_FRICTION} if sweep.drive == "force" else {}
     for name in sweep.axes:
-        data[name].attrs["long_name"] = AXES.get(name, name.replace("_", " "))
+        data[name].attrs["long_name"] = (AXES | of_force).get(name, name.replace("_", " "))
     known = {str(config): _identity(config) for config in sweep.configs}
     data.attrs = {"sweep": json.dumps(content_of(sweep)), "configurations": json.dumps(known)}
 

@@ -96,9 +96,9 @@ def sweep(
         "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     }  # fmt: skip
-    planned = sweep_of(content, "what the documentation of multibody_xval.sweep lists")
+    planned = sweep_of(content)
     check_size(planned, yes=yes, how="yes=True")
-    file = None if store is None else checked_store(Path(store))
+    file = None if store is None else checked_store(store)
     return swept(
         planned,
         Means(store=file, workers=workers, scheduler=scheduler, seconds_a_run=time_limit, retry_failed=retry_failed),

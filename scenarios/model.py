@@ -113,8 +113,16 @@ class Case(ChainRatios):
     @property
     def title(self) -> str:
         """Every value that is not the paper's, with its name: ``friction 0.3, frequency 0.9, cells 3``."""
-        shown = {name.removesuffix("_ratio").replace("_", " "): value for name, value in self.as_data().items()}
-        return ", ".join(f"{name} {value_text(value)}" for name, value in shown.items())
+        return ", ".join(f"{name.removesuffix(' ratio')} {text}" for name, text in self.words.items())
+
+    @property
+    def words(self) -> dict[str, str]:
+        """Every value that is not the paper's by its name, as people read both; an amplitude has its unit."""
+        texts = {name.replace("_", " "): value_text(value) for name, value in self.as_data().items()}
+        if texts.pop("displacement", None) is not None:
+            value, unit = amplitude_of(self.drive, self.displacement)
+            texts["amplitude"] = f"{value:.6g} {unit}"
+        return texts
 
 
 CASE = ["friction_ratio", "frequency_ratio"]
@@ -123,6 +131,13 @@ CASE += [own.name for own in fields(Case) if own.name not in CASE]
 
 DEFAULTS = {name: Case.__dataclass_fields__[name].default for name in CASE[2:]}
 """The paper's chain, by the names of parameters."""
+
+
+def amplitude_of(drive: str, displacement: float) -> tuple[float, str]:
+    """Give the amplitude of a drive with its unit: U0 of a base, P0 of a force, as a sweep file has it."""
+    if drive == "base":
+        return displacement, "m"
+    return float(f"{defaults.CHAIN_STIFFNESS * displacement:.15g}"), "N"
 
 
 def value_text(value: Any) -> str:

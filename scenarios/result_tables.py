@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from multibody_xval.scenarios.model import CASE, EXACT, REFERENCE, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.model import CASE, EXACT, REFERENCE, Case, Config, Result, Run, Status, amplitude_of
 from multibody_xval.scenarios.store import Stored, identity
 
 CONFIG = ["engine", "formulation", "preset"]
@@ -164,7 +164,15 @@ def coarsest(table: pd.DataFrame) -> pd.DataFrame:
 def file_columns(table: pd.DataFrame) -> pd.DataFrame:
     """Give a table as files have it: plain values, stuck fractions as numbers with spaces between."""
     shown = table.drop(columns=[name for name in INTERNAL if name in table])
-    return shown.map(_spaced)
+    return with_amplitude(shown).map(_spaced)
+
+
+def with_amplitude(table: pd.DataFrame) -> pd.DataFrame:
+    """Put ``amplitude``, of the base or of the force, and ``amplitude_unit``, m or N, in place of ``displacement``."""
+    own = [amplitude_of(*row) for row in rows_of(table, "drive", "displacement")]
+    shown = table.rename(columns={"displacement": "amplitude"}).assign(amplitude=[value for value, _ in own])
+    shown.insert(list(shown).index("amplitude") + 1, "amplitude_unit", [unit for _, unit in own])
+    return shown
 
 
 def _spaced(value: Any) -> Any:

@@ -153,7 +153,7 @@ def opened(path: Path | None) -> Iterator[Store]:
         store.close()
 
 
-def existing_store(path: Path) -> Path:
+def existing_store(path: str | Path) -> Path:
     """Give the path of a store that is there."""
     path = checked_path("store", path)
     if not path.is_file():
@@ -161,7 +161,7 @@ def existing_store(path: Path) -> Path:
     return path
 
 
-def checked_store(path: Path) -> Path:
+def checked_store(path: str | Path) -> Path:
     """Give the path of a store, if a file can be there."""
     path = checked_path("store", path)
     if str(path).startswith((":", "file:")):

@@ -11,9 +11,10 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from multibody_xval.engines.interface.variant import variants_named
 from multibody_xval.scenarios.frequency_grid import MOST_VALUES, AdaptiveGrid, Decibel
 from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.sweep_mistakes import mistake
 from multibody_xval.scenarios.sweep_plan import COUNTS, FREQUENCY, Sweep
 from reference_lcp.defaults import BASE_AMPLITUDE, CHAIN_STIFFNESS, FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.errors import ParameterError, checked_path, choices, shown
+from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.validation import LARGEST_PARAMETER, LARGEST_UNIT, MOST_STEPS
 
 EXAMPLE = """\
@@ -71,9 +72,6 @@ LARGEST_FILE = 10_000_000
 AMPLITUDES = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
 """U0 [m] or P0 [N] by kind of drive where none is given: both displace alike."""
 
-TAGS = ("values", "range", "adaptive", "float", "list[float]")
-"""Forms in which values are written; no part of a key."""
-
 
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -123,19 +121,13 @@ class _File(_Table):
     steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD, le=MOST_STEPS)] = MINIMUM_STEPS_PER_PERIOD
 
 
-def sweep_of(
-    content: dict[str, Any],
-    source: str = "what `multibody-xval example` shows",
-    named: Callable[[list[str]], list[Config]] = variants_named,
-) -> Sweep:
+def sweep_of(content: dict[str, Any], named: Callable[[list[str]], list[Config]] = variants_named) -> Sweep:
     """Check plain data as a sweep file holds them.
 
     Parameters
     ----------
     content
         What a sweep file holds.
-    source
-        Where keys are listed, for messages.
     named
         Gives the configurations of names; engines have to be installed without it.
 
@@ -147,7 +139,7 @@ def sweep_of(
     try:
         file = _File.model_validate(content)
     except ValidationError as problem:
-        raise _first_error(problem, source) from None
+        raise mistake(problem) from None
     adaptive = {name: own for name, own in file.grid.items() if isinstance(own, AdaptiveGrid)}
     for name in adaptive.keys() - {FREQUENCY}:
         raise ParameterError(f"grid.{name} has an accuracy; allowed: of {FREQUENCY} only")
@@ -220,17 +212,3 @@ def _values(name: str, written: list[float] | _Range | AdaptiveGrid) -> tuple[fl
 def _whole(name: str, value: float) -> float:
     """Give the value of a parameter that is counted as a whole number."""
     return int(value) if name in COUNTS and float(value).is_integer() else value
-
-
-def _first_error(problem: ValidationError, source: str) -> ParameterError:
-    """Give the first error in one line: its key, its value and what is allowed."""
-    error: Any = problem.errors()[0]
-    key = ".".join(str(part) for part in error["loc"] if part not in TAGS)
-    if error["type"] == "value_error":
-        return ParameterError(str(error["ctx"]["error"]))
-    if error["type"] == "extra_forbidden":
-        return ParameterError(f"{key} is unknown; {choices(error['loc'][-1], source.split(', '))}")
-    if error["type"] == "missing":
-        return ParameterError(f"{key} is missing")
-    message = f"{error['msg'][0].lower()}{error['msg'][1:]}"
-    return ParameterError(f"{key} = {shown(error['input'])}; {message}" if key else message)

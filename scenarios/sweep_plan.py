@@ -11,7 +11,7 @@ import pandas as pd
 
 from multibody_xval.scenarios.chain_ratios import PER_CELL
 from multibody_xval.scenarios.evaluate import Propose
-from multibody_xval.scenarios.frequency_grid import MOST_VALUES, AdaptiveGrid, missing, resonances
+from multibody_xval.scenarios.frequency_grid import LONGEST_CHAIN, MOST_VALUES, AdaptiveGrid, missing, resonances
 from multibody_xval.scenarios.model import CASE, DEFAULTS, SINGLE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import rows_of
@@ -98,6 +98,9 @@ class Sweep:
             raise ParameterError(f"{size_text(self)}; allowed: <= {MOST_POINTS:,} points")
         for cells in self.axes.get("cells", (self.chain.get("cells", DEFAULTS["cells"]),)):
             self._check_lists(int(cells))
+            if self.grid is not None and cells > LONGEST_CHAIN:
+                problem = f"cells = {int(cells)} with an accuracy of {FREQUENCY}, which needs natural frequencies"
+                raise ParameterError(f"{problem}; allowed: <= {LONGEST_CHAIN}, or values of {FREQUENCY}")
 
     def _check_lists(self, cells: int) -> None:
         """Refuse lists that have not a number for every cell."""

@@ -1,6 +1,7 @@
 """Mistakes that people make at the command line: each is refused before any work, with the value and what to do."""
 
 import re
+import shlex
 import sqlite3
 from pathlib import Path
 
@@ -14,10 +15,10 @@ from reference_lcp.process import run_command
 COMMAND_LINES = [
     ("reference --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),
     ("reference --frequency-ratio 0", r"frequency_ratio = 0.*> 0"),
-    ("reference --frequency-ratio nan", r"frequency_ratio = nan.*finite"),
-    ("reference --friction-ratio inf", r"friction_ratio = inf.*finite"),
+    ("reference --frequency-ratio nan", r"frequency_ratio = nan .*allowed: > 0, 1e-12 to 1e\+12"),
+    ("reference --friction-ratio inf", r"friction_ratio = inf .*allowed: >= 0, up to 1e\+12"),
     ("reference --cells 0", r"cells = 0.*>= 1"),
-    ("reference --cells 2.5", r"--cells.*valid integer.*given: 2.5"),
+    ("reference --cells 2.5", r"--cells = '2.5' is not a whole number; allowed: a whole number"),
     ("reference --mass-ratio 0", r"mass_ratio = 0.*> 0"),
     ("reference --stiffness-ratio -1", r"stiffness_ratio = -1.*> 0"),
     ("reference --damping-ratio -0.01", r"damping_ratio = -0.01.*>= 0"),
@@ -27,14 +28,21 @@ COMMAND_LINES = [
     ("reference --max-periods 0", r"max_periods = 0.*>= 1"),
     ("reference --solver newton", r"solver = 'newton' is unknown; allowed: compiled, lemke, exact"),
     ("reference --friction 0.3", r"No such option.*--friction-ratio"),
-    ("reference --friction-ratio lots", r"--friction-ratio.*valid number.*given: lots"),
+    ("reference --friction-ratio lots", r"--friction-ratio = 'lots' is not a number; allowed: a number"),
     ("reference --proof --digits 0", r"digits = 0.*>= 1"),
     ("reference --proof --time-limit 0", r"time_limit = 0.*> 0"),
     ("reference --proof --cells 101", r"cells = 101.*1 to 100"),
     ("reference --proof --friction-ratio 1e-13", r"friction_ratio = 1e-13.*1e-12 to 1e\+12"),
     ("reference --plot missing/period.png", r"the folder missing does not exist"),
+    ("reference --plot period.gif", r"--plot = period.gif has the ending '.gif'; allowed: .pdf, .svg, .png, .eps, "),
+    ("reference --cells 100000 --plot period", r"--plot = period has the ending ''; allowed: .pdf"),
+    ("reference --cells 100001", r"cells = 100001 is outside its range; allowed: 1 to 100000"),
+    ("reference --cells 100000 --error-bar", r"cells = 100000 is more than an error bar takes; allowed: <= 1000"),
+    ("reference --cells 100000 --exact-value", r"cells = 100000 is more than an exact value takes; allowed: <= 500"),
+    ("reference --cells 100000 --solver lemke", r"cells = 100000 is more than the solver 'lemke' takes; .* <= 100,"),
+    ("reference --mass-ratio 1e9", r"needs 1.21e\+06 steps; allowed: <= 1000000, as with a frequency 1.21 times"),
+    ("reference --plot ''", r"--plot = '' is empty; allowed: "),
     ("reference bench 7", r"unexpected extra argument"),
-    ("reference --plot missing/period.png", r"the folder missing does not exist"),
     ("truth show block-stop", r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"),
     ("truth check block-stops missing.csv", r"motion = 'missing.csv' is no file"),
     ("truth check block-stops sweep.toml", r"columns of sweep.toml = .* lack time; allowed: 'time, x0'"),
@@ -84,7 +92,7 @@ COMMAND_LINES = [
     ("run work-precision --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
     ("run work-precision --steps 15", r"steps = 15.*>= 16"),
     ("run work-precision --steps 400 --steps 1000001", r"steps = 1000001.*16 to 1000000"),
-    ("run work-precision --steps 2.5", r"--steps.*valid integer.*given: 2.5"),
+    ("run work-precision --steps 2.5", r"--steps = '2.5' is not a whole number; allowed: "),
     ("run work-precision --out speed.gif", r"ending '.gif'; allowed: .md or .csv or .svg or .pdf or .png"),
     ("run work-precision --out speed.md --out speed.md", r"speed.md"),
     ("run work-precision --workers 0", r"workers = 0.*>= 1"),
@@ -94,6 +102,14 @@ COMMAND_LINES = [
     ("sweep missing.toml", r"missing.toml cannot be read"),
     ("sweep folder", r"folder cannot be read"),
     ("sweep sweep.toml --out sweep.xls", r"ending '.xls'; allowed: .nc or .csv"),
+    ("sweep sweep.toml --out ''", r"--out = '' is empty; allowed: "),
+    ("sweep sweep.toml --out=", r"--out = '' is empty; allowed: "),
+    ("sweep sweep.toml --out ' '", r"--out = ' ' is empty; allowed: "),
+    ("sweep sweep.toml --store ''", r"--store = '' is empty; allowed: "),
+    ("sweep ''", r"an argument = '' is empty; allowed: "),
+    ("report --quick --out ''", r"--out = '' is empty; allowed: "),
+    ("run unit-cell --store ''", r"--store = '' is empty; allowed: "),
+    ("compare '' other.sqlite", r"an argument = '' is empty; allowed: "),
     ("sweep sweep.toml --store other.sqlite", r"store other.sqlite is no store of this suite; allowed: "),
     ("sweep sweep.toml --store text.sqlite", r"store text.sqlite is damaged or no store"),
     ("sweep sweep.toml --scheduler nowhere", r"scheduler = 'nowhere'"),
@@ -129,14 +145,18 @@ SWEEP_FILES = [
         SWEEP + "[chain]\nouter_mass_ratio = [1.0, 2.0]\n",
         r"chain.outer_mass_ratio has 2 values and the chain 7 cells; allowed: one number, or as many",
     ),
+    (
+        SWEEP.replace("[0.9]", "{ first = 0.3, last = 1.6, accuracy_db = 1 }") + "[chain]\ncells = 3000\n",
+        r"cells = 3000 with an accuracy of frequency_ratio, .*; allowed: <= 1000, or values of frequency_ratio",
+    ),
     (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: cells, mass_ratio"),
     ("steps_per_period = 3\n" + SWEEP, r"steps_per_period = 3; .*16"),
     ("steps_per_period = " + "9" * 4301 + SWEEP, r"is no TOML: .*4300 digits"),
     ("engines = " + "[" * 3000 + "]" * 3000, r"is no TOML: arrays and tables in one another"),
-    (SWEEP.replace("[0.9]", "[nan]"), r"grid.frequency_ratio = nan.*finite"),
+    (SWEEP.replace("[0.9]", "[nan]"), r"grid.frequency_ratio = nan .*allowed: > 0, 1e-12 to"),
     (SWEEP.replace("[0.9]", "[1e-320]"), r"grid.frequency_ratio = .*e-321.*allowed: 1e-12 to 1e\+12"),
     (SWEEP.replace("[0.9]", "{ first = 1, last = 2, points = 1" + "0" * 30 + " }"), r"points = 10*; .*1000000"),
-    (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*1000000000000"),
+    (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*up to 1e\+24"),
     (SWEEP + "[chain]\ncells = 1" + "0" * 30 + "\n", r"chain.cells = 10{9}.*100000"),
     (SWEEP + "[tolerances]\ntransmittance_db = 1e5\n", r"tolerances.transmittance_db = 100000.0; .*1000"),
 ]
@@ -163,7 +183,7 @@ def files_in(folder: Path) -> dict[Path, bytes | None]:
 @pytest.mark.parametrize(("line", "message"), COMMAND_LINES, ids=[line[:60] for line, _ in COMMAND_LINES])
 def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, message) -> None:
     before = files_in(folder)
-    name, *arguments = line.split()
+    name, *arguments = shlex.split(line)
     assert run_command(app, [name, *arguments]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr()
     assert printed.err.startswith("error: ")

@@ -94,7 +94,8 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
     if stable > MOST_STEPS:
         fastest = f"a natural frequency of {chain.highest_natural_frequency:.4g} rad/s"
         slow = f"a period of {drive.period:.4g} s with {fastest}"
-        raise ParameterError(f"{slow} needs {stable:.3g} steps; allowed: ratios that need <= {MOST_STEPS}")
+        other = f"as with a frequency {stable / MOST_STEPS:.3g} times as high, or masses and springs that differ less"
+        raise ParameterError(f"{slow} needs {stable:.3g} steps; allowed: <= {MOST_STEPS}, {other}")
     steps = max(minimum, math.ceil(stable))
     check_record_size(chain.cells, steps)
     return steps

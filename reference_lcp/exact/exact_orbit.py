@@ -21,7 +21,7 @@ from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, steps_per_period_for
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline
+from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation
 from reference_lcp.exact.mode_dynamics import Segment, monodromy, values
@@ -44,6 +44,9 @@ throughout (shakedown), which it reaches in the limit only."""
 NEWTON_STEPS = 16
 """Most steps of Newton's method; one or two reach round-off, but where a contact creeps towards a place in which its
 force just reaches the bound each step lowers the residual by four only."""
+
+POLISHING = "exact motion, by Newton's method"
+"""What is told to whoever watches."""
 
 NULL_DIRECTION = 1e-12
 """Singular values of I − J, over the largest, that belong to offsets of cells that stay stuck."""
@@ -207,6 +210,7 @@ def polished(
         segments = list(chain.segments(State(x[None, :width], x[None, width:]), 0.0, drive.period))
         change = (segments[-1].states(np.array([segments[-1].duration]))[0] - x) / scale
         periods += 1
+        tell(POLISHING, periods, NEWTON_STEPS)
         if not np.max(np.abs(change)) < residual:
             break
         best, residual = segments, float(np.max(np.abs(change)))

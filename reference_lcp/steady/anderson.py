@@ -16,8 +16,11 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline
+from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.validation import FloatArray
+
+SEARCH = "search for the steady state"
+"""What is told to whoever watches."""
 
 FEWEST_KEPT = 20
 """Differences kept by the acceleration at least, for chains of few cells."""
@@ -298,6 +301,7 @@ class FixedPointSearch:
             f = self._step(change)
             self._x[self._active, row], self._f[self._active, row] = following, f
             stays = self._note(following, f, self._scales.residuals(following, change))
+            tell(SEARCH, period + 1, periods)
             if not np.any(stays):
                 return
             if not np.all(stays):

@@ -15,7 +15,7 @@ import numpy as np
 
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline
+from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, FEWEST_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
 from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch, StateScales
@@ -28,6 +28,9 @@ LONGEST_MULTIPLE = 8
 
 SETTLING_PERIODS = 64
 """Plain periods before the comparison: they lead from the search's best iterate to the attractor."""
+
+SETTLING = "no steady state so far, looking for a repetition after several periods"
+"""What is told to whoever watches."""
 
 HINT = 0.5
 """x(t + mT) this many times closer to x(t) than x(t + T) is makes m worth a search of its own."""
@@ -220,8 +223,9 @@ def repetitions(
     """
     scales, end = StateScales(simulation.lanes, steps_per_period), start
     leading = leading or simulation
-    for _ in range(SETTLING_PERIODS):
+    for period in range(SETTLING_PERIODS):
         end = leading.advance(end, 0, steps_per_period)
+        tell(SETTLING, period + 1, SETTLING_PERIODS)
     distances = _distances(simulation, scales, end, steps_per_period, longest)
     multiples = [_smallest(row <= tolerance) for row in distances]
     for lane in [lane for lane, m in enumerate(multiples) if m == 0]:

@@ -5,24 +5,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.chain.simulation import PeriodicOrbit
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.observables.stick_slip import contact_modes
-from reference_lcp.output import replacing, shown_in_notebooks
+from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
 from reference_lcp.validation import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def checked_picture_format(file: Path) -> Path:
-    """Give `file` if its ending is one that matplotlib writes, or raise `ParameterError`."""
-    from matplotlib.backend_bases import FigureCanvasBase
+PICTURES = (".pdf", ".svg", ".png", ".eps", ".jpg", ".tif")
+"""Formats of pictures: what journals and pages take, and matplotlib writes everywhere without another program."""
 
-    endings = sorted(FigureCanvasBase.get_supported_filetypes())
-    if file.suffix.lstrip(".").lower() not in endings:
-        raise ParameterError(f"plot file {file.name} has an unknown ending; allowed: {', '.join(endings)}")
-    return file
+
+def checked_picture(name: str, file: str | Path) -> Path:
+    """Give the path of a picture, or raise `ParameterError` if its ending or its folder is none for one."""
+    path = checked_path(name, file)
+    if path.suffix.lower() not in PICTURES:
+        raise ParameterError(f"{name} = {path} has the ending {path.suffix!r}; allowed: {', '.join(PICTURES)}")
+    return checked_output_file(name, path)
 
 
 def plot_period(orbit: PeriodicOrbit) -> "Figure":
@@ -43,9 +46,10 @@ def plot_period(orbit: PeriodicOrbit) -> "Figure":
         _draw(row[1], phase, stuck[:, cell], {"": trajectory.relative_velocity[:, cell] / (scale * omega)})
         _draw(row[2], phase, stuck[:, cell], {"": trajectory.friction[:, cell] / bound[cell]})
         row[0].set_ylabel(f"cell {cell + 1}")
-    for axis, title in zip(
-        axes[0], ("displacement / U0 [-]", "relative velocity / (U0 ω) [-]", "friction / bound [-]"), strict=True
-    ):
+    titles = ("displacement / U0 [-]", "relative velocity / (U0 ω) [-]", "friction / bound [-]")
+    if isinstance(lane.drive, HarmonicForce):
+        titles = ("displacement k_c / P0 [-]", "relative velocity k_c / (P0 ω) [-]", titles[-1])
+    for axis, title in zip(axes[0], titles, strict=True):
         axis.set_title(title, fontsize=10)
     for axis in axes[-1]:
         axis.set_xlabel("time / period [-]")

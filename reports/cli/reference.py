@@ -15,10 +15,10 @@ import typer
 
 from multibody_xval.reports.cli.options import grouped
 from reference_lcp import defaults
+from reference_lcp.deadline import watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
 from reference_lcp.errors import ExitCode
-from reference_lcp.output import checked_output_file
-from reference_lcp.terminal import announce_compilation, print_table
+from reference_lcp.terminal import SearchLines, announce_compilation, print_table, said_if_long
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain
@@ -32,7 +32,7 @@ def typed_number(value: str | float) -> TypedNumber:
     try:
         return TypedNumber(value)
     except ValueError:
-        raise typer.BadParameter("Input should be a valid number, unable to parse string as a number") from None
+        raise typer.BadParameter("no valid number") from None
 
 
 class TypedNumber(float):
@@ -148,7 +148,9 @@ def run(
     ] = False,
     exact_value: Annotated[bool, typer.Option("--exact-value", help="Also compute the exact transmittance.")] = False,
     as_json: AsJson = False,
-    plot: Annotated[Path | None, typer.Option(help="Draw one period into this file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw one period into this file: .pdf, .svg, .png, .eps, .jpg or .tif.")
+    ] = None,
 ) -> None:
     """Find the steady state of a frictional mass-in-mass chain on a base that moves as U0 sin ωt.
 
@@ -163,16 +165,21 @@ def run(
         return
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
+    from reference_lcp.chain.simulation import steps_per_period_for
     from reference_lcp.one_call import steady_state
-    from reference_lcp.studies.plot import save_picture
+    from reference_lcp.studies.plot import checked_picture, save_picture
 
+    if plot is not None:
+        checked_picture("--plot", plot)
     announce_compilation()
     chain = Chain.from_ratios(friction_ratio=friction_ratio, **vars(parameters))
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
     ratios = {name: ratio for name, ratio in vars(parameters).items() if name != "base_amplitude"}
     question = proof.question({"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **ratios})
-    _check_picture(plot)
-    state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
+    steps = steps_per_period_for(chain, drive, search.steps_per_period)
+    size = f"{chain.cells:,} cells, {steps:,} steps per period, at most {search.max_periods:,} periods"
+    with said_if_long(f"searching: {size}; Ctrl-C ends it"), watched(SearchLines()):
+        state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)
     steps = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
     proven = proof.answer(question)
@@ -181,14 +188,6 @@ def run(
         save_picture(state.plot(), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
-
-
-def _check_picture(plot: Path | None) -> None:
-    """Refuse a file that cannot be written, or whose ending names no format."""
-    from reference_lcp.studies.plot import checked_picture_format
-
-    if plot is not None:
-        checked_picture_format(checked_output_file("plot file", plot))
 
 
 def _show(as_json: bool, content: object, show: Callable[[], None]) -> None:

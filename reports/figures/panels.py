@@ -7,11 +7,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
+from multibody_xval.reports.figures.limits import decade_limits
 from multibody_xval.reports.figures.svg import Panel
 from multibody_xval.reports.formatting import significant
 from multibody_xval.scenarios.conclusions import TITLES
-from multibody_xval.scenarios.judge import FLOOR_DB
-from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Status
+from multibody_xval.scenarios.model import REFERENCE, Status
 from multibody_xval.scenarios.result_tables import is_reference
 
 FREQUENCY = "frequency_ratio"
@@ -24,67 +24,36 @@ OTHER = ("#cc79a7", "x")
 LINE = "0.55"
 MODES = {"stick": "#b9bfc6", "forward slip": "#0072b2", "backward slip": "#e69f00", "slip": "#56b4e9", "open": "#000"}
 
-MOST_PLACES, MOST_PANELS = 4, 48
-"""Panels of an engine, and of a figure on the page: tables have all."""
+MOST_PANELS = 48
+"""Panels of a figure on the page: tables have all."""
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 """Of logarithmic axes, without powers of ten, which take longer to set than all else of a figure."""
 
-LEAST_PERCENT, LEAST_DB, LEAST_EDGE = 1e-4, 1e-4, 1e-7
-"""Errors below are drawn as these."""
+LEAST_PERCENT, LEAST_DB, LEAST_EDGE = 1e-3, 1e-4, 1e-7
+"""Errors below are drawn as these: 0.001 % of an amplitude is 0.0001 dB, a tenth of the least change that `compare`
+counts, and a thousandth of what the time step explains; 1e-7 in η_r is a tenth of how closely edges are sought."""
 
 
-def transmittance(rows: pd.DataFrame) -> list[Panel]:
-    """Draw the transmittance over the frequency ratio, a panel an engine and case: the reference as a line."""
-    rows = rows.assign(level=rows.transmittance_db.clip(lower=FLOOR_DB)).sort_values(FREQUENCY)
-    steady = rows[rows.status == Status.PERIODIC]
-    reference = dict(list(steady[is_reference(steady)].groupby(["place", "steps"])))
-    panels = []
-    for title, own in rows[~is_reference(rows)].groupby("title"):
-        for key in _spread(own):
-            at = own[(own.place == key[0]) & (own.steps == key[1])]
-            draw = partial(_draw_level, at, reference.get(key))
-            panels.append(Panel(f"{title}: {key[0]}", _level_text(at), draw))
-    return panels[:MOST_PANELS]
-
-
-def _spread(rows: pd.DataFrame) -> list[tuple[str, int]]:
-    """Give at most `MOST_PLACES` places with their steps, evenly; those without friction only where all have room."""
-    cases = rows.groupby(["place", "steps"], sort=False).case.first()
-    order = sorted(cases.index, key=lambda key: (_numbers(cases[key]), key[1]))
-    places = order if len(order) <= MOST_PLACES else [key for key in order if np.any(cases[key].friction_ratio)]
-    chosen = np.unique(np.linspace(0, len(places) - 1, min(MOST_PLACES, len(places))).round().astype(int))
-    return [places[k] for k in chosen]
-
-
-def _numbers(case: Case) -> list[float]:
-    """Give what curves are sorted by; of cells that differ, the mean."""
-    return [float(np.mean(getattr(case, name))) for name in CASE if name not in ("drive", FREQUENCY)]
-
-
-def _level_text(rows: pd.DataFrame) -> str:
+def level_text(rows: pd.DataFrame) -> str:
     """Say what a panel shows to those who do not see it."""
-    parts = []
-    for options, own in rows.groupby("options", sort=False):
-        steady = own[own.status == Status.PERIODIC]
-        worst = steady.error_db.abs().max()
-        error = "" if np.isnan(worst) else f", up to {significant(worst)} dB from the exact motion"
-        parts.append(f"{options}: {len(steady)} of {len(own)} points periodic{error}")
-    return "; ".join(parts) + "."
+    return "; ".join(f"{options}: {_points_text(own)}" for options, own in rows.groupby("options", sort=False)) + "."
 
 
-def _draw_level(rows: pd.DataFrame, reference: pd.DataFrame | None, axes: Axes) -> None:
-    if reference is not None:
-        axes.plot(reference[FREQUENCY], reference.level, color=LINE, lw=1.4, zorder=1)
-    for options, own in _by_options(rows):
-        colour, marker = look(options)
-        steady = own.status == Status.PERIODIC
-        axes.plot(own[FREQUENCY][steady], own.level[steady], marker, ms=4.5, mfc="none", mew=0.9, color=colour)
-        axes.plot(own[FREQUENCY][~steady], np.full((~steady).sum(), FLOOR_DB - 3), "|", ms=5, color=colour)
-    axes.set(xlabel="frequency ratio", ylabel="transmittance / dB", ylim=(FLOOR_DB - 6, None))
+def _points_text(rows: pd.DataFrame) -> str:
+    """Count the points of a preset: those that are periodic of all that are supported, and the others."""
+    counts = rows.status.value_counts()
+    supported = len(rows) - counts.get(Status.UNSUPPORTED, 0)
+    if not supported:
+        return "not supported"
+    parts = [f"{counts.get(Status.PERIODIC, 0)} of {supported} points periodic"]
+    worst = rows.error_db[rows.status == Status.PERIODIC].abs().max()
+    parts += [] if np.isnan(worst) else [f"up to {significant(worst)} dB from the exact motion"]
+    others = {"failed": Status.FAILED, "not supported": Status.UNSUPPORTED}
+    return ", ".join(parts + [f"{counts[status]} {words}" for words, status in others.items() if status in counts])
 
 
-def _by_options(rows: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
+def by_options(rows: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     """Give the rows of every preset, the usual ones first."""
     groups = {str(name): own for name, own in rows.groupby("options", sort=False)}
     order = [*(name for name in TITLES.values() if name in groups), *(name for name in groups if name not in COLOURS)]
@@ -99,18 +68,18 @@ def look(options: str) -> tuple[str, str]:
 def errors(rows: pd.DataFrame) -> list[Panel]:
     """Draw the errors of all points over the frequency ratio, a panel an engine and formulation."""
     known = rows[rows.error_percent.notna() & ~is_reference(rows)]
-    top = 2 * known.error_percent.max() if len(known) else 100.0
+    limits = decade_limits(known.error_percent, LEAST_PERCENT)
     return [
-        Panel(str(title), _level_text(own), partial(_draw_errors, own, top)) for title, own in known.groupby("title")
+        Panel(str(title), level_text(own), partial(_draw_errors, own, limits)) for title, own in known.groupby("title")
     ][:MOST_PANELS]
 
 
-def _draw_errors(rows: pd.DataFrame, top: float, axes: Axes) -> None:
-    for options, own in _by_options(rows):
+def _draw_errors(rows: pd.DataFrame, limits: tuple[float, float], axes: Axes) -> None:
+    for options, own in by_options(rows):
         colour, marker = look(options)
         sizes = own.error_percent.clip(lower=LEAST_PERCENT)
-        axes.plot(own[FREQUENCY], sizes, marker, ms=4.5, mfc="none", mew=0.8, color=colour)
-    axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=(LEAST_PERCENT / 2, top))
+        axes.plot(own[FREQUENCY], sizes, marker, ms=4.5, mfc="none", mew=0.8, color=colour, clip_on=False)
+    axes.set(yscale="log", xlabel="frequency ratio", ylabel="error / % of amplitude", ylim=limits)
     axes.yaxis.set_major_formatter(PLAIN)
     axes.minorticks_off()
     axes.figure.subplots_adjust(left=0.21)
@@ -123,18 +92,20 @@ def dots(rows: pd.DataFrame, column: str, least: float, title: str, label: str) 
         return []
     titles = list(dict.fromkeys(known.title))[::-1]
     text = "; ".join(f"{name} {significant(own[column].max())}" for name, own in known.groupby("title", sort=False))
-    draw = partial(_draw_dots, known.assign(size=known[column].abs().clip(lower=least)), titles, label)
+    edge = f", at the left edge {least:g} or less" if (known[column].abs() <= least).any() else ""
+    draw = partial(_draw_dots, known.assign(size=known[column].abs().clip(lower=least)), titles, f"{label}{edge}")
     return [Panel(title, f"Largest, {label}: {text}.", draw, 0.26 * len(titles) + 0.85, 6.0)]
 
 
 def _draw_dots(rows: pd.DataFrame, titles: list[str], label: str, axes: Axes) -> None:
-    axes.figure.subplots_adjust(left=0.33)
-    for options, own in _by_options(rows):
+    axes.figure.subplots_adjust(left=0.33, right=0.96)
+    for options, own in by_options(rows):
         colour, marker = look(options)
         size = 9 if marker == "." else 5.5
         axes.plot(own["size"], own.title.map(titles.index), marker, ms=size, mfc="none" if size < 9 else colour,
-                  color=colour)  # fmt: skip
-    axes.set(xscale="log", xlabel=label, yticks=range(len(titles)), ylim=(-0.6, len(titles) - 0.4))
+                  color=colour, clip_on=False)  # fmt: skip
+    limits = decade_limits(rows["size"], 0.0)
+    axes.set(xscale="log", xlabel=label, xlim=limits, yticks=range(len(titles)), ylim=(-0.6, len(titles) - 0.4))
     axes.set_yticklabels(titles)
     axes.xaxis.set_major_formatter(PLAIN)
     axes.minorticks_off()

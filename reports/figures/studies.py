@@ -7,13 +7,14 @@ import pandas as pd
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from multibody_xval.reports.figures.limits import decade_limits, level_limits
+from multibody_xval.reports.figures.panels import LEAST_DB
 from multibody_xval.scenarios.claims import RANGE, claim_cases
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_reference
 
 SHAPES = "os^Dv<>p*hX"
-LOWEST_DB = -80.0
 STYLE: dict[Any, Any] = {
     "svg.hashsalt": "multibody-xval", "svg.fonttype": "path", "font.size": 9.0, "savefig.dpi": 200.0,
 }  # fmt: skip
@@ -52,7 +53,7 @@ def transmittance(points: pd.DataFrame, edges: pd.DataFrame) -> Figure:
             facecolors="none", edgecolors=ink, linewidths=0.7, label=title(config),
         )  # fmt: skip
     axes.set(xlabel="frequency ratio $\\omega/\\omega_r$", ylabel="transmittance / dB")
-    axes.set(xlim=RANGE, ylim=(LOWEST_DB, 40))
+    axes.set(xlim=RANGE, ylim=level_limits(shown.transmittance_db, THRESHOLD_DB))
     figure.legend(loc="outside upper center", ncols=3, frameon=False, fontsize=8)
     return figure
 
@@ -66,7 +67,8 @@ def costs(table: pd.DataFrame) -> Figure:
     for number, (config, own) in enumerate(whole.groupby("config", sort=False)):
         shape = SHAPES[number % len(SHAPES)]
         axes.plot(own.milliseconds, own.error_db, marker=shape, ms=4, mfc="none", lw=0.9, label=title(config))
-    axes.set(xscale="log", yscale="log", xlabel="ms per simulated second", ylabel="largest error / dB")
+    limits = decade_limits(whole.error_db, LEAST_DB)
+    axes.set(xscale="log", yscale="log", ylim=limits, xlabel="ms per simulated second", ylabel="largest error / dB")
     if not whole.empty:
         figure.legend(loc="outside right upper", frameon=False, fontsize=8)
     return figure

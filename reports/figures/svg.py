@@ -34,7 +34,7 @@ COUNTERS = re.compile(r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplo
 
 TAG, LONG_NUMBER = re.compile(r"<[^>]+>"), re.compile(r"\d+\.\d{3,}")
 
-MARKS = re.compile(r'<g( clip-path="[^"]*")>((?:\s*<use [^>]*?style="([^"]*)"/>)+)')
+MARKS = re.compile(r'<g((?: clip-path="[^"]*")?)>((?:\s*<use [^>]*?style="([^"]*)"/>)+)')
 """Marks of one curve, each of which has the style of all."""
 
 

@@ -11,7 +11,7 @@ from multibody_xval.scenarios.claims import OPEN, STATED
 from multibody_xval.scenarios.conclusions import TITLES, conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import VERDICTS
-from multibody_xval.scenarios.model import Case, Config, Status, value_text
+from multibody_xval.scenarios.model import Case, Config, Status
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
 from multibody_xval.scenarios.result_tables import CONFIG, curve_of, full_name, is_reference, rows_of
 from multibody_xval.scenarios.store import Stored
@@ -46,9 +46,7 @@ def _title(config: Config) -> str:
 
 def place(case: Case) -> str:
     """Name every value of a case that is not the paper's, but its frequency ratio: ``friction ratio 0.3, cells 3``."""
-    return ", ".join(
-        f"{name.replace('_', ' ')} {value_text(own)}" for name, own in case.as_data().items() if name != FREQUENCY
-    )
+    return ", ".join(f"{name} {text}" for name, text in case.words.items() if name != "frequency ratio")
 
 
 def planned(table: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:

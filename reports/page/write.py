@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pandas as pd
 
-from multibody_xval.reports.figures import panels
+from multibody_xval.reports.figures import levels, panels
 from multibody_xval.reports.figures.svg import Panel, svg
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.page import tables
@@ -31,6 +31,9 @@ SECTIONS = {
 """Sections below the first screen, by their templates; those without a table or figure are left out."""
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
+
+SCALES = {"base": "that of the base", "force": "P0 / k_c, the force's over the stiffness of a spring"}
+"""What amplitudes are divided by, by the drive."""
 
 Named = Callable[[pd.DataFrame], pd.Series]
 
@@ -80,7 +83,8 @@ def write_page(
     ruled = set(zip(shown.config, shown.case, shown.steps, strict=True))
     own = [row for row in stored if (row.run.config, row.run.case, row.run.steps) in ruled]
     data = {
-        "edges": edges, "claims": tables.claim_table(every, found), "transitions": transitions(own), "phases": phases,
+        "edges": edges, "claims": tables.claim_table(every, found), "transitions": file_columns(transitions(own)),
+        "phases": phases,
         "engines": tables.engines((run.config, version) for run, version, _ in stored),
     }  # fmt: skip
     return _written(folder, rows, shown, data, command, left_out, named, case)
@@ -133,7 +137,7 @@ def _written(
     size = own_edges.assign(size=own_edges.error.abs()) if len(own_edges) else pd.DataFrame(columns=["size", "title"])
     drawn = {
         "headline": panels.dots(first, "largest_db", panels.LEAST_DB, "Largest error of the vibration amplitude", "dB"),
-        "transmittance": panels.transmittance(grid),
+        "transmittance": levels.transmittance(grid),
         "errors": panels.errors(grid),
         "edges": panels.dots(size, "size", panels.LEAST_EDGE, "Errors of band edges", "frequency ratio"),
         "stick_slip": panels.modes(data["phases"]) if len(data.get("phases", ())) else [],
@@ -142,6 +146,7 @@ def _written(
     result = Written(folder / PAGE, finding(engines), failing)
     text = _page(
         data, drawn, result, command=command, left_out=left_out, case=case, at_headline=not at_headline.empty,
+        scale=_scale(shown), least_percent=panels.LEAST_PERCENT,
         counts=_counts(engines), grid_steps=sorted(set(grid.steps)), looks=_looks(first), grid_looks=_looks(grid),
     )  # fmt: skip
     write_files(folder, data, drawn, text)
@@ -153,6 +158,11 @@ def _looks(rows: pd.DataFrame) -> dict[str, str]:
     own = dict.fromkeys(tables.engines_only(rows).options if "engine" in rows else rows.options)
     order = [*(name for name in panels.COLOURS if name in own), *(name for name in own if name not in panels.COLOURS)]
     return {name: panels.look(name)[0] for name in order}
+
+
+def _scale(rows: pd.DataFrame) -> str:
+    """Say what amplitudes of the last mass are divided by."""
+    return " or ".join(SCALES[drive] for drive in rows.drive.unique())
 
 
 def _counts(engines: pd.DataFrame) -> dict[str, int]:

@@ -65,9 +65,12 @@ def test_a_point_without_a_steady_state_is_a_gap_and_its_neighbours_are_seen(dat
     assert not plot(data).axes[0].get_lines()[1].get_marker()
 
 
-def test_depths_below_what_is_drawn_do_not_stretch_the_axis(data: xr.Dataset) -> None:
+def test_the_axis_ends_at_tens_around_the_levels_and_the_threshold(data: xr.Dataset) -> None:
+    flat = data.assign(transmittance_db=0 * data.transmittance_db - 33.0)
+    assert plot(flat).axes[0].get_ylim() == (-40.0, 0.0)
     deep = data.assign(transmittance_db=data.transmittance_db - 300.0)
-    assert plot(deep).axes[0].get_ylim()[0] == -80.0
+    low, high = plot(deep).axes[0].get_ylim()
+    assert low < deep.transmittance_db.min() < deep.transmittance_db.max() < high < -200, "the threshold is far away"
 
 
 @pytest.mark.parametrize("ending", [".svg", ".png"])
@@ -86,7 +89,10 @@ def test_too_many_cases_for_one_figure_are_refused(data: xr.Dataset) -> None:
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("missing/figure.pdf", "the folder .*missing does not exist"), ("figure.doc", "unknown ending; allowed: .*pdf")],
+    [
+        ("missing/figure.pdf", "the folder .*missing does not exist"),
+        ("figure.gif", "the ending '.gif'; allowed: .pdf, .svg, "),
+    ],
 )
 def test_a_figure_that_cannot_be_written_is_refused_before_it_is_drawn(data, tmp_path, name, message) -> None:
     with pytest.raises(ParameterError, match=message):

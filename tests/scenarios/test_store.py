@@ -76,6 +76,12 @@ def with_other_tables(file: Path) -> None:
         own.execute("ALTER TABLE results RENAME TO answers")
 
 
+def with_another_table(file: Path) -> None:
+    stored_in(file)
+    with sqlite3.connect(file) as own:
+        own.execute("CREATE TABLE mine (number)")
+
+
 REFUSED = {
     "is of an earlier version of the suite": with_other_tables,
     "is no store of this suite": foreign,

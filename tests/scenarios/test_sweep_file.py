@@ -1,6 +1,11 @@
 """A sweep file: what may stand in it, its runs, and errors that name file, key, value and what is allowed."""
 
+import datetime
+import math
+import re
 import tomllib
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -70,26 +75,123 @@ def test_an_adaptive_sweep_begins_before_it_proposes() -> None:
     assert sweep_of(content_of(sweep)) == sweep
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"grid": {**GRID, "friction_ratio": [-1.0]}}, r"grid\.friction_ratio = -1 .*allowed: >= 0"),
-        ({"grid": {"friction_ratio": [0.3]}}, r"grid\.frequency_ratio is missing"),
-        ({"grid": {**GRID, "mas_ratio": [1.0]}}, r"grid\.mas_ratio is unknown.*mass_ratio"),
-        ({"grid": {**GRID, "cells": [2.5]}}, r"grid\.cells = 2\.5 is not a whole number; allowed: >= 1"),
-        ({"grid": {**GRID, "friction_ratio": {"first": 1.0, "last": 2.0}}}, r"grid\.friction_ratio\.points is missing"),
-        ({"chain": {"mass_ratio": "x"}}, r"chain\.mass_ratio = 'x'"),
-        ({"chain": {"mass_ratio": [1.0, 2.0]}}, r"chain\.mass_ratio has 2 values and the chain 7 cells"),
-        ({"drive": {"amplitude": 0.0}}, r"drive\.amplitude = 0\.0; .*greater than 0"),
-        ({"steps_per_period": 3}, r"steps_per_period = 3; .*16"),
-        ({"engines": ["nope"]}, r"'nope' is unknown; allowed: reference"),
-        ({"tolerances": {"transmittance_db": 0.0}}, r"tolerances\.transmittance_db = 0\.0"),
-        ({"colour": 1}, r"colour is unknown"),
-    ],
-)
+VALUES = "a list of numbers, such as [0.1, 0.3], or { first = 0.3, last = 1.6, points = 14 }"
+FORMS = "allowed: first, last, points, or first, last, accuracy_db, least_spacing, most_points"
+ENDS = {"first": 0.5, "last": 1.5}
+DECIBEL = "a number > 0, up to 1000"
+
+
+def axis(**values: Any) -> dict[str, Any]:
+    return {"grid": GRID | values}
+
+
+def curve(**changes: float) -> dict[str, Any]:
+    return axis(frequency_ratio={**ENDS, "accuracy_db": 1.0} | changes)
+
+
+WRONG: list[tuple[dict[str, Any], str]] = [
+    (axis(friction_ratio=[-1.0]), "grid.friction_ratio = -1 is outside its range; allowed: >= 0, up"),
+    ({"grid": {"friction_ratio": [0.3]}}, "grid.frequency_ratio is missing; allowed: at least one value"),
+    (axis(mas_ratio=[1.0]), "grid.mas_ratio is unknown; allowed: friction_ratio, "),
+    (axis(mas_ratio="x"), "grid.mas_ratio is unknown; allowed: friction_ratio, "),
+    (axis(cells=[2.5]), "grid.cells = 2.5 is not a whole number; allowed: >= 1"),
+    (axis(mass_ratio=2.5), f"grid.mass_ratio = 2.5; allowed: {VALUES}"),
+    (axis(mass_ratio=["x"]), "grid.mass_ratio.0 = 'x'; allowed: a number"),
+    (axis(mass_ratio=ENDS), "grid.mass_ratio.points is missing; allowed: a whole number from 2 to"),
+    (axis(mass_ratio={**ENDS, "steps": 3}), f"grid.mass_ratio.steps is unknown; {FORMS}"),
+    (axis(mass_ratio={**ENDS, "point": 3}), f"grid.mass_ratio.point is unknown; {FORMS}; did you mean points?"),
+    (axis(mass_ratio={**ENDS, "points": 1}), "grid.mass_ratio.points = 1; allowed: a whole number from 2 to"),
+    (
+        axis(mass_ratio={**ENDS, "points": 3, "first": "x"}),
+        "grid.mass_ratio.first = 'x'; allowed: a number from -1e+12 to",
+    ),
+    (
+        axis(mass_ratio={**ENDS, "accuracy_db": 1.0}),
+        "grid.mass_ratio has an accuracy; allowed: of frequency_ratio only",
+    ),
+    (curve(accuracy_db=0.0), f"grid.frequency_ratio.accuracy_db = 0.0; allowed: {DECIBEL}"),
+    (curve(first=0.0), "grid.frequency_ratio.first = 0.0; allowed: a number > 0, up"),
+    (curve(last=0.2), "grid.frequency_ratio.last = 0.2; allowed: > first = 0.5"),
+    (curve(points=3), f"grid.frequency_ratio.points does not go with the other keys; {FORMS}"),
+    ({"grid": [0.3]}, "grid = [0.3]; allowed: a table with friction_ratio and frequency_ratio"),
+    (
+        {"chain": {"mass_ratio": "x"}},
+        "chain.mass_ratio = 'x'; allowed: a number, or a list with a number for every cell",
+    ),
+    ({"chain": {"mass_ratio": [1.0, "x"]}}, "chain.mass_ratio.1 = 'x'; allowed: a number"),
+    ({"chain": {"mass_ratio": [1.0, 2.0]}}, "chain.mass_ratio has 2 values and the chain 7 cells; allowed: one number"),
+    ({"chain": {"mass": 1.0}}, "chain.mass is unknown; allowed: cells, "),
+    ({"chain": {"cells": 0}}, "chain.cells = 0 is outside its range; allowed: whole numbers >= 1, up to 100000"),
+    ({"drive": {"kind": "forse"}}, 'drive.kind = \'forse\'; allowed: "base" or "force"'),
+    ({"drive": {"amplitude": 0.0}}, "drive.amplitude = 0.0; allowed: a number > 0, up to 1e+24"),
+    ({"drive": {"amplitud": 1.0}}, "drive.amplitud is unknown; allowed: kind, amplitude; did you mean amplitude?"),
+    ({"drive": 3}, "drive = 3; allowed: a table with kind and amplitude"),
+    ({"steps_per_period": 3}, "steps_per_period = 3; allowed: a whole number from 16 to 1000000"),
+    ({"steps_per_period": 20.5}, "steps_per_period = 20.5; allowed: a whole number from 16 to 1000000"),
+    (
+        {"steps": 400},
+        "steps is unknown; allowed: engines, steps_per_period, grid, chain, drive, tolerances; did you mean steps_",
+    ),
+    ({"engines": ["nope"]}, "engine = 'nope' is unknown; allowed: reference"),
+    ({"engines": "mujoco"}, "engines = 'mujoco'; allowed: at least one name in quotes, such as "),
+    ({"engines": [1]}, 'engines.0 = 1; allowed: a name in quotes, such as "mujoco"'),
+    ({"tolerances": {"transmittance_db": 0.0}}, f"tolerances.transmittance_db = 0.0; allowed: {DECIBEL}"),
+    ({"tolerances": {}}, f"tolerances.transmittance_db is missing; allowed: {DECIBEL}"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), WRONG, ids=[message for _, message in WRONG])
 def test_errors_name_key_value_and_range(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(ParameterError, match=f"^{re.escape(message)}"):
         swept(**change)
+
+
+def test_a_key_that_is_misspelt_comes_before_one_that_is_missing() -> None:
+    with pytest.raises(ParameterError, match=r"^engine is unknown; .*; did you mean engines\?$"):
+        sweep_of({"engine": ["reference"], "grid": GRID})
+    with pytest.raises(ParameterError, match=r"^grid is missing; allowed: a table with friction_ratio"):
+        sweep_of({"engines": ["reference"]})
+
+
+ODD: list[Any] = [True, "x", -1, 0, 2.5, 1e300, math.nan, [], [[1.0]], ["x"], {}, {"x": 1}, datetime.date(2020, 1, 1)]
+
+
+def changed(content: Any, value: Any) -> Iterator[Any]:
+    """Give data with a value in place of each part of it."""
+    yield value
+    for key, own in content.items() if isinstance(content, dict) else ():
+        for inner in changed(own, value):
+            yield {**content, key: inner}
+
+
+@pytest.mark.parametrize("value", ODD, ids=str)
+def test_an_odd_value_anywhere_is_told_in_one_plain_line(value: Any) -> None:
+    content = {
+        **tomllib.loads(EXAMPLE), "tolerances": {"transmittance_db": 0.1},
+        "grid": {**GRID, "mass_ratio": {**ENDS, "points": 3}, "frequency_ratio": {**ENDS, "accuracy_db": 1.0}},
+    }  # fmt: skip
+    told = set()
+    for odd in changed(content, value):
+        if isinstance(odd, dict) and len(odd) > 2:
+            with suppress(Told):
+                told.add(message_of(odd))
+    assert len(told) > 5
+    for line in told:
+        assert "; allowed: " in line
+        assert "\n" not in line
+        assert not re.search("nput should|valid|permitted|pydantic", line), line
+
+
+class Told(Exception):
+    """Nothing was told: the value may stand there."""
+
+
+def message_of(content: dict[str, Any]) -> str:
+    try:
+        sweep_of(content)
+    except ParameterError as problem:
+        return str(problem)
+    raise Told
 
 
 def test_errors_name_the_file(tmp_path: Path) -> None:

@@ -81,6 +81,7 @@ def test_files_say_what_the_command_says(folder) -> None:
     assert [row["change"] for row in rows] == [row["change"] for row in content["changes"]]
     (gone,) = [row for row in rows if row["change"] == "missing"]
     assert (gone["frequency_ratio"], gone["status_now"], gone["version_now"]) == ("0.47", "failed", "4.0.0")
+    assert (gone["amplitude"], gone["amplitude_unit"]) == ("0.01", "m")
     document = Path("changes.md").read_text()
     assert document.startswith(
         "## Engine regression: fails\n\n10 points, from before.sqlite to crashing.sqlite: 1 missing"
@@ -120,9 +121,10 @@ WRONG = [
     ("before.sqlite worse.sqlite --engine=mujoco --engine=pybullet", "2 stores and 2 --engine"),
     ("before.sqlite worse.sqlite --store=kept.sqlite", "--store = kept.sqlite with two stores"),
     ("before.sqlite worse.sqlite --workers=1", "--workers = 1 with two stores, of which nothing is computed"),
-    ("before.sqlite worse.sqlite --db=0", "db = 0 is outside its range; allowed: > 0"),
+    ("before.sqlite worse.sqlite --db=0", "db = 0 is outside its range; allowed: > 0, 0.001 to 1000"),
+    ("before.sqlite worse.sqlite --db=one", "--db = 'one' is not a number; allowed: a number"),
     ("before.sqlite worse.sqlite --db=1e5", "db = 100000 is outside its range; allowed: 0.001 to 1000"),
-    ("--engine=mujoco --engine=pybullet --db=nan", "db = nan is outside its range; allowed: > 0"),
+    ("--engine=mujoco --engine=pybullet --db=nan", "db = nan is outside its range; allowed: > 0, 0.001 to 1000"),
     ("--engine=mujoco:joint:best --engine=pybullet", "best"),
     ("--engine=mujoco:contact:tuned --engine=mujoco:nose=3", "nose"),
     ("--engine=mujoco --engine=pybullet:contact:nothing", "nothing"),

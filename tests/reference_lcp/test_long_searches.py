@@ -1,0 +1,93 @@
+"""Searches that take long say so, and chains that are too long for a solver are refused before any work."""
+
+import re
+import time
+from itertools import count
+from typing import Any
+
+import pytest
+
+from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, simulate, steady_state, terminal
+from reference_lcp.deadline import tell, watched
+from reference_lcp.one_call import LONGEST_BARRED, LONGEST_CHAINS
+from reference_lcp.terminal import SearchLines, said_if_long
+
+
+def setting(cells: int, **ratios: Any) -> tuple[Chain, HarmonicBase]:
+    chain = Chain.from_ratios(**{"friction_ratio": 0.3, "cells": cells} | ratios)
+    return chain, HarmonicBase.from_ratio(chain, 0.9)
+
+
+TOO_LONG = [
+    (lambda own: steady_state(*own, with_error_bar=True), LONGEST_BARRED, "an error bar"),
+    (lambda own: steady_state(*own, with_error_bar=False, with_exact_value=True), 500, "an exact value"),
+    (lambda own: steady_state(*own, solver="exact"), LONGEST_CHAINS["exact"], "the solver 'exact'"),
+    (lambda own: exact_steady_state(*own), LONGEST_CHAINS["exact"], "the solver 'exact'"),
+    (lambda own: steady_state(*own, solver="lemke"), LONGEST_CHAINS["lemke"], "the solver 'lemke'"),
+    (lambda own: simulate(*own, time_step=0.01, steps=1, solver="lemke"), 100, "the solver 'lemke'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "longest", "name"), TOO_LONG)
+def test_a_chain_that_is_too_long_is_refused_with_the_range(call, longest: int, name: str) -> None:
+    message = f"cells = {longest + 1} is more than {name} takes; allowed: <= {longest}, or without it"
+    with pytest.raises(ParameterError, match=f"^{re.escape(message)}$"):
+        call(setting(longest + 1))
+
+
+def test_without_friction_a_long_chain_has_its_exact_value() -> None:
+    assert exact_steady_state(*setting(LONGEST_CHAINS["exact"] + 1, friction_ratio=0.0)).orbit.converged
+
+
+def test_too_many_steps_name_the_frequency_that_needs_fewer() -> None:
+    chain = Chain.from_ratios(friction_ratio=0.3, mass_ratio=1e9)
+    with pytest.raises(ParameterError, match=r"allowed: <= 1000000, as with a frequency (\S+) times as high") as told:
+        steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), with_error_bar=False, max_periods=1)
+    factor = float(re.search(r"frequency (\S+) times", str(told.value))[1])
+    steady_state(chain, HarmonicBase.from_ratio(chain, 0.9 * 1.01 * factor), with_error_bar=False, max_periods=1)
+
+
+def test_a_search_tells_every_period_and_what_follows_it() -> None:
+    heard: list[tuple[str, int, int]] = []
+    with watched(lambda *own: heard.append(own)):
+        state = steady_state(*setting(1), with_error_bar=False)
+        exact = exact_steady_state(*setting(2))
+    own = [number for what, number, most in heard if (what, most) == ("search for the steady state", 400)]
+    assert own[: state.orbit.periods - 1] == list(range(1, state.orbit.periods))
+    assert exact.orbit.converged
+    assert ("exact motion, by Newton's method", 1, 16) in heard
+    heard.clear()
+    steady_state(*setting(1), with_error_bar=False)
+    assert not heard, "nobody watches any more"
+
+
+def test_a_motion_that_does_not_settle_is_told_too() -> None:
+    heard = set()
+    with watched(lambda what, *_: heard.add(what)):
+        steady_state(*setting(2), with_error_bar=False, max_periods=2, tolerance=1e-15)
+    assert any(what.startswith("no steady state so far") for what in heard)
+
+
+def test_a_line_comes_every_ten_seconds_with_the_time_of_all_periods(capsys) -> None:
+    seconds = count(0, 4)
+    lines = SearchLines(lambda: float(next(seconds)))
+    with watched(lines):
+        for period in range(1, 7):
+            tell("search", period, 400)
+        tell("finer", 1, 100)
+        tell("finer", 2, 100)
+    assert capsys.readouterr().err.splitlines() == [
+        "search: 3 of at most 400 periods; 12 s so far, all take about 27 min",
+        "search: 6 of at most 400 periods; 24 s so far, all take about 27 min",
+    ]
+
+
+def test_what_takes_seconds_says_what_it_is_and_what_is_quick_says_nothing(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(terminal, "SILENT_SECONDS", 0.05)
+    with said_if_long("searching"):
+        time.sleep(0.3)
+    assert capsys.readouterr().err == "searching\n"
+    with said_if_long("searching"):
+        pass
+    time.sleep(0.2)
+    assert not capsys.readouterr().err

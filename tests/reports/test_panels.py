@@ -1,0 +1,96 @@
+"""Panels of the page, as they are drawn: what has no level, what is not supported, and errors that are noise."""
+
+import re
+from typing import Any
+
+import pandas as pd
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from multibody_xval.reports.figures import levels, panels
+from multibody_xval.reports.figures.svg import Panel, svg
+from multibody_xval.scenarios.model import Case
+
+LEVELS = {0.5: 10.0, 0.7: -25.0, 0.9: -71.0}
+
+
+def rows(engine: str, options: str, statuses: dict[float, str]) -> list[dict[str, Any]]:
+    return [
+        {"engine": engine, "preset": "tuned", "title": engine, "options": options, "place": "friction ratio 0.3",
+         "steps": 400, "case": Case(friction_ratio=0.3, frequency_ratio=1.0), "frequency_ratio": eta, "status": status,
+         "transmittance_db": LEVELS[eta] if status == "periodic" else float("nan"), "error_db": 0.5}
+        for eta, status in statuses.items()
+    ]  # fmt: skip
+
+
+def table(options: dict[str, dict[float, str]]) -> pd.DataFrame:
+    every = dict.fromkeys(LEVELS, "periodic")
+    own = [row for name, statuses in options.items() for row in rows("mujoco", name, statuses)]
+    return pd.DataFrame([*rows("reference", "reference", every), *own])
+
+
+def drawn(panel: Panel) -> Axes:
+    axes = Figure().subplots()
+    panel.draw(axes)
+    return axes
+
+
+def marks(axes: Axes) -> dict[float, str]:
+    return {
+        float(x): str(line.get_marker())
+        for line in axes.get_lines()
+        for x in line.get_xdata()
+        if line.get_marker() != "None"
+    }
+
+
+def test_each_reason_for_no_level_has_a_mark_and_what_is_not_supported_has_none() -> None:
+    (panel,) = levels.transmittance(table({"recipe": {0.5: "not periodic", 0.7: "failed", 0.9: "unsupported"}}))
+    assert marks(drawn(panel)) == {0.5: "|", 0.7: "x"}
+    assert panel.title == "mujoco: friction ratio 0.3 (not supported: 1 of 3 points, recipe)"
+    assert panel.text == "recipe: 0 of 2 points periodic, 1 failed, 1 not supported."
+
+
+def test_a_preset_that_is_not_supported_at_all_is_named() -> None:
+    own = {"recipe": dict.fromkeys(LEVELS, "unsupported"), "default options": dict.fromkeys(LEVELS, "periodic")}
+    (panel,) = levels.transmittance(table(own))
+    assert set(marks(drawn(panel)).values()) == {"o"}
+    assert panel.title.endswith(" (not supported: recipe)")
+    assert "recipe: not supported" in panel.text
+
+
+def test_levels_are_drawn_where_they_are_and_the_axis_ends_below_them() -> None:
+    (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
+    axes = drawn(panel)
+    reference, engine = axes.get_lines()
+    assert list(reference.get_ydata()) == list(engine.get_ydata()) == list(LEVELS.values())
+    assert axes.get_ylim() == (-89.0, 10.0), "the lowest ten, and a tenth of the axis below it"
+
+
+def test_a_level_far_below_the_others_is_a_triangle_at_the_bottom(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(LEVELS, 0.9, -250.0)
+    (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
+    assert marks(drawn(panel)) == {0.5: "s", 0.7: "s", 0.9: "v"}
+
+
+def test_errors_that_are_noise_stand_at_the_left_edge_of_two_decades() -> None:
+    sizes = pd.DataFrame({"title": ["a", "b"], "options": ["recipe", "recipe"], "largest_db": [1e-9, 3e-9]})
+    (panel,) = panels.dots(sizes, "largest_db", panels.LEAST_DB, "Largest error", "dB")
+    axes = drawn(panel)
+    assert axes.get_xlim() == pytest.approx((1e-4, 1e-2))
+    assert list(axes.get_lines()[0].get_xdata()) == [1e-4, 1e-4]
+    assert axes.get_xlabel() == "dB, at the left edge 0.0001 or less"
+
+
+def test_errors_over_frequency_that_are_noise_keep_the_axis_upright() -> None:
+    own = table({"recipe": dict.fromkeys(LEVELS, "periodic")}).assign(error_percent=1e-9)
+    (panel,) = panels.errors(own)
+    assert drawn(panel).get_ylim() == pytest.approx((1e-3, 1e-1))
+
+
+def test_marks_of_one_curve_share_their_style() -> None:
+    (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
+    marked = re.findall(r"<g[^>]*>(?:\s*<use [^>]*/>){3}", svg(panel, "own"))
+    assert len(marked) == 1
+    assert marked[0].count("style=") == 1
