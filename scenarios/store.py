@@ -194,7 +194,7 @@ def _other(mark: int, form: int) -> str:
     """Say what a file is that is no store of this format."""
     if mark != APPLICATION_ID:
         return "is no store of this suite"
-    return "is of an earlier version of the suite" if form == FORMAT else f"is of format {form}"
+    return "has other tables than a store" if form == FORMAT else f"is of format {form}"
 
 
 def is_kept(result: Result, *, retry_failed: bool) -> bool:

@@ -83,7 +83,8 @@ def with_another_table(file: Path) -> None:
 
 
 REFUSED = {
-    "is of an earlier version of the suite": with_other_tables,
+    "has other tables": with_other_tables,
+    "other tables than a store": with_another_table,
     "is no store of this suite": foreign,
     "is of format 2": older,
     "is damaged or no store": lambda file: file.write_text("no database at all, of some length" * 99),
