@@ -6,10 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue import blocks, breakaway
-from multibody_xval.scenarios.catalogue.blocks import RATCHET, STATIC_HOLD, STOPPING_DISTANCE
-from multibody_xval.scenarios.catalogue.breakaway import BREAKAWAY
-from multibody_xval.scenarios.catalogue.published import LEFT, MORE_LEFT, NUMBERS, PUBLISHED, expected, left_open, read
+from multibody_xval.scenarios.catalogue.blocks import breakaway
+from multibody_xval.scenarios.catalogue.blocks import held_and_thrown as blocks
+from multibody_xval.scenarios.catalogue.blocks.breakaway import BREAKAWAY
+from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import RATCHET, STATIC_HOLD, STOPPING_DISTANCE
+from multibody_xval.scenarios.catalogue.blocks.published import (
+    LEFT,
+    MORE_LEFT,
+    NUMBERS,
+    PUBLISHED,
+    expected,
+    left_open,
+    read,
+)
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Run
 from multibody_xval.scenarios.motions import Block, BlockMotion

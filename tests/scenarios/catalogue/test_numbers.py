@@ -6,10 +6,13 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.catalogue import blocks, boxes, broadband, chains, free_decay
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.blocks import held_and_thrown as blocks
+from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
+from multibody_xval.scenarios.catalogue.chains import steady_states as chains
 from multibody_xval.scenarios.catalogue.numbers import COLUMNS, numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
+from multibody_xval.scenarios.catalogue.scenes import held_boxes as boxes
 from multibody_xval.scenarios.catalogue.series import series
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, UNKNOWN

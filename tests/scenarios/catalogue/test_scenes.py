@@ -10,11 +10,12 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
-from multibody_xval.scenarios.catalogue import boxes, loaded_joints, shaken_boxes, sliding_boxes, spinning_box
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario, scene_steps
-from multibody_xval.scenarios.catalogue.spinning_box import CORNERS, UNIFORM
+from multibody_xval.scenarios.catalogue.scenes import held_boxes as boxes
+from multibody_xval.scenarios.catalogue.scenes import loaded_joints, shaken_boxes, sliding_boxes, spinning_box
+from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, UNIFORM
 from multibody_xval.scenarios.compute import scenes
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE

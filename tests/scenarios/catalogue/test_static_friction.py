@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue import static_friction
-from multibody_xval.scenarios.catalogue.static_friction import (
+from multibody_xval.scenarios.catalogue.blocks import static_friction
+from multibody_xval.scenarios.catalogue.blocks.static_friction import (
     FAST,
     FOLLOWED,
     JUMP_TIME,

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.scene import Box, ContactScene
-from multibody_xval.scenarios.catalogue.blocks import ROUND_OFF, ROUNDINGS
+from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import ROUND_OFF, ROUNDINGS
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks import (
+from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     SCALES,
     SPRING_LENGTH,
     TIME_STEP,

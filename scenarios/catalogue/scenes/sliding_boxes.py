@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Vector
-from multibody_xval.scenarios.catalogue.boxes import (
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import (
     DRIFT_RESOLUTION,
     SETTLING,
     SOURCE,
@@ -17,7 +18,6 @@ from multibody_xval.scenarios.catalogue.boxes import (
     scene_motion,
     time_step,
 )
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.broadband import chain_motion
+from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, always, steps_a_row
 from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Result, Run
 from multibody_xval.scenarios.motions import ChainMotion

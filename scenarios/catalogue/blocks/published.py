@@ -16,7 +16,7 @@ from dataclasses import replace
 from importlib import resources
 from typing import Any, NamedTuple
 
-from multibody_xval.scenarios.catalogue.blocks import (
+from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     ROUND_OFF,
     ROUNDINGS,
     block_motion,

@@ -4,7 +4,8 @@ from dataclasses import replace
 from functools import partial
 
 from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
-from multibody_xval.scenarios.catalogue.boxes import (
+from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import (
     HOLDING,
     SAG_RESOLUTION,
     SETTLING,
@@ -13,7 +14,6 @@ from multibody_xval.scenarios.catalogue.boxes import (
     drift_resolution,
     scene_motion,
 )
-from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from multibody_xval.scenarios.catalogue.broadband import (
+from multibody_xval.scenarios.catalogue.chains.broadband import (
     BANDS,
     PERIOD,
     RESONATOR_FREQUENCY,

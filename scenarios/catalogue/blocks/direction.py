@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from multibody_xval.scenarios.catalogue.blocks import (
+from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     ROUND_OFF,
     SCALES,
     STEPS_A_ROW,

@@ -5,9 +5,16 @@ import math
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene
-from multibody_xval.scenarios.catalogue.boxes import SETTLING, SOURCE, at_rest, box_scene, scene_motion, time_step
 from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
-from multibody_xval.scenarios.catalogue.sliding_boxes import LIFT_RESOLUTION, REST, in_percent, in_quarters
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import (
+    SETTLING,
+    SOURCE,
+    at_rest,
+    box_scene,
+    scene_motion,
+    time_step,
+)
+from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import LIFT_RESOLUTION, REST, in_percent, in_quarters
 from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 

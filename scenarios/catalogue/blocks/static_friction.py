@@ -13,7 +13,8 @@ import math
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks import (
+from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
+from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     SCALES,
     STEPS_A_ROW,
     TIME_STEP,
@@ -23,7 +24,6 @@ from multibody_xval.scenarios.catalogue.blocks import (
     rounded,
     slips,
 )
-from multibody_xval.scenarios.catalogue.breakaway import first_fast
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion

@@ -4,8 +4,8 @@ import math
 from itertools import islice
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Shaker
-from multibody_xval.scenarios.catalogue.boxes import DRIFT, HOLDING, SETTLING, SOURCE
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP, Scenario, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import DRIFT, HOLDING, SETTLING, SOURCE
 from multibody_xval.scenarios.model import AnyCase, Config
 from multibody_xval.scenarios.scene_motion import SceneMotion, Tone
 
