@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,17 +35,9 @@ class Exact(StrEnum):
     """The reference at ever finer steps, extrapolated."""
 
 
-def always(value: float) -> Callable[..., float]:
-    """Give a function that gives a number, whatever the run or the case."""
-    return lambda *_: value
-
-
-NOTHING = always(0.0)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A number of a result, and the parts of its judgement; all in its unit."""
+    """A number of a result, and the parts of its judgement in its unit: numbers, or functions that give them."""
 
     name: str
     unit: str
@@ -52,22 +45,22 @@ class Quantity:
     """In a sentence."""
     read: Callable[[Result, Run], Number] | None = None
     """Gives it; without it, it is read together with others: level and phase, stick and slip."""
-    exact: Exact | Callable[[AnyCase], Number] = Exact.MOTION
+    exact: Exact | float | Callable[[AnyCase], Number] = Exact.MOTION
     """Where the exact value is from, or its closed form."""
-    bar: Callable[[AnyCase], float] = NOTHING
+    bar: float | Callable[[AnyCase], float] = 0.0
     """Error bar of a closed form: what it leaves out."""
     between: tuple[float, float] | None = None
     """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
-    step_error: Callable[[Run], float] | None = None
+    step_error: float | Callable[[Run], float] | None = None
     """Error of Euler's step in closed form; all are then compared with the exact value, which no ladder gives. Without
     it, the reference at finer steps shows that error."""
-    resolution: Callable[[Run, Number], float] = NOTHING
+    resolution: float | Callable[[Run], float] = 0.0
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
     over_exact: bool = False
     """It is given over its exact value, and so are all its parts but `resolution` and `effect`, which are of that."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
-    effect: Callable[[AnyCase, Number], float] | None = None
+    effect: float | Callable[[AnyCase, Number], float] | None = None
     """How much friction changes it at all; without it, its size, and where `step_error` is known, any."""
     accuracy: str = ""
     """Name of the accuracy that presets may state, see `Preset.accuracy`."""
@@ -76,6 +69,9 @@ class Quantity:
     of: Callable[[AnyCase], bool] | None = None
     """Whether a case has it; without it, all have."""
 
+
+at_rest = partial(Quantity, exact=0.0, step_error=0.0)
+"""A number of what friction should hold: whatever the step, nothing slips."""
 
 TRANSMITTANCE = Quantity(
     name="transmittance", unit="U0", meaning="Fundamental of the last outer mass over that of the drive.",
@@ -218,3 +214,8 @@ def steady_steps(_config: Config, case: AnyCase) -> dict[str, int]:
 def largest(number: Any) -> float:
     """Give the size of a number; of an array, of the largest one."""
     return float(np.max(np.abs(number)))
+
+
+def given(part: Any, *about: Any) -> Any:
+    """Give a number that stands for itself, or that a function gives of a run or a case."""
+    return part(*about) if callable(part) else part

@@ -12,7 +12,7 @@ from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     compliance,
     thrown,
 )
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.motions import BlockMotion
 
@@ -43,7 +43,7 @@ def lost_velocity(result: Result, run: Run) -> float:
     return block_motion(run.case).slip_velocity - result.series["slip_velocity"][-1]
 
 
-def left_open(run: Run, _exact: Number) -> float:
+def left_open(run: Run) -> float:
     """Give what springs, roundings of velocities and the stated residual slip compliance leave open of the bound.
 
     The velocity falls by equal parts, so that its roundings are equal too, and add up as the number of steps.

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import Block, BlockMotion
@@ -94,17 +94,17 @@ def left_speed(run: Run) -> float:
     return compliance(run) * case.block.bound * inverse_mass * case.time / run.steps
 
 
-def no_drift(over: float) -> Callable[[Run, Number], float]:
+def no_drift(over: float) -> Callable[[Run], float]:
     """Give what may be left of a velocity [µm/s] from two slips that are a part `over` of the motion apart."""
-    return lambda run, _exact: 1e6 * (left_speed(run) + rounded(run) / (over * block_motion(run.case).time))
+    return lambda run: 1e6 * (left_speed(run) + rounded(run) / (over * block_motion(run.case).time))
 
 
-def no_way(run: Run, _exact: Number) -> float:
+def no_way(run: Run) -> float:
     """Give what may be left of a way from one row to the next [µm]."""
     return 1e6 * (left_speed(run) * block_motion(run.case).time / block_motion(run.case).rows + rounded(run))
 
 
-at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0), accuracy="drift")
+at_rest = partial(Quantity, exact=0.0, step_error=0.0, accuracy="drift")
 """A number of a block that friction should hold: whatever the step, nothing slips."""
 
 
@@ -164,12 +164,12 @@ STOPPING_DISTANCE = Scenario(
     quantities=(
         Quantity(
             name="distance", unit="", read=lambda result, _run: float(slips(result)[-1]), accuracy="transmittance",
-            resolution=lambda run, _exact: rounded(run) / block_motion(run.case).scale,
+            resolution=lambda run: rounded(run) / block_motion(run.case).scale,
             meaning="Slip in the end over v² m / (2 μ λ_N).",
         ),
         Quantity(
             name="time", unit="", read=stopping_time,
-            resolution=lambda run, _exact: 2 * FOLLOWED / block_motion(run.case).rows,  # one row of each reading
+            resolution=lambda run: 2 * FOLLOWED / block_motion(run.case).rows,  # one row of each reading
             meaning="When the block came within a thousandth of its way of where it is in the end, over T.",
         ),
         at_rest(

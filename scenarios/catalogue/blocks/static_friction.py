@@ -24,7 +24,7 @@ from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     rounded,
     slips,
 )
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import ShakingForce
@@ -90,7 +90,7 @@ def above(case: AnyCase, _exact: Number = 1.0) -> float:
     return (ratio - 1) / ratio
 
 
-def farther(run: Run, _exact: Number) -> float:
+def farther(run: Run) -> float:
     """Give by how much farther a block jumps that breaks away two steps late, and with the roundings of its way."""
     case = block_motion(run.case)
     phase = FOLLOWED * FREQUENCY
@@ -107,12 +107,12 @@ STATIC_ABOVE_KINETIC = Scenario(
     cases={f"{title}, {ratio:g}": released(scale, ratio) for title, scale in SCALES.items() for ratio in STATIC_RATIOS},
     quantities=(
         Quantity(
-            name="breakaway", unit="", read=breakaway_load, over_exact=True, step_error=always(0.0),
-            resolution=always(TWO_STEPS), effect=above, accuracy="transmittance",
+            name="breakaway", unit="", read=breakaway_load, over_exact=True, step_error=0.0,
+            resolution=TWO_STEPS, effect=above, accuracy="transmittance",
             meaning="Load at which the block jumps over that at which it does in the exact motion.",
         ),
         Quantity(
-            name="jump", unit="", read=jump, over_exact=True, step_error=always(0.0), resolution=farther,
+            name="jump", unit="", read=jump, over_exact=True, step_error=0.0, resolution=farther,
             accuracy="transmittance",
             meaning="Slip in the end over that of the exact motion.",
         ),

@@ -9,7 +9,7 @@ not judged.
 
 import math
 
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Number, Quantity, Scenario, steady
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Quantity, Scenario, steady
 from multibody_xval.scenarios.model import AnyCase, Case, Config, Run
 from multibody_xval.scenarios.result_tables import CLOSED
 from reference_lcp.chain.preload import Flight
@@ -63,12 +63,12 @@ def highest(case: AnyCase) -> float:
     return flight(case).highest * length(case) / steady(case).modulation_multiple ** 2
 
 
-def edges(run: Run, _exact: Number) -> float:
+def edges(run: Run) -> float:
     """Give what is open of the time in the air: lift-off and landing are met to a step, in every cycle."""
     return 2 * run.steady.modulation_multiple / run.steps
 
 
-def fall(run: Run, _exact: Number) -> float:
+def fall(run: Run) -> float:
     """Give what is open of a gap: how far the mean normal force moves an inner mass in a step, over U0."""
     return length(run.case) * (2 * math.pi / run.steps) ** 2
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from multibody_xval.engines.interface.scene import Box, ContactScene
 from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import ROUND_OFF, ROUNDINGS
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, scene_steps
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 
@@ -64,7 +64,7 @@ def drift(result: Result, run: Run) -> float:
     return 1e6 * float(np.linalg.norm(ways)) / scene_motion(run.case).time
 
 
-def drift_resolution(run: Run, _exact: Number) -> float:
+def drift_resolution(run: Run) -> float:
     """Give the drift that counts as none [µm/s]."""
     return DRIFT_RESOLUTION + 1e6 * rounded(run) / scene_motion(run.case).time
 
@@ -74,7 +74,7 @@ def sag(result: Result, run: Run) -> float:
     return 1e3 * float(np.linalg.norm([result.series["from the start"][axis] for axis in in_the_plane(run)]))
 
 
-at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0))
+at_rest = partial(Quantity, exact=0.0, step_error=0.0)
 """A number of a body that friction should hold."""
 
 DRIFT = at_rest(
@@ -85,7 +85,7 @@ DRIFT = at_rest(
 HELD = (
     DRIFT,
     at_rest(
-        name="sag", unit="mm", read=sag, resolution=always(SAG_RESOLUTION),
+        name="sag", unit="mm", read=sag, resolution=SAG_RESOLUTION,
         meaning="Way of a box that friction should hold since the scene was built.",
     ),
 )  # fmt: skip

@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import partial
 
 from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
-from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
+from multibody_xval.scenarios.catalogue.scenario import Scenario, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import (
     HOLDING,
     SAG_RESOLUTION,
@@ -87,7 +87,7 @@ ARM_HOLD = replace(
     quantities=(
         TURNING,
         at_rest(
-            name="turned", unit="mrad", resolution=always(SAG_RESOLUTION),
+            name="turned", unit="mrad", resolution=SAG_RESOLUTION,
             read=lambda result, _run: 1e3 * max(map(abs, result.series["from the start"])),
             meaning="Angle of a hinge that friction should hold since the scene was built: an arm may rest after a "
             "fall.",

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Vector
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import (
     DRIFT_RESOLUTION,
     SETTLING,
@@ -54,13 +54,13 @@ WHOLE = 100.0
 """Friction as a whole, in numbers over it [%]."""
 
 in_percent = partial(
-    Quantity, unit="%", exact=always(0.0), resolution=always(FRICTION_RESOLUTION), effect=always(WHOLE),
+    Quantity, unit="%", exact=0.0, resolution=FRICTION_RESOLUTION, effect=WHOLE,
     accuracy="share",
 )  # fmt: skip
 """By how much a number is off, of what friction does."""
 
 LIFT = at_rest(
-    name="lift", unit="mm", resolution=always(LIFT_RESOLUTION),
+    name="lift", unit="mm", resolution=LIFT_RESOLUTION,
     read=lambda result, run: 1e3 * max(0.0, result.series["highest"][stop_row(result, run)]),
     meaning="Largest height of a sliding box above its place.",
 )  # fmt: skip
@@ -103,7 +103,7 @@ SLOPE_SLIDE = Scenario(
     held_out={"μ 0.3, load 1.3, 5 kg": sliding(on_slope(1.3, friction=0.3, box=Box(mass=5.0)))},
     quantities=(
         in_percent(
-            name="friction", read=friction_of_slide, step_error=always(0.0),
+            name="friction", read=friction_of_slide, step_error=0.0,
             meaning="Mean friction of a sliding box over μ N, less 1.",
         ),
     ),
@@ -170,7 +170,7 @@ def drift_after_stop(result: Result, run: Run) -> float:
     return 1e6 * float(np.linalg.norm(way[-1] - way[stop])) / (time[-1] - time[stop])
 
 
-def drift_resolution(run: Run, _exact: Number) -> float:
+def drift_resolution(run: Run) -> float:
     """Give the drift that counts as none [µm/s]; positions are as large as the way."""
     return DRIFT_RESOLUTION + 1e6 * rounded(run, way_to_stop(run.case)) / REST
 
@@ -192,11 +192,11 @@ SLIDE_TO_STOP = Scenario(
         ),
         LIFT,
         at_rest(
-            name="path", unit="°", read=path, resolution=always(TURN_RESOLUTION),
+            name="path", unit="°", read=path, resolution=TURN_RESOLUTION,
             meaning="Angle between the way of a sliding box and its first velocity.",
         ),
         at_rest(
-            name="yaw", unit="°", resolution=always(TURN_RESOLUTION),
+            name="yaw", unit="°", resolution=TURN_RESOLUTION,
             read=lambda result, run: math.degrees(result.series["turn"][stop_row(result, run)]),
             meaning="By how much a box has turned about the vertical when it stops.",
         ),

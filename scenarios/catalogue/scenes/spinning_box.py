@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene
-from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
+from multibody_xval.scenarios.catalogue.scenario import Scenario, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import (
     SETTLING,
     SOURCE,
@@ -66,12 +66,12 @@ SPIN = Scenario(
             meaning="Mean torque of friction of a spinning box over that at its corners, less 1.",
         ),
         at_rest(
-            name="wander", unit="mm", resolution=always(WANDER_RESOLUTION),
+            name="wander", unit="mm", resolution=WANDER_RESOLUTION,
             read=lambda result, _run: 1e3 * math.hypot(result.series["along"][-1], result.series["across"][-1]),
             meaning="Way of the centre of a box that is spun.",
         ),
         at_rest(
-            name="lift", unit="mm", resolution=always(LIFT_RESOLUTION),
+            name="lift", unit="mm", resolution=LIFT_RESOLUTION,
             read=lambda result, _run: 1e3 * max(0.0, result.series["highest"][-1]),
             meaning="Largest height of a spinning box above its place.",
         ),
