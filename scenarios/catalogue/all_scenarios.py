@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from multibody_xval.scenarios.catalogue.blocks import breakaway, direction, held_and_thrown, published, static_friction
+from multibody_xval.scenarios.catalogue.blocks import breakaway, direction, held, published, static_friction, thrown
 from multibody_xval.scenarios.catalogue.chains import (
     broadband,
     closed_forms,
@@ -22,7 +22,7 @@ from multibody_xval.scenarios.catalogue.scenes import (
 )
 
 FAMILIES = (
-    steady_states, closed_forms, normal_forces, free_decay, held_and_thrown, breakaway, static_friction, direction,
+    steady_states, closed_forms, normal_forces, free_decay, held, thrown, breakaway, static_friction, direction,
     published, broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints,
 )  # fmt: skip
 

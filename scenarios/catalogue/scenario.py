@@ -12,10 +12,11 @@ import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
 from multibody_xval.scenarios.exact_values import LADDER, has_exact_motion, needs_exact_motion
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
-from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
+from multibody_xval.scenarios.motions import Motion
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray
 
@@ -68,6 +69,18 @@ class Quantity:
     """Quantities of one group share the largest error of the step: shares of one energy, for example."""
     of: Callable[[AnyCase], bool] | None = None
     """Whether a case has it; without it, all have."""
+
+
+ROUND_OFF = {"double": 2.0**-53, "single": SINGLE}
+"""Largest rounding of a number, as a part of it."""
+
+ROUNDINGS = 8
+"""Of a position in a step: in forces, velocities and positions, and in as many substeps."""
+
+
+def round_off(run: Run) -> float:
+    """Give the largest rounding of a number in a run, as a part of it."""
+    return ROUND_OFF[run.config.capabilities.precision]
 
 
 at_rest = partial(Quantity, exact=0.0, step_error=0.0)
@@ -190,14 +203,13 @@ def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON
 
 
 def steps_a_row(count: int = 1) -> Steps:
-    """Give what divides motions into so many steps to each of their rows."""
-    return lambda _config, case: {"": count * motion_rows(case)}
+    """Give what divides motions of chains and blocks into so many steps to each of their rows."""
 
+    def steps(_config: Config, case: AnyCase) -> dict[str, int]:
+        assert isinstance(case, Motion), "a motion"
+        return {"": count * case.rows}
 
-def motion_rows(case: AnyCase) -> int:
-    """Give the rows of a motion of a chain or a block."""
-    assert isinstance(case, ChainMotion | BlockMotion), "a motion"
-    return case.rows
+    return steps
 
 
 def steady(case: AnyCase) -> Case:

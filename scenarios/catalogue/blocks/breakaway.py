@@ -2,14 +2,8 @@
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
-    SCALES,
-    SPRING_LENGTH,
-    TIME_STEP,
-    Scale,
-    block_motion,
-    rounded,
-)
+from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, block_motion, rounded
+from multibody_xval.scenarios.catalogue.blocks.thrown import SPRING_LENGTH
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion

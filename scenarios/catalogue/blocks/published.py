@@ -16,16 +16,9 @@ from dataclasses import replace
 from importlib import resources
 from typing import Any, NamedTuple
 
-from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
-    ROUND_OFF,
-    ROUNDINGS,
-    block_motion,
-    on_free_carrier,
-    rounded,
-    slips,
-)
-from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario
-from multibody_xval.scenarios.model import AnyCase, Config, Result, Run
+from multibody_xval.scenarios.catalogue.blocks.block import block_motion, on_free_carrier, rounded, slips
+from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, Quantity, Scenario, round_off
+from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, Block, BlockMotion
 from reference_lcp.chain.drives import ShakingForce, StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
@@ -105,7 +98,7 @@ def wear_power(result: Result, _case: BlockMotion) -> float:
 
 def _rounded_power(run: Run) -> float:
     """Give by how much roundings change that [W]: those of two velocities, and in a slip of 1 s as their root."""
-    rounding = ROUNDINGS * ROUND_OFF[run.config.capabilities.precision]
+    rounding = ROUNDINGS * round_off(run)
     of_velocities = WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
     of_slips = float(TARGETS[name_of(run.case)]["value"]) * math.sqrt(run.steps / WEAR_TO)
     return rounding * (of_velocities + of_slips)
@@ -174,11 +167,6 @@ def left_open(run: Run) -> float:
     return MORE_LEFT.get(name, LEFT) + open_digits / over(name)
 
 
-def own_steps(_config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps of a problem."""
-    return {"": NUMBERS[name_of(case)].steps}
-
-
 PUBLISHED = Scenario(
     name="published",
     question="Do turning points, wear and stopping times agree with published numbers?",
@@ -193,7 +181,7 @@ PUBLISHED = Scenario(
             meaning="Number over the size of the published one; where that is 0, over the same with A = 1.01 m/s².",
         ),
     ),
-    steps=own_steps,
+    steps=lambda _config, case: {"": NUMBERS[name_of(case)].steps},
     details=tuple(
         f"{name}: {own['quantity']} = {float(own['value']):g} {own['unit']}"
         for name, own in TARGETS.items()

@@ -13,8 +13,7 @@ import math
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
-from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
+from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     STEPS_A_ROW,
     TIME_STEP,
@@ -24,6 +23,7 @@ from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import (
     rounded,
     slips,
 )
+from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion

@@ -11,20 +11,12 @@ CELLS = 3
 """Enough cells for pass band and stop band, few enough for engines that are slow."""
 
 
-def linear_cases(friction_ratio: float, frequency_ratios: tuple[float, ...]) -> dict[str, Case]:
-    """Give cases whose contacts all slide freely, or never."""
-    return {
-        f"η_r {eta:g}": Case(friction_ratio=friction_ratio, frequency_ratio=eta, cells=CELLS)
-        for eta in frequency_ratios
-    }
-
-
 FRICTIONLESS_LIMIT = Scenario(
     name="frictionless-limit",
     question="Without friction, does the chain move as linear theory says?",
     expects="the closed form; of presets that share the scheme the reference at equal steps",
     source="linear theory: (K + iωC − ω²M) x = f",
-    cases=linear_cases(0.0, (0.9, 0.5)),
+    cases={f"η_r {eta:g}": Case(friction_ratio=0.0, frequency_ratio=eta, cells=CELLS) for eta in (0.9, 0.5)},
     quantities=(replace(TRANSMITTANCE, exact=lambda case: linear_limits(steady(case))[0]),),
     steps=steady_steps,
 )
@@ -38,7 +30,9 @@ LOCKED_LIMIT = replace(
     name="locked-limit",
     question="Does a contact with a very high friction bound hold?",
     source="linear theory with v = u + const in every cell",
-    cases=linear_cases(LOCKING_FRICTION, (1.1, 0.7)),
+    cases={
+        f"η_r {eta:g}": Case(friction_ratio=LOCKING_FRICTION, frequency_ratio=eta, cells=CELLS) for eta in (1.1, 0.7)
+    },
     quantities=(replace(TRANSMITTANCE, exact=lambda case: linear_limits(steady(case))[1]),),
 )
 

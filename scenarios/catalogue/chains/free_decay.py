@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
-from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
-from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Result, Run
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, largest, steps_a_row
+from multibody_xval.scenarios.model import EXACT, Case, Result, Run
 from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.validation import FloatArray
@@ -58,20 +58,10 @@ def offsets(result: Result, run: Run) -> FloatArray:
     return np.array(result.series["offsets"]) / half_width(run)
 
 
-def beyond(result: Result, run: Run) -> float:
-    """Give by how much the largest offset is beyond the dead band."""
-    return max(0.0, float(np.max(np.abs(offsets(result, run)))) - 1)
-
-
 def heat(result: Result, run: Run) -> float:
     """Give the heat of contacts; of the exact motion what is missing: friction jumps between rows, dashpots do not."""
     left, dashpots, contacts, _ = result.series["energy"]
     return 1 - left - dashpots if run.config == EXACT else contacts
-
-
-def balance(result: Result, _run: Run) -> float:
-    """Give the energy that is missing."""
-    return 1 - sum(result.series["energy"][:3])
 
 
 def loss_a_cycle(swing: FloatArray) -> float:
@@ -88,11 +78,6 @@ of_size = partial(Quantity, unit="", accuracy="transmittance", resolution=ROUND_
 
 share = partial(of_size, group="energy")
 """Of one energy."""
-
-
-def is_oscillator(case: AnyCase) -> bool:
-    """Whether a case is the friction oscillator."""
-    return case == OSCILLATOR
 
 
 FREE_DECAY = Scenario(
@@ -114,7 +99,7 @@ FREE_DECAY = Scenario(
         ),
         of_size(name="offsets", read=offsets, meaning="Largest difference of v − u at the end, over F / k_i."),
         of_size(
-            name="dead band", read=beyond, exact=0.0,
+            name="dead band", exact=0.0, read=lambda result, run: max(0.0, largest(offsets(result, run)) - 1),
             meaning="By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.",
         ),
         share(
@@ -126,7 +111,7 @@ FREE_DECAY = Scenario(
             meaning="Energy of the chain at the end, over the initial one.",
         ),
         share(
-            name="balance", read=balance, exact=0.0,
+            name="balance", read=lambda result, _run: 1 - sum(result.series["energy"][:3]), exact=0.0,
             meaning="Initial energy less what is left and all heat, over the initial energy.",
         ),
         of_size(
@@ -134,7 +119,7 @@ FREE_DECAY = Scenario(
             meaning="Largest growth of the energy over the least so far, over the initial energy.",
         ),
         Quantity(
-            name="loss a cycle", unit="", exact=1.0, of=is_oscillator,
+            name="loss a cycle", unit="", exact=1.0, of=lambda case: case == OSCILLATOR,
             resolution=1e-4,  # the outer mass stands still in the closed form
             read=lambda result, run: loss_a_cycle(np.array(result.series["swing"])) / (4 * half_width(run)),
             meaning="Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.",

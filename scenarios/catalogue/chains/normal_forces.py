@@ -10,7 +10,7 @@ not judged.
 import math
 
 from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Quantity, Scenario, steady
-from multibody_xval.scenarios.model import AnyCase, Case, Config, Run
+from multibody_xval.scenarios.model import AnyCase, Case, Run
 from multibody_xval.scenarios.result_tables import CLOSED
 from reference_lcp.chain.preload import Flight
 
@@ -32,11 +32,6 @@ CASES = {
 
 At (1.5, 2 ω, 0.9), deep in the stop band, responses cancel to −37 dB, and 800 steps leave an error bar of 8 dB.
 """
-
-
-def steps_per_period(_config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps per period."""
-    return {"": steady(case).steps(STEPS)}
 
 
 def opens(case: AnyCase) -> bool:
@@ -104,7 +99,7 @@ MODULATED_NORMAL_FORCE = Scenario(
     source="equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form",
     cases=CASES,
     quantities=(TRANSMITTANCE, *STICK_SLIP, *FLIGHTS),
-    steps=steps_per_period,
+    steps=lambda _config, case: {"": steady(case).steps(STEPS)},
 )
 """The paper's chain under a normal force that swings by a half, and by one and a half, of its mean."""
 

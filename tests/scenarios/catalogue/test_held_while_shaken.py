@@ -11,7 +11,7 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY
 from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.scenes.held_boxes import box_scene
+from multibody_xval.scenarios.catalogue.scenes.scene import box_scene
 from multibody_xval.scenarios.catalogue.scenes.shaken_boxes import FRICTION, HELD_WHILE_SHAKEN, pushed
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.evaluate import Means, computed

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION
-from multibody_xval.scenarios.catalogue.blocks.held_and_thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.blocks.published import PUBLISHED
 from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABOVE_KINETIC
+from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.chains.broadband import RICKER_PULSE
 from multibody_xval.scenarios.catalogue.chains.free_decay import FREE_DECAY
 from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
