@@ -16,14 +16,13 @@ from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
 from multibody_xval.scenarios.exact_values import LADDER, has_exact_motion, needs_exact_motion
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
-from multibody_xval.scenarios.motions import Motion
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray
 
 Number = float | complex | FloatArray
 """What is read of a result; of an array, the largest difference counts."""
 
-Steps = Callable[[Config, AnyCase], Mapping[str, int]]
+Steps = Callable[[Config, Any], Mapping[str, int]]
 """Gives the numbers of steps with which a configuration runs a case, by what is added to the case's name."""
 
 
@@ -38,7 +37,10 @@ class Exact(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A number of a result, and the parts of its judgement in its unit: numbers, or functions that give them."""
+    """A number of a result, and the parts of its judgement in its unit: numbers, or functions that give them.
+
+    Functions of a case name the kind of case that their scenario has.
+    """
 
     name: str
     unit: str
@@ -46,9 +48,9 @@ class Quantity:
     """In a sentence."""
     read: Callable[[Result, Run], Number] | None = None
     """Gives it; without it, it is read together with others: level and phase, stick and slip."""
-    exact: Exact | float | Callable[[AnyCase], Number] = Exact.MOTION
+    exact: Exact | float | Callable[[Any], Number] = Exact.MOTION
     """Where the exact value is from, or its closed form."""
-    bar: float | Callable[[AnyCase], float] = 0.0
+    bar: float | Callable[[Any], float] = 0.0
     """Error bar of a closed form: what it leaves out."""
     between: tuple[float, float] | None = None
     """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
@@ -61,13 +63,13 @@ class Quantity:
     """It is given over its exact value, and so are all its parts but `resolution` and `effect`, which are of that."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
-    effect: float | Callable[[AnyCase, Number], float] | None = None
+    effect: float | Callable[[Any, Number], float] | None = None
     """How much friction changes it at all; without it, its size, and where `step_error` is known, any."""
     accuracy: str = ""
     """Name of the accuracy that presets may state, see `Preset.accuracy`."""
     group: str = ""
     """Quantities of one group share the largest error of the step: shares of one energy, for example."""
-    of: Callable[[AnyCase], bool] | None = None
+    of: Callable[[Any], bool] | None = None
     """Whether a case has it; without it, all have."""
 
 
@@ -193,9 +195,8 @@ OWN_STEP = "own step"
 """Said of cases at the engine's own time step, where that is another one."""
 
 
-def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON_STEP,)) -> dict[str, int]:
+def scene_steps(config: Config, case: SceneMotion, common: Sequence[float] = (COMMON_STEP,)) -> dict[str, int]:
     """Give the steps of a scene: those of the engine's own time step, and those of common ones [s]."""
-    assert isinstance(case, SceneMotion), "a scene"
     own = engine(config.engine).scene_step
     named = {} if math.isnan(own) or own == COMMON_STEP else {OWN_STEP: own}
     named |= {f"{1e3 * step:g} ms": step for step in common if step not in named.values()}
@@ -204,23 +205,12 @@ def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON
 
 def steps_a_row(count: int = 1) -> Steps:
     """Give what divides motions of chains and blocks into so many steps to each of their rows."""
-
-    def steps(_config: Config, case: AnyCase) -> dict[str, int]:
-        assert isinstance(case, Motion), "a motion"
-        return {"": count * case.rows}
-
-    return steps
+    return lambda _config, case: {"": count * case.rows}
 
 
-def steady(case: AnyCase) -> Case:
-    """Give the case, which is a steady state."""
-    assert isinstance(case, Case), "a steady state"
-    return case
-
-
-def steady_steps(_config: Config, case: AnyCase) -> dict[str, int]:
+def steady_steps(_config: Config, case: Case) -> dict[str, int]:
     """Give the steps per period of a steady state."""
-    return {"": steady(case).steps()}
+    return {"": case.steps()}
 
 
 def largest(number: Any) -> float:

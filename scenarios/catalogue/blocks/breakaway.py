@@ -5,7 +5,7 @@ import numpy as np
 from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, block_motion, rounded
 from multibody_xval.scenarios.catalogue.blocks.thrown import SPRING_LENGTH
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
-from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import GrowingAcceleration
 from reference_lcp.validation import FloatArray
@@ -70,10 +70,9 @@ def exact_velocity(case: BlockMotion) -> FloatArray:
     return velocity
 
 
-def exact_slip_time(case: AnyCase) -> float:
+def exact_slip_time(case: BlockMotion) -> float:
     """Give when the slip becomes as fast as counts by Coulomb's law [s], at a row as well."""
-    own = block_motion(case)
-    return first_fast(own, exact_velocity(own), LEAST_SPEED * speed(own))
+    return first_fast(case, exact_velocity(case), LEAST_SPEED * speed(case))
 
 
 def late(run: Run) -> float:

@@ -25,7 +25,7 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 )
 from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
-from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import ShakingForce
 
@@ -84,10 +84,9 @@ def jump(result: Result, _run: Run) -> float:
     return abs(float(slips(result)[-1]))
 
 
-def above(case: AnyCase, _exact: Number = 1.0) -> float:
+def above(case: BlockMotion, _exact: Number = 1.0) -> float:
     """Give (μ_s − μ_k) / μ_s: what an engine with one coefficient breaks away too early."""
-    ratio = block_motion(case).static_ratio
-    return (ratio - 1) / ratio
+    return (case.static_ratio - 1) / case.static_ratio
 
 
 def farther(run: Run) -> float:

@@ -89,10 +89,9 @@ def _read(spectrum: Spectrum, name: str, result: Result, run: Run) -> Number:
     return spectral(spectrum, chain_motion(run.case), np.array(result.series["response"]))[name]
 
 
-def _effect(spectrum: Spectrum, name: str, case: AnyCase, exact: Number) -> float:
+def _effect(spectrum: Spectrum, name: str, case: ChainMotion, exact: Number) -> float:
     """Give by how much friction changes a number: its distance to the farther one of two linear chains."""
-    limits = linear_limits(chain_motion(case))
-    return max(largest(spectral(spectrum, chain_motion(case), limit)[name] - exact) for limit in limits)
+    return max(largest(spectral(spectrum, case, limit)[name] - exact) for limit in linear_limits(case))
 
 
 @cache

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from multibody_xval.engines.shared.wide_range import DESIGN
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady, steady_steps
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.chain_ratios import Ratio
 from multibody_xval.scenarios.model import Case, value_text
 from reference_lcp.validation import FloatArray
@@ -140,7 +140,7 @@ WIDE_RANGE = replace(
         f"ζ {case.damping_ratio:g}": case
         for case in STEPS
     },
-    steps=lambda _config, case: {"": steady(case).steps(STEPS[steady(case)])},
+    steps=lambda _config, case: {"": case.steps(STEPS[case])},
     details=[
         f"μ {case.friction_coefficient:g}: ζ of resonators {case.inner_damping_ratio:g}, mass ratio "
         f"{case.mass_ratio:g}, stiffness ratio {case.stiffness_ratio:g}, cells {case.cells}, steps per period {steps}"

@@ -6,13 +6,13 @@ from functools import partial
 from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.scene import HOLDING, NONE, SOURCE, no_drift, scene_motion, watched
-from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.model import Result, Run
+from multibody_xval.scenarios.scene_motion import SceneMotion
 
 
-def is_slide(case: AnyCase) -> bool:
+def is_slide(case: SceneMotion) -> bool:
     """Whether a case is a joint that slides."""
-    scene = scene_motion(case).scene
-    return isinstance(scene, JointScene) and scene.kind == "slide"
+    return isinstance(case.scene, JointScene) and case.scene.kind == "slide"
 
 
 def drift(result: Result, run: Run) -> float:
