@@ -8,7 +8,6 @@ import pandas as pd
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.changes import (
     IMPROVED,
     MISSING,
@@ -62,12 +61,11 @@ def number_changes(before: Store, now: Store, db: float) -> pd.DataFrame:
 def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
     """Give the numbers of one store."""
     cases: set[AnyCase] = {row.run.case for row in stored if not isinstance(row.run.case, Case)}
-    found = [
-        _numbers(own, [row for row in stored if row.run.case in cases]) for own in SCENARIOS.values() if _of(own, cases)
-    ]
+    found = [numbers(own, stored) for own in SCENARIOS.values() if not cases.isdisjoint(own.cases.values())]
     if not found:
         return pd.DataFrame(columns=[*NUMBER, *TWICE]).astype({"steps": int, **dict.fromkeys(TWICE[5:], float)})
     rows = pd.concat(found, ignore_index=True).rename(columns={"case": "scenario_case"})
+    rows = rows[rows.engine != REFERENCE.engine]
     names = [str(Config(*own)) for own in rows[CONFIG].to_numpy().tolist()]
     rows = rows.assign(
         options=[options.get(name, "{}") for name in names],
@@ -75,16 +73,6 @@ def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
         **{name: rows[name].astype(float) for name in ("value", "error", "resolution")},
     )
     return rows[[*NUMBER, *TWICE]]
-
-
-def _of(scenario: Scenario, cases: set[AnyCase]) -> bool:
-    return any(case in cases for case in scenario.cases.values())
-
-
-def _numbers(scenario: Scenario, stored: Sequence[Stored]) -> pd.DataFrame:
-    own = set(scenario.cases.values())
-    table = numbers(scenario, [row for row in stored if row.run.case in own])
-    return table[table.engine != REFERENCE.engine]
 
 
 def _changes(rows: pd.DataFrame, least: float) -> pd.DataFrame:

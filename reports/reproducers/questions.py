@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.numbers import DONE, numbers
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.catalogue.ruler import DONE
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.chain_ratios import RATIOS
 from multibody_xval.scenarios.evaluate import Means, computed

@@ -14,7 +14,7 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
-from multibody_xval.scenarios.catalogue import breakaway
+from multibody_xval.scenarios.catalogue.blocks import breakaway
 from multibody_xval.scenarios.compute.motions import is_pressed, motion
 from multibody_xval.scenarios.model import Config
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration

@@ -2,30 +2,28 @@
 
 from collections.abc import Mapping
 
-from multibody_xval.scenarios.catalogue import (
-    blocks,
-    boxes,
-    breakaway,
+from multibody_xval.scenarios.catalogue.blocks import breakaway, direction, held, published, static_friction, thrown
+from multibody_xval.scenarios.catalogue.chains import (
     broadband,
-    chains,
     closed_forms,
-    direction,
     free_decay,
-    loaded_joints,
     long_run,
     normal_forces,
-    published,
     records,
+    steady_states,
+)
+from multibody_xval.scenarios.catalogue.scenario import Scenario
+from multibody_xval.scenarios.catalogue.scenes import (
+    held_boxes,
+    loaded_joints,
     shaken_boxes,
     sliding_boxes,
     spinning_box,
-    static_friction,
 )
-from multibody_xval.scenarios.catalogue.scenario import Scenario
 
 FAMILIES = (
-    chains, closed_forms, normal_forces, free_decay, blocks, breakaway, static_friction, direction, published,
-    broadband, records, long_run, boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints,
+    steady_states, closed_forms, normal_forces, free_decay, held, thrown, breakaway, static_friction, direction,
+    published, broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints,
 )  # fmt: skip
 
 SCENARIOS: Mapping[str, Scenario] = {own.name: own for family in FAMILIES for own in family.SCENARIOS}

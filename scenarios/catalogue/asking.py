@@ -1,6 +1,6 @@
 """Scenarios that are asked: their runs are computed or read, and become numbers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -10,16 +10,12 @@ from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.evaluate import Means, computed, stored_results
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Run, failed
-from multibody_xval.scenarios.result_tables import full_name
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
 from multibody_xval.scenarios.store import Stored, identity
 from reference_lcp.errors import ParameterError, checked_choice
 
 ALL_SCENARIOS = "all"
 """Name of all scenarios together."""
-
-NOT_RUN = "not run"
-"""Verdict on numbers of runs that a store lacks."""
 
 
 def named_scenarios(names: Sequence[str]) -> list[Scenario]:
@@ -47,9 +43,9 @@ def answers(scenarios: Sequence[Scenario], engines: Sequence[str], means: Means)
     configs = {own.name: own.configs(engines) for own in scenarios}
     runs = [run for own in scenarios for run in own.runs(configs[own.name])]
     what = scenarios[0].name if len(scenarios) == 1 else f"{len(scenarios)} scenarios"
-    known = {row.run: row for row in computed(runs, means, what)}
+    known = computed(runs, means, what)
     with _readable(means.store):
-        return pd.concat([_numbers(own, configs[own.name], known) for own in scenarios], ignore_index=True)
+        return pd.concat([numbers(own, known, configs[own.name]) for own in scenarios], ignore_index=True)
 
 
 def stored_answers(scenarios: Sequence[Scenario], engines: Sequence[str], store: Path) -> pd.DataFrame:
@@ -70,7 +66,7 @@ def stored_answers(scenarios: Sequence[Scenario], engines: Sequence[str], store:
         asked = own.configs(engines) if engines else there
         configs = [config for config in asked if any(run in known for run in own.own_runs(config).values())]
         with _readable(store):
-            tables.append(_numbers(own, configs, known))
+            tables.append(numbers(own, known.values(), configs))
     table = pd.concat(tables, ignore_index=True)
     if table.empty:
         names = ", ".join(own.name for own in scenarios)
@@ -97,20 +93,3 @@ def _newest(stored: Sequence[Stored]) -> dict[Run, Stored]:
         if row.run not in kept or kept[row.run].version != identity(row.run.config)[0]:
             kept[row.run] = row
     return kept
-
-
-def _numbers(scenario: Scenario, configs: Sequence[Config], known: Mapping[Run, Stored]) -> pd.DataFrame:
-    """Give the numbers of configurations, without those of the ruler; of what is not known, that it was not run."""
-    own = [run for config in configs for run in scenario.own_runs(config).values()]
-    missing = {run: Stored(run, "", failed(NOT_RUN)) for run in own if run not in known}
-    table = numbers(scenario, [known.get(run) or missing[run] for run in _needed(scenario, configs, known, own)])
-    table = table[table.configuration.isin([full_name(config) for config in configs])]
-    return table.assign(verdict=table.verdict.where(table.reason != NOT_RUN, NOT_RUN))
-
-
-def _needed(
-    scenario: Scenario, configs: Sequence[Config], known: Mapping[Run, Stored], own: Sequence[Run]
-) -> list[Run]:
-    """Give the runs of configurations, and those of the ruler that are known."""
-    ruler = [run for run in scenario.runs(configs) if run in known and run not in own]
-    return [*ruler, *dict.fromkeys(own)]

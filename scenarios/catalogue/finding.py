@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pandas as pd
 
-from multibody_xval.scenarios.catalogue.asking import NOT_RUN
+from multibody_xval.scenarios.catalogue.numbers import NOT_RUN
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE, UNKNOWN, failures
 
 ONE = ["scenario", "configuration", "quantity"]

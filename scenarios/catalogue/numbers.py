@@ -1,15 +1,13 @@
 """Numbers of a scenario: a row a run and quantity, beside its exact value, judged by the one ruler."""
 
 import math
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from multibody_xval.scenarios.catalogue.ruler import CLOSED_FORM, DONE, Ruler
 from multibody_xval.scenarios.catalogue.scenario import (
     STICK_SLIP,
     TRANSMITTANCE,
@@ -17,18 +15,18 @@ from multibody_xval.scenarios.catalogue.scenario import (
     Number,
     Quantity,
     Scenario,
+    given,
     largest,
 )
 from multibody_xval.scenarios.catalogue.stick_slip import stick_slip
 from multibody_xval.scenarios.compute.motions import is_pressed
-from multibody_xval.scenarios.exact_values import LADDER
 from multibody_xval.scenarios.judge import DB, decided, judged, parts_of
-from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run, Status
+from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Config, Run, failed
 from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.result_tables import CONFIG, full_name, of_config, points
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
-from reference_lcp.steady.richardson import ROUND_OFF, ROUND_OFF_STEPS, richardson
+from reference_lcp.steady.richardson import ROUND_OFF_STEPS
 
 COLUMNS = [
     "scenario", "case", "configuration", *CONFIG, "version", "steps", "quantity", "unit", "value", "reference", "exact",
@@ -44,60 +42,54 @@ DECIDING = [
 RELATIVE = ("transmittance", "share")
 """Accuracies that are stated as a part of the number."""
 
-CLOSED_FORM = "closed form"
-
-DONE = (Status.PERIODIC, Status.FINISHED)
+NOT_RUN = "not run"
+"""Verdict on numbers whose runs are missing."""
 
 Row = dict[str, Any]
 
 
-class Known(NamedTuple):
-    """What is known of a quantity at a case and a number of steps."""
-
-    exact: Number = math.nan
-    bar: float = math.nan
-    kind: str = ""
-    scheme_error: float = math.nan
-    reference: Number = math.nan
-    """Of the scheme itself with these steps."""
-    over: float = 1.0
-    """What a number is given over."""
-
-    def over_exact(self) -> "Known":
-        """Give all over the exact value."""
-        unit, reference = self.exact, self.reference
-        assert isinstance(unit, float), "real numbers are given over their exact values"
-        assert isinstance(reference, float), "a number like the exact one"
-        return Known(
-            unit / unit, self.bar / abs(unit), self.kind, self.scheme_error / abs(unit), reference / unit, over=unit
-        )
-
-
-def numbers(scenario: Scenario, stored: Iterable[Stored]) -> pd.DataFrame:
+def numbers(scenario: Scenario, stored: Iterable[Stored], configs: Sequence[Config] | None = None) -> pd.DataFrame:
     """Give a row a run and quantity, in the order of results and quantities; judging asks for no runs.
 
     Columns: `COLUMNS`. All sizes are in the unit of the quantity; value and exact value of a transmittance are complex,
     and those of an array are its largest difference and zero. ``error`` is that to the exact value, ``distance`` that
     to what is ``expected``, and ``reference`` the number of the scheme at equal steps; ``accuracy`` is what the preset
     states.
+
+    Parameters
+    ----------
+    scenario
+        What is asked.
+    stored
+        Results, those of the ruler too; others are left out.
+    configs
+        Whose numbers are given, in the order of their runs; the verdict on what is missing is `NOT_RUN`. Without them,
+        all that have results, in the order of those.
     """
-    known = list(stored)
-    configs = dict.fromkeys(own.run.config for own in known if own.run.config != EXACT)
-    names = {run: name for config in configs for name, run in scenario.own_runs(config).items()}
-    asked = {run: run for run in names}  # whose drives are here: stored ones know a user's record by its hash alone
-    known = [own._replace(run=asked.get(own.run, own.run)) for own in known]
-    ruler, levels = _Ruler(scenario, known), _transmittances(scenario, known)
+    results = list(stored)
+    stored_configs = dict.fromkeys(own.run.config for own in results if own.run.config != EXACT)
+    of = list(stored_configs) if configs is None else configs
+    names = {run: name for config in of for name, run in scenario.own_runs(config).items()}
+    asked = {run: run for run in scenario.runs(of)}  # their drives are whole: a store knows a user's record by its hash
+    known = [own._replace(run=asked[own.run]) for own in results if own.run in asked]
+    compared = [own for own in known if own.run in names]
+    if configs is not None:
+        found = {own.run: own for own in compared}
+        missing = [Stored(run, "", failed(NOT_RUN)) for run in names if run not in found]
+        known, found = known + missing, found | {own.run: own for own in missing}
+        compared = [found[run] for run in names]
+    ruler, levels = Ruler(known), _transmittances(scenario, known)
     rows = [
         _labels(scenario, names[own.run], own, quantity) | part
-        for own in known
-        if own.run in names
+        for own in compared
         for quantity, part in _parts(scenario, own, ruler, levels)
     ]
     columns = dict.fromkeys([*COLUMNS, *DECIDING, "status", "shares_scheme", "group"])
     table = pd.DataFrame(rows, columns=list(columns), dtype=object)  # values are real or complex, row by row
     table = table.astype({**dict.fromkeys(DECIDING, float), "shares_scheme": bool, "judged": bool, "steps": int})
     table = table.assign(scheme_error=_shared(table))
-    return table.assign(**decided(table))[COLUMNS]
+    table = table.assign(**decided(table))[COLUMNS]
+    return table.assign(verdict=table.verdict.where(table.reason != NOT_RUN, NOT_RUN))
 
 
 def _labels(scenario: Scenario, case: str, own: Stored, quantity: Quantity) -> Row:
@@ -126,9 +118,7 @@ def about_config(run: Run) -> Row:
     return about
 
 
-def _parts(
-    scenario: Scenario, own: Stored, ruler: "_Ruler", levels: Mapping[Any, Row]
-) -> Iterator[tuple[Quantity, Row]]:
+def _parts(scenario: Scenario, own: Stored, ruler: Ruler, levels: Mapping[Any, Row]) -> Iterator[tuple[Quantity, Row]]:
     """Give every quantity of a result, with its numbers."""
     together: Mapping[str, Row] = {}
     if own.result.status in DONE and any(each in STICK_SLIP for each in scenario.quantities):
@@ -145,7 +135,7 @@ def _parts(
             yield quantity, together.get(quantity.name, {})
 
 
-def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
+def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
     """Read a quantity of one result, beside what is known of it."""
     assert quantity.read is not None, "it is read alone"
     run, known, about = own.run, ruler.known(quantity, own.run), about_config(own.run)
@@ -162,7 +152,7 @@ def _read(quantity: Quantity, own: Stored, ruler: "_Ruler") -> Row:
         "value": _shown(value, known.exact), "exact": 0.0 if _is_array(known.exact) else known.exact,
         "reference": _shown(known.reference, known.exact), "exact_bar": known.bar, "exact_kind": known.kind,
         "scheme_error": known.scheme_error,
-        "resolution": quantity.resolution(run, known.exact)
+        "resolution": given(quantity.resolution, run)
         + (amplitude * open_amplitude if quantity.step_error is None else 0.0),
         "error": _shown(value, known.exact) if _is_array(known.exact) else value - known.exact,
         "distance": largest(value - (known.reference if expected_is_scheme else known.exact)),
@@ -179,7 +169,7 @@ def stated(quantity: Quantity, config: Config, size: float) -> float:
 
 def _effect(quantity: Quantity, case: AnyCase, exact: Number) -> float:
     if quantity.effect is not None:
-        return quantity.effect(case, exact)
+        return given(quantity.effect, case, exact)
     if quantity.step_error is not None:
         return math.inf
     return DB if quantity.unit == "dB" else largest(exact)
@@ -222,68 +212,9 @@ def _transmittances(scenario: Scenario, stored: Sequence[Stored]) -> dict[tuple[
 
 def _closed_forms(scenario: Scenario, quantity: Quantity) -> pd.DataFrame | None:
     """Give the closed forms of transmittances, as `exact_values.exact_values` gives other ones."""
-    if not callable(quantity.exact):
+    if isinstance(quantity.exact, Exact):
         return None
-    rows = [(case, quantity.exact(case), quantity.bar(case), CLOSED_FORM) for case in scenario.cases.values()]
+    rows = [
+        (case, given(quantity.exact, case), given(quantity.bar, case), CLOSED_FORM) for case in scenario.cases.values()
+    ]
     return pd.DataFrame(rows, columns=["case", "exact", "exact_bar", "exact_kind"]).astype({"exact": complex})
-
-
-class _Ruler:
-    """Exact values and errors of the scheme, from stored results of the reference and the exact motion."""
-
-    def __init__(self, scenario: Scenario, stored: Sequence[Stored]):
-        self._refinement = scenario.exact_refinement
-        self._by_case: dict[tuple[Config, AnyCase], dict[int, Result]] = defaultdict(dict)
-        for run, _, result in stored:
-            if run.config in (REFERENCE, EXACT) and result.status in DONE:
-                self._by_case[run.config, run.case][run.steps] = result
-        self._cached = cache(self._known)
-
-    def known(self, quantity: Quantity, run: Run) -> Known:
-        """Give what is known of a quantity at the case and the steps of a run."""
-        return self._cached(quantity, run if quantity.step_error else replace(run, config=REFERENCE))
-
-    def exact(self, case: AnyCase) -> tuple[Run, Result] | None:
-        """Give the exact motion of a case."""
-        found = self._by_case[EXACT, case]
-        return next(((Run(EXACT, case, steps), result) for steps, result in found.items()), None)
-
-    def ladder(self, run: Run) -> dict[int, Result]:
-        """Give the reference at the steps of a run and at finer ones; nothing where one is missing."""
-        found = self._by_case[REFERENCE, run.case]
-        wanted = [run.steps * factor for factor in LADDER]
-        return {steps: found[steps] for steps in wanted} if all(steps in found for steps in wanted) else {}
-
-    def _known(self, quantity: Quantity, run: Run) -> Known:
-        known = self._as_read(quantity, run)
-        return known.over_exact() if quantity.over_exact else known
-
-    def _as_read(self, quantity: Quantity, run: Run) -> Known:
-        if quantity.step_error is not None:
-            return Known(*self._exact_value(quantity, run.case), quantity.step_error(run))
-        assert quantity.read is not None, "it is read alone"
-        ladder = self.ladder(run)
-        counts = list(ladder)
-        values = [quantity.read(own, Run(REFERENCE, run.case, steps)) for steps, own in ladder.items()]
-        if not values:
-            return Known()
-        first, last = (richardson(counts, np.array(values), at=counts[place]) for place in (0, -1))
-        scheme = largest(first.error), values[0]
-        if quantity.exact is Exact.LADDER:
-            return Known(_plain(last.extrapolated), largest(last.error), str(Exact.LADDER), *scheme)
-        return Known(*self._exact_value(quantity, run.case), *scheme)
-
-    def _exact_value(self, quantity: Quantity, case: AnyCase) -> tuple[Number, float, str]:
-        """Give the exact value, its bar and its kind, of a closed form or of the exact motion."""
-        if callable(quantity.exact):
-            return quantity.exact(case), quantity.bar(case), CLOSED_FORM
-        assert quantity.exact is Exact.MOTION, "a step's error in closed form needs no ladder"
-        assert quantity.read is not None, "it is read alone"
-        motion = self.exact(case)
-        if motion is None:
-            return math.nan, math.nan, ""
-        return quantity.read(motion[1], motion[0]), ROUND_OFF * quantity.per_amplitude, str(Exact.MOTION)
-
-
-def _plain(values: Any) -> Number:
-    return values if np.ndim(values) else float(values)

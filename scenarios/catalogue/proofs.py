@@ -43,24 +43,19 @@ RADIUS = Decimal(1).scaleb(-DIGITS)
 """Largest distance of a number of the table from one that is proven again."""
 
 SUMMARY = {
-    "points": ("case", "size"),
-    "proven": ("level", "count"),
-    "unique": ("unique", "sum"),
-    "as in the table": ("as_known", "sum"),
-    "events": ("events", "max"),
-    "radius [dB]": ("radius_db", "max"),
-    "floats [dB]": ("float_error_db", "max"),
-    "in U0": ("float_error", "max"),
-    "over bar": ("part_of_bar", "max"),
-    "median [s]": ("seconds", "median"),
-    "largest [s]": ("seconds", "max"),
+    "points": ("case", "size", "{}"),
+    "proven": ("level", "count", "{}"),
+    "unique": ("unique", "sum", "{}"),
+    "as in the table": ("as_known", "sum", "{}"),
+    "events": ("events", "max", "{:.0f}"),
+    "radius [dB]": ("radius_db", "max", "{:.0e}"),
+    "floats [dB]": ("float_error_db", "max", "{:.1e}"),
+    "in U0": ("float_error", "max", "{:.0e}"),
+    "over bar": ("part_of_bar", "max", "{:.2f}"),
+    "median [s]": ("seconds", "median", "{:.2f}"),
+    "largest [s]": ("seconds", "max", "{:.2f}"),
 }
-"""Headings of what is printed: a column of `proofs`, and what is made of it."""
-
-PATTERNS = {
-    "events": "{:.0f}", "radius [dB]": "{:.0e}", "floats [dB]": "{:.1e}", "in U0": "{:.0e}", "over bar": "{:.2f}",
-    "median [s]": "{:.2f}", "largest [s]": "{:.2f}",
-}  # fmt: skip
+"""Headings of what is printed: a column of `proofs`, what is made of it, and how it is written."""
 
 
 def standard_cases() -> list[Case]:
@@ -73,9 +68,9 @@ def standard_cases() -> list[Case]:
     catalogue = [case for own in SCENARIOS.values() for case in own.cases.values() if isinstance(case, Case)]
     cases = dict.fromkeys(map(in_table, [*grid(quick=False), *grid(quick=True), *MAP, *SIX, *near, *catalogue]))
     known = [case for case in cases if case.modulation <= CLOSED]
-    papers = [case for case in known if not beside_paper(case)]
-    papers.sort(key=lambda case: (case.friction_ratio, case.frequency_ratio))
-    return [*papers, *(case for case in known if beside_paper(case))]
+    return sorted(
+        known, key=lambda case: (1,) if beside_paper(case) else (0, case.friction_ratio, case.frequency_ratio)
+    )
 
 
 def chosen_cases(sample: int | None, seed: int) -> list[Case]:
@@ -128,7 +123,7 @@ def proofs(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     in amplitude over U0; of the scheme ``part_of_bar``, its error over its error bar. Floating point and scheme are
     not compared where normal forces swing, and in long chains.
     """
-    columns = ["case", "level", "reason", *(name for name, _ in SUMMARY.values())]
+    columns = ["case", "level", "reason", *(name for name, *_ in SUMMARY.values())]
     table = pd.DataFrame(list(rows), columns=list(dict.fromkeys(columns)))
     numbers = ("events", "radius_db", "seconds", "float_error_db", "float_error", "part_of_bar")
     return table.astype({**dict.fromkeys(numbers, float), "unique": bool, "as_known": bool})
@@ -163,16 +158,13 @@ def _floats(case: Case, state: ProvenSteadyState) -> dict[str, float]:
 def summary(table: pd.DataFrame) -> pd.DataFrame:
     """Give texts, a row a friction ratio of the paper's chain, one of other chains, and one of all of them."""
     titles = ["other chains" if beside_paper(case) else f"{case.friction_ratio:g}" for case in table.case]
-    rows = table.groupby(titles, sort=False).agg(**SUMMARY)
+    made: dict[str, Any] = {title: (column, how) for title, (column, how, _) in SUMMARY.items()}
+    rows = table.groupby(titles, sort=False).agg(**made)
     if len(rows) > 1:
-        every = table.groupby(["all"] * len(table)).agg(**SUMMARY)
-        rows = pd.concat([rows, every])
-    texts = {name: rows[name].map(lambda own, name=name: _text(own, PATTERNS.get(name, "{}"))) for name in rows}
-    return pd.DataFrame(texts).rename_axis("friction").reset_index()
-
-
-def _text(value: Any, pattern: str) -> str:
-    return "–" if pd.isna(value) else pattern.format(value)
+        rows = pd.concat([rows, table.groupby(["all"] * len(table)).agg(**made)])
+    for title, (_, _, pattern) in SUMMARY.items():
+        rows[title] = ["–" if pd.isna(value) else pattern.format(value) for value in rows[title]]
+    return rows.rename_axis("friction").reset_index()
 
 
 def table_rows(table: pd.DataFrame) -> pd.DataFrame:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +12,17 @@ import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
 from multibody_xval.scenarios.exact_values import LADDER, has_exact_motion, needs_exact_motion
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
-from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray
 
 Number = float | complex | FloatArray
 """What is read of a result; of an array, the largest difference counts."""
 
-Steps = Callable[[Config, AnyCase], Mapping[str, int]]
+Steps = Callable[[Config, Any], Mapping[str, int]]
 """Gives the numbers of steps with which a configuration runs a case, by what is added to the case's name."""
 
 
@@ -34,17 +35,12 @@ class Exact(StrEnum):
     """The reference at ever finer steps, extrapolated."""
 
 
-def always(value: float) -> Callable[..., float]:
-    """Give a function that gives a number, whatever the run or the case."""
-    return lambda *_: value
-
-
-NOTHING = always(0.0)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A number of a result, and the parts of its judgement; all in its unit."""
+    """A number of a result, and the parts of its judgement in its unit: numbers, or functions that give them.
+
+    Functions of a case name the kind of case that their scenario has.
+    """
 
     name: str
     unit: str
@@ -52,30 +48,45 @@ class Quantity:
     """In a sentence."""
     read: Callable[[Result, Run], Number] | None = None
     """Gives it; without it, it is read together with others: level and phase, stick and slip."""
-    exact: Exact | Callable[[AnyCase], Number] = Exact.MOTION
+    exact: Exact | float | Callable[[Any], Number] = Exact.MOTION
     """Where the exact value is from, or its closed form."""
-    bar: Callable[[AnyCase], float] = NOTHING
+    bar: float | Callable[[Any], float] = 0.0
     """Error bar of a closed form: what it leaves out."""
     between: tuple[float, float] | None = None
     """Limits, where theory gives no more than these; the exact value is then the nearest number between them."""
-    step_error: Callable[[Run], float] | None = None
+    step_error: float | Callable[[Run], float] | None = None
     """Error of Euler's step in closed form; all are then compared with the exact value, which no ladder gives. Without
     it, the reference at finer steps shows that error."""
-    resolution: Callable[[Run, Number], float] = NOTHING
+    resolution: float | Callable[[Run], float] = 0.0
     """What cannot be told from the exact value, beside round-off and contacts that give way."""
     over_exact: bool = False
     """It is given over its exact value, and so are all its parts but `resolution` and `effect`, which are of that."""
     per_amplitude: float = 1.0
     """What a change of positions makes of it, over the displacement scale; of dB, that follows from the level."""
-    effect: Callable[[AnyCase, Number], float] | None = None
+    effect: float | Callable[[Any, Number], float] | None = None
     """How much friction changes it at all; without it, its size, and where `step_error` is known, any."""
     accuracy: str = ""
     """Name of the accuracy that presets may state, see `Preset.accuracy`."""
     group: str = ""
     """Quantities of one group share the largest error of the step: shares of one energy, for example."""
-    of: Callable[[AnyCase], bool] | None = None
+    of: Callable[[Any], bool] | None = None
     """Whether a case has it; without it, all have."""
 
+
+ROUND_OFF = {"double": 2.0**-53, "single": SINGLE}
+"""Largest rounding of a number, as a part of it."""
+
+ROUNDINGS = 8
+"""Of a position in a step: in forces, velocities and positions, and in as many substeps."""
+
+
+def round_off(run: Run) -> float:
+    """Give the largest rounding of a number in a run, as a part of it."""
+    return ROUND_OFF[run.config.capabilities.precision]
+
+
+at_rest = partial(Quantity, exact=0.0, step_error=0.0)
+"""A number of what friction should hold: whatever the step, nothing slips."""
 
 TRANSMITTANCE = Quantity(
     name="transmittance", unit="U0", meaning="Fundamental of the last outer mass over that of the drive.",
@@ -184,9 +195,8 @@ OWN_STEP = "own step"
 """Said of cases at the engine's own time step, where that is another one."""
 
 
-def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON_STEP,)) -> dict[str, int]:
+def scene_steps(config: Config, case: SceneMotion, common: Sequence[float] = (COMMON_STEP,)) -> dict[str, int]:
     """Give the steps of a scene: those of the engine's own time step, and those of common ones [s]."""
-    assert isinstance(case, SceneMotion), "a scene"
     own = engine(config.engine).scene_step
     named = {} if math.isnan(own) or own == COMMON_STEP else {OWN_STEP: own}
     named |= {f"{1e3 * step:g} ms": step for step in common if step not in named.values()}
@@ -194,27 +204,20 @@ def scene_steps(config: Config, case: AnyCase, common: Sequence[float] = (COMMON
 
 
 def steps_a_row(count: int = 1) -> Steps:
-    """Give what divides motions into so many steps to each of their rows."""
-    return lambda _config, case: {"": count * motion_rows(case)}
+    """Give what divides motions of chains and blocks into so many steps to each of their rows."""
+    return lambda _config, case: {"": count * case.rows}
 
 
-def motion_rows(case: AnyCase) -> int:
-    """Give the rows of a motion of a chain or a block."""
-    assert isinstance(case, ChainMotion | BlockMotion), "a motion"
-    return case.rows
-
-
-def steady(case: AnyCase) -> Case:
-    """Give the case, which is a steady state."""
-    assert isinstance(case, Case), "a steady state"
-    return case
-
-
-def steady_steps(_config: Config, case: AnyCase) -> dict[str, int]:
+def steady_steps(_config: Config, case: Case) -> dict[str, int]:
     """Give the steps per period of a steady state."""
-    return {"": steady(case).steps()}
+    return {"": case.steps()}
 
 
 def largest(number: Any) -> float:
     """Give the size of a number; of an array, of the largest one."""
     return float(np.max(np.abs(number)))
+
+
+def given(part: Any, *about: Any) -> Any:
+    """Give a number that stands for itself, or that a function gives of a run or a case."""
+    return part(*about) if callable(part) else part

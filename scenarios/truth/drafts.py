@@ -8,7 +8,7 @@ import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY
 from multibody_xval.scenarios.catalogue.proofs import exact_chain
-from multibody_xval.scenarios.catalogue.sliding_boxes import deceleration, launch_speed, launched, way_to_stop
+from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import deceleration, launch_speed, launched, way_to_stop
 from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.truth.problem import GROUND
 from reference_lcp.chain.drives import HarmonicBase

@@ -45,19 +45,14 @@ def judged_copy(
     runs = scenario.runs([config])
     copies = {run: Run(REFERENCE, change(run.case), run.steps) for run in runs if run.config == config}
     stored = [Stored(run, "1", spoil(result_of(copies[run])) if run in copies else result_of(run)) for run in runs]
-    return _of(scenario, stored, config)
+    return numbers(scenario, stored, [config])
 
 
 def judged(scenario: Scenario, config: Config) -> pd.DataFrame:
     """Judge an engine."""
     own = [run for run in scenario.runs([config]) if run.config == config]
     ruler = [Stored(run, "1", result_of(run)) for run in scenario.runs([config]) if run.config != config]
-    return _of(scenario, [*ruler, *(Stored(run, "1", run_batch([run])[0]) for run in own)], config)
-
-
-def _of(scenario: Scenario, stored: list[Stored], config: Config) -> pd.DataFrame:
-    table = numbers(scenario, stored)
-    return table[(table.engine == config.engine) & (table.preset == config.preset_name)]
+    return numbers(scenario, [*ruler, *(Stored(run, "1", run_batch([run])[0]) for run in own)], [config])
 
 
 def deviating(table: pd.DataFrame) -> set[tuple[str, str]]:

@@ -6,7 +6,7 @@ from multibody_xval.engines.contract.test_stated_law import test_stated_law_is_o
 from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.engines.interface.variant import Variant, variants_of
 from multibody_xval.engines.shared.law_limit import law_fault
-from multibody_xval.scenarios.catalogue.chains import UNIT_CELL
+from multibody_xval.scenarios.catalogue.chains.steady_states import UNIT_CELL
 from tests.scenarios.in_this_process import deviating, judged
 
 SOUND = Variant("faulty-lawful")

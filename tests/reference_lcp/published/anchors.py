@@ -20,7 +20,7 @@ class Anchor(NamedTuple):
 
 
 def _anchors() -> dict[str, Anchor]:
-    with (ROOT / "scenarios/catalogue/published.csv").open(encoding="utf-8") as file:
+    with (ROOT / "scenarios/catalogue/blocks/published.csv").open(encoding="utf-8") as file:
         return {row["id"]: Anchor(float(row["value"]), float(row["uncertainty"])) for row in csv.DictReader(file)}
 
 

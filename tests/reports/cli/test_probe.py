@@ -13,7 +13,7 @@ from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
 from multibody_xval.engines.mujoco.scene import contact_model, joint_model
 from multibody_xval.reports.cli.probe import app
-from multibody_xval.scenarios.catalogue.boxes import SLOPE_HOLD, on_slope
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import SLOPE_HOLD, on_slope
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
 from reference_lcp.process import run_command

@@ -7,7 +7,7 @@ from functools import cache
 import pandas as pd
 
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.scenario import Scenario, steady
+from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run
 from multibody_xval.scenarios.store import Stored
@@ -37,7 +37,7 @@ def judged_copy(
     runs = [run for run in scenario.runs([config]) if run.config != config]
     ruler = [Stored(run, "1", result_of(run)) for run in runs]
     own = [
-        Stored(run, "1", spoilt(result_of(Run(REFERENCE, changed(steady(run.case)), run.steps))))
+        Stored(run, "1", spoilt(result_of(Run(REFERENCE, changed(run.steady), run.steps))))
         for run in scenario.own_runs(config).values()
     ]
     table = numbers(scenario, [*ruler, *own])

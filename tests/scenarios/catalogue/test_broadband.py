@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.broadband import (
+from multibody_xval.scenarios.catalogue.chains.broadband import (
     BANDS,
     FILTERED_NOISE,
     RATIOS,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.shared.wide_range import DESIGN
-from multibody_xval.scenarios.catalogue import chains
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.chains import steady_states as chains
 from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config
 from reference_lcp.defaults import CHAIN_STIFFNESS

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue import closed_forms
-from multibody_xval.scenarios.catalogue.closed_forms import DEN_HARTOG, FRICTIONLESS_LIMIT, LOCKED_LIMIT, SLIDING
+from multibody_xval.scenarios.catalogue.chains import closed_forms
+from multibody_xval.scenarios.catalogue.chains.closed_forms import DEN_HARTOG, FRICTIONLESS_LIMIT, LOCKED_LIMIT, SLIDING
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.exact_values import PROVEN_BAR, proven
 from multibody_xval.scenarios.judge import AGREES

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from multibody_xval.engines.shared.claims import tangents_of_the_world
-from multibody_xval.scenarios.catalogue.direction import DIRECTION, PART
+from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION, PART
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import EXACT, Config, Run
 from multibody_xval.scenarios.motions import BlockMotion

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue.free_decay import (
+from multibody_xval.scenarios.catalogue.chains.free_decay import (
     FREE_DECAY,
     OSCILLATOR,
     half_width,

@@ -10,9 +10,9 @@ import pytest
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY
 from multibody_xval.reports.reproducers.recipe import recipe_text
-from multibody_xval.scenarios.catalogue.boxes import box_scene
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.shaken_boxes import FRICTION, HELD_WHILE_SHAKEN, pushed
+from multibody_xval.scenarios.catalogue.scenes.scene import box_scene
+from multibody_xval.scenarios.catalogue.scenes.shaken_boxes import FRICTION, HELD_WHILE_SHAKEN, pushed
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import Config, Run

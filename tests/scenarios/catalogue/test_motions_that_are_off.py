@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from multibody_xval.scenarios.catalogue.blocks import STOPPING_DISTANCE
-from multibody_xval.scenarios.catalogue.broadband import RICKER_PULSE
-from multibody_xval.scenarios.catalogue.direction import DIRECTION
-from multibody_xval.scenarios.catalogue.free_decay import FREE_DECAY
-from multibody_xval.scenarios.catalogue.long_run import LONG_RUN
-from multibody_xval.scenarios.catalogue.published import PUBLISHED
+from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION
+from multibody_xval.scenarios.catalogue.blocks.published import PUBLISHED
+from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABOVE_KINETIC
+from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
+from multibody_xval.scenarios.catalogue.chains.broadband import RICKER_PULSE
+from multibody_xval.scenarios.catalogue.chains.free_decay import FREE_DECAY
+from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
 from multibody_xval.scenarios.catalogue.scenario import steps_a_row
-from multibody_xval.scenarios.catalogue.static_friction import STATIC_ABOVE_KINETIC
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE
 from multibody_xval.scenarios.model import Result
 from tests.scenarios.in_this_process import OTHER, SHARES, judged_copy, only

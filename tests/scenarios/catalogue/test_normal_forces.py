@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from multibody_xval.scenarios.catalogue.normal_forces import MODULATED_NORMAL_FORCE
+from multibody_xval.scenarios.catalogue.chains.normal_forces import MODULATED_NORMAL_FORCE
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, Case, Config, Result, Run

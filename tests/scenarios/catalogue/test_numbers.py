@@ -6,10 +6,13 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.catalogue import blocks, boxes, broadband, chains, free_decay
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.blocks import held, thrown
+from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
+from multibody_xval.scenarios.catalogue.chains import steady_states as chains
 from multibody_xval.scenarios.catalogue.numbers import COLUMNS, numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
+from multibody_xval.scenarios.catalogue.scenes import held_boxes, scene
 from multibody_xval.scenarios.catalogue.series import series
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, UNKNOWN
@@ -37,8 +40,8 @@ SMALL = {
     "steady states": only(chains.UNIT_CELL, "friction 0.1, η_r 0.45"),
     "free decay": only(free_decay.FREE_DECAY, "inner masses let go"),
     "a pulse": SHORT_PULSE,
-    "a block that is thrown": only(blocks.STOPPING_DISTANCE, "1 g, 1.23 m/s"),
-    "a block that is held": only(blocks.STATIC_HOLD, "1 kg, load 0.9"),
+    "a block that is thrown": only(thrown.STOPPING_DISTANCE, "1 g, 1.23 m/s"),
+    "a block that is held": only(held.STATIC_HOLD, "1 kg, load 0.9"),
 }
 """A case of every kind but scenes, which the reference does not run."""
 
@@ -186,9 +189,9 @@ def test_energies_share_the_error_of_the_step(ruled) -> None:
 
 def box(config: Config, drift: float, sag: float = 0.0) -> Stored:
     """Give the result of a box that has drifted along the slope by so many µm/s, and moved by so many mm at first."""
-    scenario = only(boxes.SLOPE_HOLD, "load 0.5")
+    scenario = only(held_boxes.SLOPE_HOLD, "load 0.5")
     run = list(scenario.own_runs(config).values())[-1]
-    way = 1e-6 * drift * boxes.HOLDING
+    way = 1e-6 * drift * scene.HOLDING
     series = {"along": (way,), "across": (0.0,), "off": (1.0,), "from the start": (1e-3 * sag, 0.0, 1.0)}
     return Stored(run, "1", Result(status=Status.FINISHED, series=series))
 
@@ -208,21 +211,21 @@ RECIPE, SOFT = Config("pybullet", "contact", "recommended"), Config("mujoco", "c
     ],
 )
 def test_a_box_on_a_slope_stays_where_it_is(config, drift, sag, expected) -> None:
-    table = numbers(only(boxes.SLOPE_HOLD, "load 0.5"), [box(config, drift, sag)])
+    table = numbers(only(held_boxes.SLOPE_HOLD, "load 0.5"), [box(config, drift, sag)])
     assert tuple(table.verdict) == expected
     assert table.value.tolist() == pytest.approx([drift, sag])
     assert set(table.exact_kind) == {"closed form"}
 
 
 def test_series_are_a_row_a_number() -> None:
-    table = series(only(boxes.SLOPE_HOLD, "load 0.5"), [box(RECIPE, 1.0)])
+    table = series(only(held_boxes.SLOPE_HOLD, "load 0.5"), [box(RECIPE, 1.0)])
     along = table[table.series == "along"]
     assert along[["case", "row", "value"]].to_numpy().tolist() == [["load 0.5, 1 ms", 1, 2e-6]]
     assert table[table.series == "from the start"].row.tolist() == [1, 2, 3]
 
 
 def test_scenes_are_judged_of_recipes_alone() -> None:
-    scenario = only(boxes.SLOPE_HOLD, "load 0.5")
+    scenario = only(held_boxes.SLOPE_HOLD, "load 0.5")
     table = numbers(scenario, [box(SOFT, 0.0), box(Config("mujoco", "contact", "default"), 0.0)])
     assert dict(zip(table.preset, table.judged, strict=True)) == {"recommended": True, "default": False}
 

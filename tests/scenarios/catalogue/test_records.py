@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue.broadband import chain_motion
+from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
+from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import Run
 from multibody_xval.scenarios.store import Stored

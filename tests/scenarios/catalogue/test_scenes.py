@@ -10,11 +10,18 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
-from multibody_xval.scenarios.catalogue import boxes, loaded_joints, shaken_boxes, sliding_boxes, spinning_box
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario, scene_steps
-from multibody_xval.scenarios.catalogue.spinning_box import CORNERS, UNIFORM
+from multibody_xval.scenarios.catalogue.scenes import (
+    held_boxes,
+    loaded_joints,
+    scene,
+    shaken_boxes,
+    sliding_boxes,
+    spinning_box,
+)
+from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, UNIFORM
 from multibody_xval.scenarios.compute import scenes
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE
@@ -24,7 +31,7 @@ from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 from tests.scenarios.point_mass import Wrong, point_mass_numbers
 
-FAMILIES = (boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints)
+FAMILIES = (held_boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints)
 SCENES = {own.name: own for family in FAMILIES for own in family.SCENARIOS}
 HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "held-while-shaken", "joint-hold", "arm-hold")
 SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
@@ -168,7 +175,7 @@ def test_scene_that_cannot_be_is_refused(build, message) -> None:
 
 
 def test_scenes_are_what_their_names_say() -> None:
-    heavy = boxes.box_scene(SCENARIOS["heavy-on-light"].cases["100 kg on 1 kg, 12°"])
+    heavy = scene.box_scene(SCENARIOS["heavy-on-light"].cases["100 kg on 1 kg, 12°"])
     assert [box.mass for box in heavy.boxes] == [1.0, 100.0]
     assert heavy.slope == math.radians(12)
     assert loaded_joints.arm(1, 0.9).friction == pytest.approx([GRAVITY * 0.1 / 0.9])
@@ -184,7 +191,7 @@ def test_every_engine_runs_every_scene_at_its_own_time_step(name) -> None:
     for own in engine_names():
         step = engine(own).scene_step
         for label, run in scenario.own_runs(Config(own, "contact", "default")).items():
-            size = boxes.time_step(run)
+            size = scene.time_step(run)
             aim = step if label.endswith("own step") else float(label.split(", ")[-1].removesuffix(" ms")) / 1e3
             assert size == pytest.approx(aim, rel=1e-12)
 

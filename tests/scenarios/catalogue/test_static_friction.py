@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue import static_friction
-from multibody_xval.scenarios.catalogue.static_friction import (
+from multibody_xval.scenarios.catalogue.blocks import static_friction
+from multibody_xval.scenarios.catalogue.blocks.static_friction import (
     FAST,
     FOLLOWED,
     JUMP_TIME,
@@ -102,9 +102,9 @@ def test_friction_that_is_off_breaks_away_or_jumps_elsewhere(change, quantities,
 def test_roundings_grow_with_the_way_of_the_carrier_and_count_against_the_jump(monkeypatch) -> None:
     """By ε of the displacement scale each: over the jump they are ε times the way over the jump."""
     run = Run(OTHER, KILOGRAM, 4 * KILOGRAM.rows)
-    plain, part = static_friction.farther(run, 1.0), 0.01
+    plain, part = static_friction.farther(run), 0.01
     monkeypatch.setattr(static_friction, "rounded", lambda _: part * KILOGRAM.scale)
-    more = (static_friction.farther(run, 1.0) - plain) / part
+    more = (static_friction.farther(run) - plain) / part
     # the force moves block and carrier by ∫∫ F / m, with F = F_max sin ωt
     time = np.linspace(0, FOLLOWED, 20001)
     force = KILOGRAM.static_ratio * KILOGRAM.block.bound * np.array([load(at) for at in time])

@@ -11,21 +11,14 @@ is exact for the slip r of a block of mass m on a carrier of mass M, and the blo
 
 import csv
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import resources
 from typing import Any, NamedTuple
 
-from multibody_xval.scenarios.catalogue.blocks import (
-    ROUND_OFF,
-    ROUNDINGS,
-    block_motion,
-    on_free_carrier,
-    rounded,
-    slips,
-)
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always
-from multibody_xval.scenarios.model import AnyCase, Config, Result, Run
+from multibody_xval.scenarios.catalogue.blocks.block import block_motion, on_free_carrier, rounded, slips
+from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, Quantity, Scenario, round_off
+from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, Block, BlockMotion
 from reference_lcp.chain.drives import ShakingForce, StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
@@ -47,12 +40,23 @@ its last printed digit, or what else it is known to be off by."""
 class Published(NamedTuple):
     """A problem, of a mass of 1 kg and a bound of 1 N, and how a number is read of it."""
 
+    name: str
     case: BlockMotion
     steps: int
     read: Callable[[Result, BlockMotion], float]
     """Gives the number in its unit."""
     rounded: Callable[[Run], float]
     """By how much roundings change that."""
+
+    @property
+    def value(self) -> float:
+        """Give the published number."""
+        return float(TARGETS[self.name]["value"])
+
+    @property
+    def over(self) -> float:
+        """Give what a number is given over: its size, or where that is 0, that of the same with A = 1.01 m/s²."""
+        return abs(self.value) or float(TARGETS["sdnd104-1.01"]["value"])
 
 
 def moved(time: float, rows: int, length: float, stiffness: float, **start: Any) -> BlockMotion:
@@ -90,7 +94,13 @@ def turn(number: int) -> Published:
     """Give y at the end of a half turn of SDND100."""
     longest = moved(TURNS * HALF_TURN, TURNS * TURN_ROWS, 0.85e-3, 1e4, slip=0.85e-3)
     case = replace(longest, time=number * HALF_TURN, rows=number * TURN_ROWS)
-    return Published(case, number * TURN_STEPS, lambda *own: ALONG * place(*own), lambda run: ALONG * rounded(run))
+    return Published(
+        f"sdnd100-{number}",
+        case,
+        number * TURN_STEPS,
+        lambda *own: ALONG * place(*own),
+        lambda run: ALONG * rounded(run),
+    )
 
 
 WEAR_FROM, WEAR_TO, WEAR_ROW, WEAR_FORCE = 4.0, 12.0, 0.2, 10.0
@@ -105,9 +115,9 @@ def wear_power(result: Result, _case: BlockMotion) -> float:
 
 def _rounded_power(run: Run) -> float:
     """Give by how much roundings change that [W]: those of two velocities, and in a slip of 1 s as their root."""
-    rounding = ROUNDINGS * ROUND_OFF[run.config.capabilities.precision]
+    rounding = ROUNDINGS * round_off(run)
     of_velocities = WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
-    of_slips = float(TARGETS[name_of(run.case)]["value"]) * math.sqrt(run.steps / WEAR_TO)
+    of_slips = NUMBERS[run.case].value * math.sqrt(run.steps / WEAR_TO)
     return rounding * (of_velocities + of_slips)
 
 
@@ -117,26 +127,25 @@ def wear(acceleration: float) -> Published:
     The printed values neglect the spring of 3e-5 N/m that is there to hold the mass: it takes 2e-5 off the first one.
     """
     case = shaken(acceleration, 2 * math.pi, WEAR_TO, round(WEAR_TO / WEAR_ROW))
-    return Published(case, 19200, wear_power, _rounded_power)
+    return Published(f"sdnd104-{acceleration:g}", case, 19200, wear_power, _rounded_power)
 
 
 BEFORE_BRAKING = 0.1
 """Way [m] and time [s] of Modelica's mass before its brake closes."""
 
-NUMBERS = {
-    **{f"sdnd100-{number}": turn(number) for number in range(1, TURNS + 1)},
-    **{f"sdnd104-{acceleration:g}": wear(acceleration) for acceleration in (15.0, 1.5, 1.01, 0.99)},
-    "brake": Published(
-        moved(1.5, 75, 0.5, 0.0, slip_velocity=1.0), 3000,
-        lambda result, case: BEFORE_BRAKING + place(result, case), rounded,
-    ),
-    "friction-oscillator": Published(
-        moved(25.0, 100, 12.0, 1.0, slip=12.0, slip_velocity=6.0), 10000, place, rounded
-    ),
-}  # fmt: skip
-"""Every published number that is read, by its name."""
+BRAKE = Published(
+    "brake", moved(1.5, 75, 0.5, 0.0, slip_velocity=1.0), 3000,
+    lambda result, case: BEFORE_BRAKING + place(result, case), rounded,
+)  # fmt: skip
 
-NAMES = {own.case: name for name, own in NUMBERS.items()}
+OSCILLATOR = Published(
+    "friction-oscillator", moved(25.0, 100, 12.0, 1.0, slip=12.0, slip_velocity=6.0), 10000, place, rounded
+)
+
+NUMBERS: Mapping[AnyCase, Published] = {
+    own.case: own for own in (*map(turn, range(1, TURNS + 1)), *map(wear, (15.0, 1.5, 1.01, 0.99)), BRAKE, OSCILLATOR)
+}
+"""Every published number that is read, by its case."""
 
 LEFT, MORE_LEFT = 2e-6, {"sdnd104-1.01": 1e-4}
 """What the carrier's spring and reading at steps leave of a published number, over it.
@@ -145,38 +154,17 @@ A table that is just strong enough moves the block for 6 % of the time, and the 
 """
 
 
-def name_of(case: AnyCase) -> str:
-    """Give the name of the number that is read of a case."""
-    return NAMES[block_motion(case)]
-
-
-def over(name: str) -> float:
-    """Give what a number is given over: its size, or where that is 0, that of the same with A = 1.01 m/s²."""
-    return abs(float(TARGETS[name]["value"])) or float(TARGETS["sdnd104-1.01"]["value"])
-
-
 def read(result: Result, run: Run) -> float:
     """Give a number over the published one."""
-    name = name_of(run.case)
-    return NUMBERS[name].read(result, block_motion(run.case)) / over(name)
+    own = NUMBERS[run.case]
+    return own.read(result, own.case) / own.over
 
 
-def expected(case: AnyCase) -> float:
-    """Give the published number over its size."""
-    name = name_of(case)
-    return float(TARGETS[name]["value"]) / over(name)
-
-
-def left_open(run: Run, _exact: Number) -> float:
+def left_open(run: Run) -> float:
     """Give what the published digits, the carrier, reading at steps and roundings leave open of a number."""
-    name = name_of(run.case)
-    open_digits = float(TARGETS[name]["uncertainty"]) + NUMBERS[name].rounded(run)
-    return MORE_LEFT.get(name, LEFT) + open_digits / over(name)
-
-
-def own_steps(_config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps of a problem."""
-    return {"": NUMBERS[name_of(case)].steps}
+    own = NUMBERS[run.case]
+    open_digits = float(TARGETS[own.name]["uncertainty"]) + own.rounded(run)
+    return MORE_LEFT.get(own.name, LEFT) + open_digits / own.over
 
 
 PUBLISHED = Scenario(
@@ -185,19 +173,19 @@ PUBLISHED = Scenario(
     expects="the published number, to its printed digits; of presets that share the scheme the reference at equal "
     "steps",
     source="code_aster SDND100 and SDND104, Modelica's Brake, Siconos's FrictionOscillator: see published.csv.",
-    cases={name: own.case for name, own in NUMBERS.items()},
+    cases={own.name: own.case for own in NUMBERS.values()},
     quantities=(
         Quantity(
-            name="value", unit="", read=read, exact=expected, resolution=left_open, per_amplitude=0.0,
-            effect=always(1.0), accuracy="transmittance",
+            name="value", unit="", read=read, exact=lambda case: NUMBERS[case].value / NUMBERS[case].over,
+            resolution=left_open, per_amplitude=0.0, effect=1.0, accuracy="transmittance",
             meaning="Number over the size of the published one; where that is 0, over the same with A = 1.01 m/s².",
         ),
     ),
-    steps=own_steps,
+    steps=lambda _config, case: {"": NUMBERS[case].steps},
     details=tuple(
         f"{name}: {own['quantity']} = {float(own['value']):g} {own['unit']}"
         for name, own in TARGETS.items()
-        if name in NUMBERS
+        if name in {known.name for known in NUMBERS.values()}
     ),
 )  # fmt: skip
 """Numbers that nobody here has computed first; docs/targets has each problem in full."""

@@ -6,33 +6,23 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Vector
-from multibody_xval.scenarios.catalogue.boxes import (
-    DRIFT_RESOLUTION,
-    SETTLING,
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, at_rest, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import on_slope
+from multibody_xval.scenarios.catalogue.scenes.scene import (
+    NONE,
     SOURCE,
-    at_rest,
     box_scene,
-    on_slope,
-    rounded,
+    no_drift,
     scene_motion,
     time_step,
+    watched,
 )
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
 from multibody_xval.scenarios.model import AnyCase, Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray
 
 SLIDING = 2.0
 """How long a box slides down [s]."""
-
-FRICTION_RESOLUTION = 0.1
-"""Error of friction that counts as none [%], and with it of distances and times: a tenth of what has to be found."""
-
-LIFT_RESOLUTION = 0.1
-"""Lift that counts as none [mm]: a thousandth of half the side of a box."""
-
-TURN_RESOLUTION = 0.1
-"""Turn that counts as none [°]: 2 mm on a way of 1 m."""
 
 REST = 1.0
 """How long a box is watched after it has stopped [s]."""
@@ -50,20 +40,8 @@ enough to be read between rows."""
 REACHED = 0.98
 """Part of the belt's velocity at which a box counts as moving with it."""
 
-WHOLE = 100.0
-"""Friction as a whole, in numbers over it [%]."""
-
-in_percent = partial(
-    Quantity, unit="%", exact=always(0.0), resolution=always(FRICTION_RESOLUTION), effect=always(WHOLE),
-    accuracy="share",
-)  # fmt: skip
+in_percent = partial(Quantity, unit="%", exact=0.0, resolution=NONE["friction"], effect=100.0, accuracy="share")
 """By how much a number is off, of what friction does."""
-
-LIFT = at_rest(
-    name="lift", unit="mm", resolution=always(LIFT_RESOLUTION),
-    read=lambda result, run: 1e3 * max(0.0, result.series["highest"][stop_row(result, run)]),
-    meaning="Largest height of a sliding box above its place.",
-)  # fmt: skip
 
 
 def in_quarters(time: float) -> float:
@@ -85,25 +63,20 @@ def friction_of_slide(result: Result, run: Run) -> float:
     return 100 * ((GRAVITY * math.sin(scene.slope) - acceleration) / bound - 1)
 
 
-def sliding(scene: ContactScene) -> SceneMotion:
-    """Give a box that settles, which on such a slope is to slide, and slides on."""
-    return SceneMotion(scene=scene, time=SLIDING, settling=SETTLING)
-
-
 SLOPE_SLIDE = Scenario(
     name="slope-slide",
     question="How much friction does a box meet that slides down a slope?",
     expects="closed form: a = g (sin θ − μ cos θ)",
     source=SOURCE,
     cases={
-        f"μ {friction:g}, load {load:g}": sliding(on_slope(load, friction=friction))
+        f"μ {friction:g}, load {load:g}": watched(on_slope(load, friction=friction), SLIDING)
         for friction in (0.2, 0.5, 0.8)
         for load in (1.2, 1.5, 3.0)
     },
-    held_out={"μ 0.3, load 1.3, 5 kg": sliding(on_slope(1.3, friction=0.3, box=Box(mass=5.0)))},
+    held_out={"μ 0.3, load 1.3, 5 kg": watched(on_slope(1.3, friction=0.3, box=Box(mass=5.0)), SLIDING)},
     quantities=(
         in_percent(
-            name="friction", read=friction_of_slide, step_error=always(0.0),
+            name="friction", read=friction_of_slide, step_error=0.0,
             meaning="Mean friction of a sliding box over μ N, less 1.",
         ),
     ),
@@ -111,18 +84,13 @@ SLOPE_SLIDE = Scenario(
 )  # fmt: skip
 
 
-def stopped(speed: float, friction: float) -> float:
-    """Give a time at which a box has stopped, also with a third less friction [s]."""
-    return 1.5 * speed / (friction * GRAVITY) + 0.3
-
-
 def launched(speed: float, degrees: float = 0.0, *, friction: float = 0.5, box: Box | None = None) -> SceneMotion:
     """Give a box on the flat that is launched with a speed [m/s], so many degrees off the x axis."""
     direction = math.radians(degrees)
     velocity: Vector = (speed * math.cos(direction), speed * math.sin(direction), 0.0)
     scene = ContactScene(friction=friction, boxes=(box or Box(),))
-    time = in_quarters(stopped(speed, friction) + REST)
-    return SceneMotion(scene=scene, time=time, settling=SETTLING, launch=velocity)
+    stopped = 1.5 * speed / (friction * GRAVITY) + 0.3  # also with a third less friction
+    return watched(scene, in_quarters(stopped + REST), launch=velocity)
 
 
 def launch_speed(case: AnyCase) -> float:
@@ -170,11 +138,6 @@ def drift_after_stop(result: Result, run: Run) -> float:
     return 1e6 * float(np.linalg.norm(way[-1] - way[stop])) / (time[-1] - time[stop])
 
 
-def drift_resolution(run: Run, _exact: Number) -> float:
-    """Give the drift that counts as none [µm/s]; positions are as large as the way."""
-    return DRIFT_RESOLUTION + 1e6 * rounded(run, way_to_stop(run.case)) / REST
-
-
 SLIDE_TO_STOP = Scenario(
     name="slide-to-stop",
     question="How far does a box slide on the flat, straight and without hopping, and does it stay where it stops?",
@@ -190,18 +153,23 @@ SLIDE_TO_STOP = Scenario(
             name="distance", read=distance, step_error=distance_step_error,
             meaning="Way of a box to its stop over v²/(2 μ g), less 1.",
         ),
-        LIFT,
         at_rest(
-            name="path", unit="°", read=path, resolution=always(TURN_RESOLUTION),
+            name="lift", unit="mm", resolution=NONE["lift"],
+            read=lambda result, run: 1e3 * max(0.0, result.series["highest"][stop_row(result, run)]),
+            meaning="Largest height of a sliding box above its place.",
+        ),
+        at_rest(
+            name="path", unit="°", read=path, resolution=NONE["turn"],
             meaning="Angle between the way of a sliding box and its first velocity.",
         ),
         at_rest(
-            name="yaw", unit="°", resolution=always(TURN_RESOLUTION),
+            name="yaw", unit="°", resolution=NONE["turn"],
             read=lambda result, run: math.degrees(result.series["turn"][stop_row(result, run)]),
             meaning="By how much a box has turned about the vertical when it stops.",
         ),
         at_rest(
-            name="drift", unit="µm/s", read=drift_after_stop, resolution=drift_resolution, accuracy="drift",
+            name="drift", unit="µm/s", read=drift_after_stop, accuracy="drift",
+            resolution=lambda run: no_drift(run, way_to_stop(run.case), REST),
             meaning=f"Mean velocity over {REST:g} s after the stop.",
         ),
     ),

@@ -4,9 +4,9 @@ import math
 from itertools import islice
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Shaker
-from multibody_xval.scenarios.catalogue.boxes import DRIFT, HOLDING, SETTLING, SOURCE
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP, Scenario, scene_steps
-from multibody_xval.scenarios.model import AnyCase, Config
+from multibody_xval.scenarios.catalogue.scenes.held_boxes import DRIFT
+from multibody_xval.scenarios.catalogue.scenes.scene import SOURCE, watched
 from multibody_xval.scenarios.scene_motion import SceneMotion, Tone
 
 STEPS = (COMMON_STEP, 0.0005, 0.002)
@@ -27,23 +27,13 @@ def pushed(load: float, tones: Tones, box: Box = Box()) -> SceneMotion:  # noqa:
     slope = math.atan(load * FRICTION)
     bound = FRICTION * box.mass * GRAVITY * math.cos(slope)
     shake = tuple(Tone(force=part * bound, frequency=frequency) for part, frequency in tones)
-    return watched_while(ContactScene(friction=FRICTION, slope=slope, boxes=(box,)), shake)
+    return watched(ContactScene(friction=FRICTION, slope=slope, boxes=(box,)), shake=shake)
 
 
 def shaken(slope: float, tones: Tones, shaker: Shaker = Shaker()) -> SceneMotion:  # noqa: B008
     """Give a box on a slope [rad], and tones of a force on the mass inside it [N]."""
     scene = ContactScene(friction=FRICTION, slope=slope, boxes=(CASE,), shaker=shaker)
-    return watched_while(scene, tuple(Tone(force=force, frequency=frequency) for force, frequency in tones))
-
-
-def watched_while(scene: ContactScene, shake: tuple[Tone, ...]) -> SceneMotion:
-    """Give a scene that is shaken while it settles, and while it is watched."""
-    return SceneMotion(scene=scene, time=HOLDING, settling=SETTLING, shake=shake)
-
-
-def three_steps(config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps of a scene at three time steps, the engine's own among them."""
-    return dict(islice(scene_steps(config, case, STEPS).items(), 3))
+    return watched(scene, shake=tuple(Tone(force=force, frequency=frequency) for force, frequency in tones))
 
 
 HELD_WHILE_SHAKEN = Scenario(
@@ -69,7 +59,7 @@ HELD_WHILE_SHAKEN = Scenario(
         "level, 0.05 kg inside, 9 and 70 Hz": shaken(0.0, ((1.0, 9), (3.0, 70)), Shaker(mass=0.05)),
     },
     quantities=(DRIFT,),
-    steps=three_steps,
+    steps=lambda config, case: dict(islice(scene_steps(config, case, STEPS).items(), 3)),
 )
 
 SCENARIOS = (HELD_WHILE_SHAKEN,)

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene
-from multibody_xval.scenarios.catalogue.boxes import SETTLING, SOURCE, at_rest, box_scene, scene_motion, time_step
-from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
-from multibody_xval.scenarios.catalogue.sliding_boxes import LIFT_RESOLUTION, REST, in_percent, in_quarters
+from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.scene import NONE, SOURCE, box_scene, scene_motion, time_step, watched
+from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import REST, in_percent, in_quarters
 from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 
@@ -16,9 +16,6 @@ CORNERS = math.sqrt(0.5)
 
 UNIFORM = (math.sqrt(2) + math.asinh(1)) / 6
 """The same under a uniform pressure: the mean distance from the centre of a square."""
-
-WANDER_RESOLUTION = 0.1
-"""Way of its centre that counts as none [mm]: a thousandth of half its side."""
 
 
 def braking(scene: ContactScene, lever: float) -> float:
@@ -30,7 +27,7 @@ def spun(spin: float, friction: float = 0.5, box: Box | None = None) -> SceneMot
     """Give a box on the flat that is spun [rad/s], with the time that it takes under a uniform pressure, and a rest."""
     scene = ContactScene(friction=friction, boxes=(box or Box(),))
     time = in_quarters(1.5 * spin / braking(scene, UNIFORM) + REST)
-    return SceneMotion(scene=scene, time=time, settling=SETTLING, spin=spin)
+    return watched(scene, time, spin=spin)
 
 
 def torque(result: Result, run: Run) -> float:
@@ -59,12 +56,12 @@ SPIN = Scenario(
             meaning="Mean torque of friction of a spinning box over that at its corners, less 1.",
         ),
         at_rest(
-            name="wander", unit="mm", resolution=always(WANDER_RESOLUTION),
+            name="wander", unit="mm", resolution=NONE["wander"],
             read=lambda result, _run: 1e3 * math.hypot(result.series["along"][-1], result.series["across"][-1]),
             meaning="Way of the centre of a box that is spun.",
         ),
         at_rest(
-            name="lift", unit="mm", resolution=always(LIFT_RESOLUTION),
+            name="lift", unit="mm", resolution=NONE["lift"],
             read=lambda result, _run: 1e3 * max(0.0, result.series["highest"][-1]),
             meaning="Largest height of a spinning box above its place.",
         ),

@@ -3,20 +3,12 @@
 import math
 from dataclasses import replace
 
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady, steady_steps
-from multibody_xval.scenarios.model import AnyCase, Case, linear_limits
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady_steps
+from multibody_xval.scenarios.model import Case, linear_limits
 from reference_lcp.exact.den_hartog import SlidingMotion
 
 CELLS = 3
 """Enough cells for pass band and stop band, few enough for engines that are slow."""
-
-
-def linear_cases(friction_ratio: float, frequency_ratios: tuple[float, ...]) -> dict[str, Case]:
-    """Give cases whose contacts all slide freely, or never."""
-    return {
-        f"η_r {eta:g}": Case(friction_ratio=friction_ratio, frequency_ratio=eta, cells=CELLS)
-        for eta in frequency_ratios
-    }
 
 
 FRICTIONLESS_LIMIT = Scenario(
@@ -24,8 +16,8 @@ FRICTIONLESS_LIMIT = Scenario(
     question="Without friction, does the chain move as linear theory says?",
     expects="the closed form; of presets that share the scheme the reference at equal steps",
     source="linear theory: (K + iωC − ω²M) x = f",
-    cases=linear_cases(0.0, (0.9, 0.5)),
-    quantities=(replace(TRANSMITTANCE, exact=lambda case: linear_limits(steady(case))[0]),),
+    cases={f"η_r {eta:g}": Case(friction_ratio=0.0, frequency_ratio=eta, cells=CELLS) for eta in (0.9, 0.5)},
+    quantities=(replace(TRANSMITTANCE, exact=lambda case: linear_limits(case)[0]),),
     steps=steady_steps,
 )
 
@@ -38,8 +30,10 @@ LOCKED_LIMIT = replace(
     name="locked-limit",
     question="Does a contact with a very high friction bound hold?",
     source="linear theory with v = u + const in every cell",
-    cases=linear_cases(LOCKING_FRICTION, (1.1, 0.7)),
-    quantities=(replace(TRANSMITTANCE, exact=lambda case: linear_limits(steady(case))[1]),),
+    cases={
+        f"η_r {eta:g}": Case(friction_ratio=LOCKING_FRICTION, frequency_ratio=eta, cells=CELLS) for eta in (1.1, 0.7)
+    },
+    quantities=(replace(TRANSMITTANCE, exact=lambda case: linear_limits(case)[1]),),
 )
 
 STANDING_RATIO = 1e6
@@ -73,17 +67,17 @@ POINTS = ((0.8, 0.3), (1.3, 0.4), (0.6, 0.2))
 SLIDING = {oscillator(*point): SlidingMotion.of(*point) for point in POINTS}
 
 
-def sliding_response(case: AnyCase) -> complex:
+def sliding_response(case: Case) -> complex:
     """Give T of the sliding motion."""
-    return SLIDING[steady(case)].response / (1 + STIFFNESS_RATIO)
+    return SLIDING[case].response / (1 + STIFFNESS_RATIO)
 
 
-def left_by_standing(case: AnyCase) -> float:
+def left_by_standing(case: Case) -> float:
     """Give what the heavy mass, which does not quite stand, makes of T.
 
     k_i x0 and the friction, with the fundamental 4F/π, accelerate it; by its motion k_i drives the oscillator too.
     """
-    motion = SLIDING[steady(case)]
+    motion = SLIDING[case]
     spring = STIFFNESS_RATIO / (1 + STIFFNESS_RATIO)
     pulled = spring + 4 / math.pi * motion.force_ratio / motion.amplitude
     moved = pulled / (STANDING_RATIO * motion.frequency_ratio**2)

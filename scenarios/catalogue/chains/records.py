@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from multibody_xval.scenarios.catalogue.broadband import (
+from multibody_xval.scenarios.catalogue.chains.broadband import (
     BANDS,
     PERIOD,
     RESONATOR_FREQUENCY,
@@ -31,29 +31,16 @@ COARSEST = 4
 """Times fewer steps than are compared, of which none may leave out samples."""
 
 
-def base_of(file: Path) -> RecordedBase:
-    """Give the record, scaled so that its largest displacement is U0 = 0.01 m; times are taken as they are.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be read, or its samples are too far apart for the bands.
-    """
-    raw = RecordedBase.from_csv(file)
-    base = RecordedBase.from_csv(file, BASE_AMPLITUDE / raw.amplitude)
-    base.check_resolves(RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
-    return base
-
-
 def following(file: Path) -> Scenario:
-    """Give the scenario of a record: a table of time [s] and displacement [m].
+    """Give the scenario of a record, a table of time [s] and displacement [m] whose largest one is scaled to U0.
 
     Raises
     ------
     ParameterError
         If the file cannot be read, or its samples are too far apart for the bands.
     """
-    base = base_of(file)
+    base = RecordedBase.from_csv(file, BASE_AMPLITUDE / RecordedBase.from_csv(file).amplitude)
+    base.check_resolves(RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
     to_sample = math.ceil(PERIOD / base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)  # steps to a row
     return replace(
         RICKER_PULSE,

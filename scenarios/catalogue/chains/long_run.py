@@ -4,7 +4,7 @@ import numpy as np
 
 from multibody_xval.engines.shared.wide_range import LONG_USE, MANY_RUNS
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
-from multibody_xval.scenarios.model import Case, Result, Run
+from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.motions import ChainMotion
 
 CELL = Case(cells=1, friction_ratio=0.3, frequency_ratio=0.9)
@@ -19,19 +19,13 @@ STRETCH = 250
 """Most steps of one run: more than `MANY_RUNS` of them follow each other."""
 
 
-def repeated() -> ChainMotion:
-    """Give the cell from rest, under a harmonic base."""
-    _, base = CELL.setting
-    return ChainMotion(
-        cells=CELL.cells, friction_ratio=CELL.friction_ratio, drive=base, time=PERIODS * base.period,
-        rows=PERIODS * ROWS_PER_PERIOD, stretch=STRETCH,
-    )  # fmt: skip
+BASE = CELL.setting[1]
 
-
-def response(result: Result, _run: Run) -> np.ndarray:
-    """Give the outer mass at the rows, over U0."""
-    return np.array(result.series["response"])
-
+REPEATED = ChainMotion(
+    cells=CELL.cells, friction_ratio=CELL.friction_ratio, drive=BASE, time=PERIODS * BASE.period,
+    rows=PERIODS * ROWS_PER_PERIOD, stretch=STRETCH,
+)  # fmt: skip
+"""The cell from rest, under a harmonic base."""
 
 LONG_RUN = Scenario(
     name="long-run",
@@ -39,10 +33,11 @@ LONG_RUN = Scenario(
     expects="the event-driven motion, exact to round-off; of presets that share the scheme the reference at equal "
     "steps",
     source="What a simulation is: state in, trajectory out, however often it has been used.",
-    cases={f"{PERIODS} periods": repeated()},
+    cases={f"{PERIODS} periods": REPEATED},
     quantities=(
         Quantity(
-            name="series", unit="", read=response, accuracy="transmittance",
+            name="series", unit="", accuracy="transmittance",
+            read=lambda result, _run: np.array(result.series["response"]),
             meaning="Largest difference of the outer mass at any time, over U0.",
         ),
     ),

@@ -4,34 +4,15 @@ from dataclasses import replace
 from functools import partial
 
 from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
-from multibody_xval.scenarios.catalogue.boxes import (
-    HOLDING,
-    SAG_RESOLUTION,
-    SETTLING,
-    SOURCE,
-    at_rest,
-    drift_resolution,
-    scene_motion,
-)
-from multibody_xval.scenarios.catalogue.scenario import Scenario, always, scene_steps
-from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.scene import HOLDING, NONE, SOURCE, no_drift, scene_motion, watched
+from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.scene_motion import SceneMotion
 
 
-def held(scene: JointScene | ArmScene) -> SceneMotion:
-    """Give joints that settle, and are watched."""
-    return SceneMotion(scene=scene, time=HOLDING, settling=SETTLING)
-
-
-def is_slide(case: AnyCase) -> bool:
+def is_slide(case: SceneMotion) -> bool:
     """Whether a case is a joint that slides."""
-    scene = scene_motion(case).scene
-    return isinstance(scene, JointScene) and scene.kind == "slide"
-
-
-def turns(case: AnyCase) -> bool:
-    """Whether a case is of hinges."""
-    return not is_slide(case)
+    return isinstance(case.scene, JointScene) and case.scene.kind == "slide"
 
 
 def drift(result: Result, run: Run) -> float:
@@ -40,10 +21,10 @@ def drift(result: Result, run: Run) -> float:
     return 1e6 * max(map(abs, ways)) / scene_motion(run.case).time
 
 
-joint_drift = partial(at_rest, read=drift, resolution=drift_resolution, accuracy="drift")
+joint_drift = partial(at_rest, read=drift, resolution=no_drift, accuracy="drift")
 
 TURNING = joint_drift(
-    name="turning", unit="µrad/s", of=turns,
+    name="turning", unit="µrad/s", of=lambda case: not is_slide(case),
     meaning=f"Mean angular velocity over {HOLDING:g} s of a hinge that friction should hold.",
 )  # fmt: skip
 
@@ -53,13 +34,13 @@ JOINT_HOLD = Scenario(
     expects="no motion",
     source=SOURCE,
     cases={
-        f"{kind}, load {load:g}": held(JointScene(kind=kind, friction=bound, load=load * bound))
+        f"{kind}, load {load:g}": watched(JointScene(kind=kind, friction=bound, load=load * bound))
         for kind, bound in (("hinge", 1.0), ("slide", 5.0))
         for load in (0.3, 0.9)
     },
     held_out={
-        "hinge, load 0.7": held(JointScene(friction=0.2, load=0.14)),
-        "slide, load 0.7": held(JointScene(kind="slide", friction=40.0, load=28.0)),
+        "hinge, load 0.7": watched(JointScene(friction=0.2, load=0.14)),
+        "slide, load 0.7": watched(JointScene(kind="slide", friction=40.0, load=28.0)),
     },
     quantities=(
         TURNING,
@@ -82,12 +63,12 @@ ARM_HOLD = replace(
     JOINT_HOLD,
     name="arm-hold",
     question="Does an arm whose hinges have dry friction stay stretched out under gravity?",
-    cases={f"{links} hinges, load 0.9": held(arm(links)) for links in (1, 2, 3, 6)},
-    held_out={"4 hinges, load 0.7": held(arm(4, 0.7))},
+    cases={f"{links} hinges, load 0.9": watched(arm(links)) for links in (1, 2, 3, 6)},
+    held_out={"4 hinges, load 0.7": watched(arm(4, 0.7))},
     quantities=(
         TURNING,
         at_rest(
-            name="turned", unit="mrad", resolution=always(SAG_RESOLUTION),
+            name="turned", unit="mrad", resolution=NONE["sag"],
             read=lambda result, _run: 1e3 * max(map(abs, result.series["from the start"])),
             meaning="Angle of a hinge that friction should hold since the scene was built: an arm may rest after a "
             "fall.",

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from multibody_xval.engines.shared.wide_range import DESIGN, RangePoint
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady, steady_steps
+from multibody_xval.engines.shared.wide_range import DESIGN
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.chain_ratios import Ratio
-from multibody_xval.scenarios.model import AnyCase, Case, Config, value_text
+from multibody_xval.scenarios.model import Case, value_text
 from reference_lcp.validation import FloatArray
 
 
@@ -88,32 +88,30 @@ def _numbers(values: FloatArray, scale: float = 1.0) -> tuple[float, ...]:
     return tuple(float(np.round(scale * np.round(value, 2), 6)) for value in values)
 
 
-def over(frequency_ratios: tuple[float, ...], ratios: dict[str, Ratio]) -> dict[str, Case]:
-    """Give the cases of one chain at several frequencies."""
-    return {f"η_r {eta:g}": Case(frequency_ratio=eta, cells=CELLS, **ratios) for eta in frequency_ratios}  # type: ignore[arg-type]
+def unequal(frequency_ratios: tuple[float, ...], ratios: dict[str, Ratio], **words: str) -> Scenario:
+    """Ask for the steady states of one chain of unequal cells at several frequencies."""
+    return replace(
+        UNIT_CELL,
+        cases={f"η_r {eta:g}": Case(frequency_ratio=eta, cells=CELLS, **ratios) for eta in frequency_ratios},  # type: ignore[arg-type]
+        details=tuple(f"{name} = {value_text(value)}" for name, value in ratios.items()),
+        **words,  # type: ignore[arg-type]
+    )
 
 
-def cell_by_cell(ratios: dict[str, Ratio]) -> tuple[str, ...]:
-    """Give the ratios of a chain in lines."""
-    return tuple(f"{name} = {value_text(value)}" for name, value in ratios.items())
-
-
-DISORDERED_CHAIN = replace(
-    UNIT_CELL,
+DISORDERED_CHAIN = unequal(
+    (0.6, 0.9),
+    disordered(),
     name="disordered-chain",
     question="With other parameters in each cell, when does each contact stick and slip?",
     source=f"ratios drawn from even distributions, seed {DISORDER_SEED}",
-    cases=over((0.6, 0.9), disordered()),
-    details=cell_by_cell(disordered()),
 )
 
-GRADED_CHAIN = replace(
-    UNIT_CELL,
+GRADED_CHAIN = unequal(
+    (0.6, 0.8),
+    graded(),
     name="graded-chain",
     question="Where along a graded chain do the contacts stick?",
     source="graded resonators (rainbow trapping), linear in the cell's number",
-    cases=over((0.6, 0.8), graded()),
-    details=cell_by_cell(graded()),
 )
 
 LONG_CHAIN = replace(
@@ -127,21 +125,10 @@ LONG_CHAIN = replace(
 """In the pass band, where friction takes most of the motion from the longest chain and hardly any from the shortest."""
 
 
-def in_range(point: RangePoint) -> Case:
-    """Give the case of a point of the design."""
-    ratios = point._asdict()
-    del ratios["steps"]
-    return Case(**ratios)
-
-
-STEPS = {in_range(point): point.steps for point in DESIGN}
+STEPS = {
+    Case(**{name: own for name, own in point._asdict().items() if name != "steps"}): point.steps for point in DESIGN
+}
 """Per period, at least."""
-
-
-def designed_steps(_config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps per period of a point of the design."""
-    return {"": steady(case).steps(STEPS[steady(case)])}
-
 
 WIDE_RANGE = replace(
     FIGURE3,
@@ -153,7 +140,7 @@ WIDE_RANGE = replace(
         f"ζ {case.damping_ratio:g}": case
         for case in STEPS
     },
-    steps=designed_steps,
+    steps=lambda _config, case: {"": case.steps(STEPS[case])},
     details=[
         f"μ {case.friction_coefficient:g}: ζ of resonators {case.inner_damping_ratio:g}, mass ratio "
         f"{case.mass_ratio:g}, stiffness ratio {case.stiffness_ratio:g}, cells {case.cells}, steps per period {steps}"

@@ -1,56 +1,22 @@
-"""Scenes of boxes, as users of an engine write them.
-
-There is no chain, and nothing is chosen for one: a preset may only have options that can be copied into any model.
-"""
+"""Boxes that friction holds: on a slope, in stacks, between fingers."""
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from multibody_xval.engines.interface.scene import Box, ContactScene
-from multibody_xval.scenarios.catalogue.blocks import ROUND_OFF, ROUNDINGS
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, scene_steps
-from multibody_xval.scenarios.model import AnyCase, Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
-
-SETTLING = 1.0
-"""How long bodies are left alone before they are measured [s]."""
-
-HOLDING = 2.0
-"""How long what should hold is watched [s]."""
-
-DRIFT_RESOLUTION = 0.1
-"""Drift that counts as none [µm/s], [µrad/s]: a tenth of the slowest that has to be found, 1 mm in three hours."""
-
-SAG_RESOLUTION = 1.0
-"""Way since a scene was built that counts as none [mm], [mrad]: bodies that are put in touch settle by less."""
-
-SOURCE = "Coulomb's law for rigid bodies: closed forms."
-
-
-def scene_motion(case: AnyCase) -> SceneMotion:
-    """Give the case, which is a scene."""
-    assert isinstance(case, SceneMotion), "a scene"
-    return case
-
-
-def box_scene(case: AnyCase) -> ContactScene:
-    """Give the scene of a case, which is of boxes."""
-    scene = scene_motion(case).scene
-    assert isinstance(scene, ContactScene), "a scene of boxes"
-    return scene
-
-
-def time_step(run: Run) -> float:
-    """Give the time step of a scene [s]."""
-    return scene_motion(run.case).time / run.steps
-
-
-def rounded(run: Run, size: float = 1.0) -> float:
-    """Give by how much roundings of positions of this `size` [m] or angles [rad] move a body at most."""
-    return ROUNDINGS * ROUND_OFF[run.config.capabilities.precision] * size
+from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
+from multibody_xval.scenarios.catalogue.scenes.scene import (
+    HOLDING,
+    NONE,
+    SOURCE,
+    box_scene,
+    no_drift,
+    scene_motion,
+    watched,
+)
+from multibody_xval.scenarios.model import Result, Run
 
 
 def in_the_plane(run: Run) -> tuple[int, int]:
@@ -64,28 +30,20 @@ def drift(result: Result, run: Run) -> float:
     return 1e6 * float(np.linalg.norm(ways)) / scene_motion(run.case).time
 
 
-def drift_resolution(run: Run, _exact: Number) -> float:
-    """Give the drift that counts as none [µm/s]."""
-    return DRIFT_RESOLUTION + 1e6 * rounded(run) / scene_motion(run.case).time
-
-
 def sag(result: Result, run: Run) -> float:
     """Give the way in the plane since the scene was built [mm]."""
     return 1e3 * float(np.linalg.norm([result.series["from the start"][axis] for axis in in_the_plane(run)]))
 
 
-at_rest = partial(Quantity, exact=always(0.0), step_error=always(0.0))
-"""A number of a body that friction should hold."""
-
 DRIFT = at_rest(
-    name="drift", unit="µm/s", read=drift, resolution=drift_resolution, accuracy="drift",
+    name="drift", unit="µm/s", read=drift, resolution=no_drift, accuracy="drift",
     meaning=f"Mean velocity over {HOLDING:g} s of a box that friction should hold.",
 )  # fmt: skip
 
 HELD = (
     DRIFT,
     at_rest(
-        name="sag", unit="mm", read=sag, resolution=always(SAG_RESOLUTION),
+        name="sag", unit="mm", read=sag, resolution=NONE["sag"],
         meaning="Way of a box that friction should hold since the scene was built.",
     ),
 )  # fmt: skip
@@ -94,11 +52,6 @@ HELD = (
 def on_slope(load: float, *, friction: float = 0.5, turn: float = 0.0, box: Box | None = None) -> ContactScene:
     """Give a box on a slope whose tangent is a part of the coefficient of friction."""
     return ContactScene(friction=friction, slope=math.atan(load * friction), turn=turn, boxes=(box or Box(),))
-
-
-def watched(scene: ContactScene, *, sleeping: bool = False) -> SceneMotion:
-    """Give a scene that settles, and is watched."""
-    return SceneMotion(scene=scene, time=HOLDING, settling=SETTLING, sleeping=sleeping)
 
 
 TURN = 0.5

@@ -2,16 +2,10 @@
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks import (
-    SCALES,
-    SPRING_LENGTH,
-    TIME_STEP,
-    Scale,
-    block_motion,
-    rounded,
-)
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
-from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, block_motion, rounded
+from multibody_xval.scenarios.catalogue.blocks.thrown import SPRING_LENGTH
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
+from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import GrowingAcceleration
 from reference_lcp.validation import FloatArray
@@ -76,13 +70,12 @@ def exact_velocity(case: BlockMotion) -> FloatArray:
     return velocity
 
 
-def exact_slip_time(case: AnyCase) -> float:
+def exact_slip_time(case: BlockMotion) -> float:
     """Give when the slip becomes as fast as counts by Coulomb's law [s], at a row as well."""
-    own = block_motion(case)
-    return first_fast(own, exact_velocity(own), LEAST_SPEED * speed(own))
+    return first_fast(case, exact_velocity(case), LEAST_SPEED * speed(case))
 
 
-def late(run: Run, _exact: Number) -> float:
+def late(run: Run) -> float:
     """Give how late a slip may be seen, over the time of breakaway: two steps, for it is seen at the end of one."""
     case = block_motion(run.case)
     return rounded(run) / RISE_TIME / (LEAST_SPEED * speed(case)) * DELAY / 2 + 2 * case.time / run.steps / RISE_TIME
@@ -98,7 +91,7 @@ BREAKAWAY = Scenario(
     },
     quantities=(
         Quantity(
-            name="breakaway", unit="", read=slip_time, exact=exact_slip_time, step_error=always(0.0), resolution=late,
+            name="breakaway", unit="", read=slip_time, exact=exact_slip_time, step_error=0.0, resolution=late,
             over_exact=True, meaning="Load at the slip over that at which friction lets go.",
         ),
     ),

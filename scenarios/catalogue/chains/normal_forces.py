@@ -9,8 +9,8 @@ not judged.
 
 import math
 
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Number, Quantity, Scenario, steady
-from multibody_xval.scenarios.model import AnyCase, Case, Config, Run
+from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Quantity, Scenario
+from multibody_xval.scenarios.model import Case, Run
 from multibody_xval.scenarios.result_tables import CLOSED
 from reference_lcp.chain.preload import Flight
 
@@ -34,43 +34,33 @@ At (1.5, 2 ω, 0.9), deep in the stop band, responses cancel to −37 dB, and 80
 """
 
 
-def steps_per_period(_config: Config, case: AnyCase) -> dict[str, int]:
-    """Give the steps per period."""
-    return {"": steady(case).steps(STEPS)}
-
-
-def opens(case: AnyCase) -> bool:
-    """Whether contacts open."""
-    return steady(case).modulation > CLOSED
-
-
-def flight(case: AnyCase) -> Flight:
+def flight(case: Case) -> Flight:
     """Give the exact flight, which is that of every cell."""
-    preload = steady(case).lane(STEPS).preload
+    preload = case.lane(STEPS).preload
     assert preload is not None, "the normal force swings"
     return Flight.of(preload)
 
 
-def length(case: AnyCase) -> float:
+def length(case: Case) -> float:
     """Give N0 / (m ω²) over U0: what the mean normal force makes of an inner mass."""
-    chain, drive = steady(case).setting
+    chain, drive = case.setting
     force = float(chain.normal_force[0] / chain.inner_mass[0])
     return force / drive.angular_frequency**2 / drive.displacement_scale(chain)
 
 
-def highest(case: AnyCase) -> float:
+def highest(case: Case) -> float:
     """Give the largest gap of the flight, over U0."""
-    return flight(case).highest * length(case) / steady(case).modulation_multiple ** 2
+    return flight(case).highest * length(case) / case.modulation_multiple**2
 
 
-def edges(run: Run, _exact: Number) -> float:
+def edges(run: Run) -> float:
     """Give what is open of the time in the air: lift-off and landing are met to a step, in every cycle."""
     return 2 * run.steady.modulation_multiple / run.steps
 
 
-def fall(run: Run, _exact: Number) -> float:
+def fall(run: Run) -> float:
     """Give what is open of a gap: how far the mean normal force moves an inner mass in a step, over U0."""
-    return length(run.case) * (2 * math.pi / run.steps) ** 2
+    return length(run.steady) * (2 * math.pi / run.steps) ** 2
 
 
 def furthest(values: tuple[float, ...], exact: float) -> float:
@@ -78,20 +68,20 @@ def furthest(values: tuple[float, ...], exact: float) -> float:
     return max(values, key=lambda own: abs(own - exact), default=math.nan)
 
 
-def in_the_air(case: AnyCase) -> float:
+def in_the_air(case: Case) -> float:
     """Give the part of the period that a contact is open."""
     return flight(case).open_fraction
 
 
 FLIGHTS = (
     Quantity(
-        name="time in the air", unit="", exact=in_the_air, resolution=edges, of=opens,
-        read=lambda result, run: furthest(result.open_fraction, in_the_air(run.case)),
+        name="time in the air", unit="", exact=in_the_air, resolution=edges, of=lambda case: case.modulation > CLOSED,
+        read=lambda result, run: furthest(result.open_fraction, in_the_air(run.steady)),
         meaning="Part of the period that a contact is open, of the cell that is furthest off.",
     ),
     Quantity(
-        name="largest gap", unit="U0", exact=highest, resolution=fall, of=opens,
-        read=lambda result, run: furthest(result.largest_gap, highest(run.case)),
+        name="largest gap", unit="U0", exact=highest, resolution=fall, of=lambda case: case.modulation > CLOSED,
+        read=lambda result, run: furthest(result.largest_gap, highest(run.steady)),
         meaning="Highest point of an inner mass's flight, of the cell that is furthest off.",
     ),
 )  # fmt: skip
@@ -104,7 +94,7 @@ MODULATED_NORMAL_FORCE = Scenario(
     source="equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form",
     cases=CASES,
     quantities=(TRANSMITTANCE, *STICK_SLIP, *FLIGHTS),
-    steps=steps_per_period,
+    steps=lambda _config, case: {"": case.steps(STEPS)},
 )
 """The paper's chain under a normal force that swings by a half, and by one and a half, of its mean."""
 

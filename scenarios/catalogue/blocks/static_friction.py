@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks import (
+from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     STEPS_A_ROW,
     TIME_STEP,
@@ -23,9 +23,9 @@ from multibody_xval.scenarios.catalogue.blocks import (
     rounded,
     slips,
 )
-from multibody_xval.scenarios.catalogue.breakaway import first_fast
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, always, steps_a_row
-from multibody_xval.scenarios.model import AnyCase, Result, Run
+from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
+from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
+from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import ShakingForce
 
@@ -84,13 +84,12 @@ def jump(result: Result, _run: Run) -> float:
     return abs(float(slips(result)[-1]))
 
 
-def above(case: AnyCase, _exact: Number = 1.0) -> float:
+def above(case: BlockMotion, _exact: Number = 1.0) -> float:
     """Give (μ_s − μ_k) / μ_s: what an engine with one coefficient breaks away too early."""
-    ratio = block_motion(case).static_ratio
-    return (ratio - 1) / ratio
+    return (case.static_ratio - 1) / case.static_ratio
 
 
-def farther(run: Run, _exact: Number) -> float:
+def farther(run: Run) -> float:
     """Give by how much farther a block jumps that breaks away two steps late, and with the roundings of its way."""
     case = block_motion(run.case)
     phase = FOLLOWED * FREQUENCY
@@ -107,12 +106,12 @@ STATIC_ABOVE_KINETIC = Scenario(
     cases={f"{title}, {ratio:g}": released(scale, ratio) for title, scale in SCALES.items() for ratio in STATIC_RATIOS},
     quantities=(
         Quantity(
-            name="breakaway", unit="", read=breakaway_load, over_exact=True, step_error=always(0.0),
-            resolution=always(TWO_STEPS), effect=above, accuracy="transmittance",
+            name="breakaway", unit="", read=breakaway_load, over_exact=True, step_error=0.0,
+            resolution=TWO_STEPS, effect=above, accuracy="transmittance",
             meaning="Load at which the block jumps over that at which it does in the exact motion.",
         ),
         Quantity(
-            name="jump", unit="", read=jump, over_exact=True, step_error=always(0.0), resolution=farther,
+            name="jump", unit="", read=jump, over_exact=True, step_error=0.0, resolution=farther,
             accuracy="transmittance",
             meaning="Slip in the end over that of the exact motion.",
         ),

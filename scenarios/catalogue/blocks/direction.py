@@ -3,17 +3,10 @@
 import math
 from dataclasses import replace
 
-from multibody_xval.scenarios.catalogue.blocks import (
-    ROUND_OFF,
-    SCALES,
-    STEPS_A_ROW,
-    Scale,
-    block_motion,
-    compliance,
-    thrown,
-)
-from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
-from multibody_xval.scenarios.model import Result, Run
+from multibody_xval.scenarios.catalogue.blocks.block import SCALES, STEPS_A_ROW, Scale, block_motion, compliance
+from multibody_xval.scenarios.catalogue.blocks.thrown import thrown
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, round_off, steps_a_row
+from multibody_xval.scenarios.model import Run
 from multibody_xval.scenarios.motions import BlockMotion
 
 ANGLES = (0, 15, 30, 45, 60, 75, 90)
@@ -38,17 +31,12 @@ def slid(scale: Scale, time: float, angle: float) -> BlockMotion:
     return replace(thrown(scale, time, SPRING_LENGTH, PART), direction=math.radians(angle))
 
 
-def lost_velocity(result: Result, run: Run) -> float:
-    """Give the loss of slip velocity [m/s]."""
-    return block_motion(run.case).slip_velocity - result.series["slip_velocity"][-1]
-
-
-def left_open(run: Run, _exact: Number) -> float:
+def left_open(run: Run) -> float:
     """Give what springs, roundings of velocities and the stated residual slip compliance leave open of the bound.
 
     The velocity falls by equal parts, so that its roundings are equal too, and add up as the number of steps.
     """
-    rounding = ROUND_OFF[run.config.capabilities.precision] * run.steps / PART
+    rounding = round_off(run) * run.steps / PART
     return LEFT_BY_SPRINGS + rounding + compliance(run)
 
 
@@ -66,8 +54,8 @@ DIRECTION = Scenario(
     },
     quantities=(
         Quantity(
-            name="bound", unit="", read=lost_velocity, over_exact=True, resolution=left_open, per_amplitude=0.0,
-            accuracy="transmittance",
+            name="bound", unit="", over_exact=True, resolution=left_open, per_amplitude=0.0, accuracy="transmittance",
+            read=lambda result, run: block_motion(run.case).slip_velocity - result.series["slip_velocity"][-1],
             meaning="Loss of slip velocity over that of the exact motion: mean friction over μ λ_N.",
         ),
     ),

@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.broadband import chain_motion
-from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, always, steps_a_row
-from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Result, Run
+from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
+from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, largest, steps_a_row
+from multibody_xval.scenarios.model import EXACT, Case, Result, Run
 from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.validation import FloatArray
@@ -58,20 +58,10 @@ def offsets(result: Result, run: Run) -> FloatArray:
     return np.array(result.series["offsets"]) / half_width(run)
 
 
-def beyond(result: Result, run: Run) -> float:
-    """Give by how much the largest offset is beyond the dead band."""
-    return max(0.0, float(np.max(np.abs(offsets(result, run)))) - 1)
-
-
 def heat(result: Result, run: Run) -> float:
     """Give the heat of contacts; of the exact motion what is missing: friction jumps between rows, dashpots do not."""
     left, dashpots, contacts, _ = result.series["energy"]
     return 1 - left - dashpots if run.config == EXACT else contacts
-
-
-def balance(result: Result, _run: Run) -> float:
-    """Give the energy that is missing."""
-    return 1 - sum(result.series["energy"][:3])
 
 
 def loss_a_cycle(swing: FloatArray) -> float:
@@ -83,16 +73,11 @@ def loss_a_cycle(swing: FloatArray) -> float:
     return 2 * (turns[0] - turns[-1]) / (len(turns) - 1) if len(turns) > 1 else math.nan
 
 
-of_size = partial(Quantity, unit="", accuracy="transmittance", resolution=always(ROUND_OFF), effect=always(1.0))
+of_size = partial(Quantity, unit="", accuracy="transmittance", resolution=ROUND_OFF, effect=1.0)
 """Of F / k_i, or of the initial energy."""
 
 share = partial(of_size, group="energy")
 """Of one energy."""
-
-
-def is_oscillator(case: AnyCase) -> bool:
-    """Whether a case is the friction oscillator."""
-    return case == OSCILLATOR
 
 
 FREE_DECAY = Scenario(
@@ -109,12 +94,12 @@ FREE_DECAY = Scenario(
     },
     quantities=(
         Quantity(
-            name="time to rest", unit="T_r", read=rest_time, resolution=always(1 / ROWS_PER_PERIOD),
+            name="time to rest", unit="T_r", read=rest_time, resolution=1 / ROWS_PER_PERIOD,
             meaning="When the last contact came to rest, over the period 2π / ω_r of the resonator.",
         ),
         of_size(name="offsets", read=offsets, meaning="Largest difference of v − u at the end, over F / k_i."),
         of_size(
-            name="dead band", read=beyond, exact=always(0.0),
+            name="dead band", exact=0.0, read=lambda result, run: max(0.0, largest(offsets(result, run)) - 1),
             meaning="By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.",
         ),
         share(
@@ -126,16 +111,16 @@ FREE_DECAY = Scenario(
             meaning="Energy of the chain at the end, over the initial one.",
         ),
         share(
-            name="balance", read=balance, exact=always(0.0),
+            name="balance", read=lambda result, _run: 1 - sum(result.series["energy"][:3]), exact=0.0,
             meaning="Initial energy less what is left and all heat, over the initial energy.",
         ),
         of_size(
-            name="growth", read=lambda result, _run: result.series["energy"][3], exact=always(0.0),
+            name="growth", read=lambda result, _run: result.series["energy"][3], exact=0.0,
             meaning="Largest growth of the energy over the least so far, over the initial energy.",
         ),
         Quantity(
-            name="loss a cycle", unit="", exact=always(1.0), of=is_oscillator,
-            resolution=always(1e-4),  # the outer mass stands still in the closed form
+            name="loss a cycle", unit="", exact=1.0, of=lambda case: case == OSCILLATOR,
+            resolution=1e-4,  # the outer mass stands still in the closed form
             read=lambda result, run: loss_a_cycle(np.array(result.series["swing"])) / (4 * half_width(run)),
             meaning="Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.",
         ),

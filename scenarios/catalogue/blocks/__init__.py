@@ -1,0 +1,1 @@
+"""One block on a carrier."""

@@ -1,0 +1,1 @@
+"""Boxes and joints, as users of an engine write them."""
