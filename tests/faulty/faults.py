@@ -9,11 +9,16 @@ from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.validation import FloatArray
 from tests.faulty.scheme import Batch, Fault, coulomb
 
-CELL = 3
-"""The cell, from zero, that is wrong where one alone is."""
+ONE_CELL = 4
+"""The cell that is wrong where one alone is; of shorter chains the last one."""
 
 NOISE_BITS = 2.0**38
 """What is left of a position over U0 below its 38th bit is as good as random, and the same in every run."""
+
+
+def _one_cell(batch: Batch) -> int:
+    """Give its place in arrays of a cell each."""
+    return min(ONE_CELL, batch.bound.shape[1]) - 1
 
 
 def _rub_harder_one_way(batch: Batch, stop: FloatArray, _before: FloatArray) -> FloatArray:
@@ -54,9 +59,9 @@ def _drift(batch: Batch, x: FloatArray, _v: FloatArray, _step: int) -> None:
     x += 1e-6 * batch.scale
 
 
-def _not_a_number(_batch: Batch, x: FloatArray, _v: FloatArray, step: int) -> None:
+def _not_a_number(batch: Batch, x: FloatArray, _v: FloatArray, step: int) -> None:
     if step == 300:
-        x[:, CELL] = np.nan
+        x[:, _one_cell(batch)] = np.nan
 
 
 def _single(_batch: Batch, x: FloatArray, v: FloatArray, _step: int) -> None:
@@ -67,7 +72,7 @@ def _in_one_cell(name: str, factor: float) -> Callable[[Batch], None]:
     """Scale the numbers of a batch in one cell."""
 
     def spoil(batch: Batch) -> None:
-        getattr(batch, name)[:, CELL] *= factor
+        getattr(batch, name)[:, _one_cell(batch)] *= factor
 
     return spoil
 
@@ -85,7 +90,8 @@ def _reversed(batch: Batch) -> None:
 
 
 def _pushed(batch: Batch) -> None:
-    batch.push[:, CELL] = 0.05 * batch.bound[:, CELL]
+    cell = _one_cell(batch)
+    batch.push[:, cell] = 0.05 * batch.bound[:, cell]
 
 
 def _long_step(batch: Batch) -> None:

@@ -88,6 +88,7 @@ class Batch:
     def _advanced(self, state: State, start: int, steps: int, rows: list[FloatArray] | None) -> State:
         """Give the final state; `rows` gets positions, velocities and friction after each step."""
         fault, n = self._fault, self.bound.shape[1]
+        state.check_fits(len(self.lanes), n)
         loads = np.array([lane.loads(start - fault.late, steps) for lane in self._driven])
         x, v, factor = state.positions.copy(), state.velocities.copy(), self.step / self.mass
         reduced = 1 / (factor[:, :n] + factor[:, n:])

@@ -39,7 +39,7 @@ NOT_IN_TRANSMITTANCE = {
     "drift": "springs hold what is moved in every step: it is aside, and moves as it should",
     "half": "recorded friction is not part of the transmittance",
 }
-"""Faults that leave the fundamental of the last mass as it is: clauses of the contract find them, no command does."""
+"""Faults that leave the fundamental of the last mass as it is: sweeps do not find them, `run` and the contract do."""
 
 FOUND = [name for name in FAULTS if name not in ("sound", *NOT_IN_TRANSMITTANCE)]
 
