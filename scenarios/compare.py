@@ -57,7 +57,7 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
         If a file is no store, the stores have no point in common, or `db` is outside its range.
     """
     checked_db(db)
-    old, new = map(_results_of, [existing_store(Path(file)) for file in (first, second)])
+    old, new = map(_results_of, [existing_store(file) for file in (first, second)])
     before, now = _points_of(*old), _points_of(*new)
     numbers = number_changes(old, new, db)
     _check_common(before, now, numbers, f"{first} and {second}")

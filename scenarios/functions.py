@@ -143,7 +143,7 @@ def check(
     scenarios = named_scenarios([scenario])
     names = _names(default_engine_names() if engines is None else engines)
     means = Means(
-        store=None if store is None else checked_store(Path(store)), workers=workers, scheduler=scheduler,
+        store=None if store is None else checked_store(store), workers=workers, scheduler=scheduler,
         seconds_a_run=time_limit, retry_failed=retry_failed,
     )  # fmt: skip
     return answers(scenarios, names, means)

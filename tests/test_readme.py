@@ -70,15 +70,6 @@ def test_examples_are_short_and_need_no_inner_modules() -> None:
     assert not any(word in "".join(EXAMPLES) for word in ("__main__", "with ", "Evaluator", "Executor", "Store("))
 
 
-def test_what_check_gives_is_said_where_it_is_called() -> None:
-    """tests/scenarios/test_functions.py has that it is so."""
-    (called,), (shown,) = (
-        [line for line in README.splitlines() if word in line] for word in ("= check(", "print(table)")
-    )
-    assert called.endswith("  # a pandas.DataFrame, a row a number")
-    assert shown.endswith("  # how many numbers agree, in one line; print(table[:5]) shows rows")
-
-
 def test_two_lines_set_up_a_fresh_machine_and_ci_runs_them_as_they_stand() -> None:
     report, tests = [line for line in LINES if line.startswith("python3 -m venv ")]
     assert report.endswith("pip install . && multibody-xval report --quick")
