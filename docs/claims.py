@@ -63,7 +63,8 @@ def page(rows: pd.DataFrame) -> str:
     answers = concluded[list(STATED)]
     apart = (answers != answers.iloc[0]).any(axis=1) | (concluded.farthest >= MOVED)
     lines = [
-        INTRODUCTION.format(today=f"{date.today():%-d %B %Y}"), *markdown_list(stated), ENGINES, *markdown_lines(shown(concluded)), "",
+        INTRODUCTION.format(today=f"{date.today():%-d %B %Y}"), *markdown_list(stated), ENGINES,
+        *markdown_lines(shown(concluded)), "",
         *markdown_list([*concluded.sentence[apart], OTHERS]),
         LOWEST,
     ]  # fmt: skip
