@@ -70,7 +70,7 @@ def main(table: Path, picture: Path, numbers: Path) -> None:
     """Write the table and the picture."""
     found = bounds(numbers).round(4)
     if table.is_file():
-        known = pd.read_csv(table, dtype={"speed": str}, index_col=found.index.names)
+        known = pd.read_csv(table, dtype={"speed": str}, index_col=["speed", "configuration"])
         order = dict.fromkeys([*known.index, *found.index])
         found = pd.concat([known.drop(found.index, errors="ignore"), found]).loc[list(order)]
     found.to_csv(table, lineterminator="\n")
