@@ -4,6 +4,7 @@ python docs/claims.py claims.sqlite docs/claims.md mujoco:all:all pybullet:all:a
 """
 
 import sys
+from datetime import date
 from pathlib import Path
 
 import pandas as pd
@@ -24,7 +25,8 @@ INTRODUCTION = f"""# What the paper claims
 
 The extended abstract makes three claims about [the attenuation band](physics.md#the-attenuation-band). This page
 answers them with the reference, and says what one would conclude with each engine.
-`multibody-xval run figure3 --engine NAME` prints the same.
+`multibody-xval run figure3 --engine NAME` prints the same. The table was made on {{today}}, with
+the versions of [the table of engines](engines/index.md).
 
 A claim on the width is read twice: by the lower edge, and by the share of $\\eta_r$ {RANGE[0]:g} to {RANGE[1]:g}
 that the band covers, which is always finite. It *holds* if both say so, and *holds as read here* if one does. An
@@ -61,7 +63,8 @@ def page(rows: pd.DataFrame) -> str:
     answers = concluded[list(STATED)]
     apart = (answers != answers.iloc[0]).any(axis=1) | (concluded.farthest >= MOVED)
     lines = [
-        INTRODUCTION, *markdown_list(stated), ENGINES, *markdown_lines(shown(concluded)), "",
+        INTRODUCTION.format(today=f"{date.today():%-d %B %Y}"), *markdown_list(stated), ENGINES,
+        *markdown_lines(shown(concluded)), "",
         *markdown_list([*concluded.sentence[apart], OTHERS]),
         LOWEST,
     ]  # fmt: skip

@@ -2,6 +2,8 @@
 
 multibody-xval run direction --engine all:all:all --out direction.csv
 python docs/blocks/rose.py docs/blocks/directions.csv docs/_static/rose.svg direction.csv
+
+Rows of the table stay where there are no numbers of their configuration.
 """
 
 import sys
@@ -66,8 +68,12 @@ def draw(table: pd.DataFrame, picture: Path) -> None:
 
 def main(table: Path, picture: Path, numbers: Path) -> None:
     """Write the table and the picture."""
-    found = bounds(numbers)
-    found.round(4).to_csv(table, lineterminator="\n")
+    found = bounds(numbers).round(4)
+    if table.is_file():
+        known = pd.read_csv(table, dtype={"speed": str}, index_col=["speed", "configuration"])
+        order = dict.fromkeys([*known.index, *found.index])
+        found = pd.concat([known.drop(found.index, errors="ignore"), found]).loc[list(order)]
+    found.to_csv(table, lineterminator="\n")
     draw(found, picture)
 
 

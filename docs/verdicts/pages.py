@@ -42,6 +42,8 @@ def write(table: Path, folder: Path) -> None:
     texts = {"heat_map.html": heat_map(rows)}
     for kind, page in (("engine", engine_page), ("scenario", scenario_page)):
         texts |= {f"{kind}s/{name}.md": page(str(name), own) for name, own in rows.groupby(kind, sort=False)}
+    absent = set(registry.engine_names()) - {"reference", *rows["engine"]}
+    texts |= {f"engines/{name}.md": engine_page(name, rows[:0]) for name in absent}
     for file, lines in texts.items():
         (folder / file).parent.mkdir(exist_ok=True)
         (folder / file).write_text("\n".join(lines), encoding="utf-8")
@@ -84,8 +86,11 @@ def _cell(engine: str, configuration: str, scenario: str, rows: pd.DataFrame | N
 
 
 def engine_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
-    """Give the lines of the page of an engine: a table a scenario."""
+    """Give the lines of the page of an engine: a table a scenario, or what makes them where there are no numbers."""
     yield from (f"# {name}: verdicts", "", f"[All engines](../index.md).{_reasons(name)}", "")
+    if rows.empty:
+        made = f"`multibody-xval run all --engine {name}:all:all --out numbers.csv`"
+        yield from (f"The table has no numbers of this engine. {made} makes them.", "")
     for scenario, own in rows.groupby("scenario", sort=False):
         yield from (f"## {scenario}", "", f"[{SCENARIOS[str(scenario)].question}](../scenarios/{scenario}.md)", "")
         yield from (*_table(own), "")

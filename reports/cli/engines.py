@@ -50,7 +50,9 @@ def engines(
 
 @app.command()
 def law(
-    name: Annotated[str, typer.Argument(metavar=NAME_METAVAR, help="The variant.", autocompletion=complete_variant)],
+    name: Annotated[
+        str, typer.Argument(metavar=NAME_METAVAR, help="The configuration.", autocompletion=complete_variant)
+    ],
 ) -> None:
     """Print the law of a preset: its formula, its constants and their origin, and the distance between engine and law.
 
