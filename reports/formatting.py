@@ -1,9 +1,11 @@
 """Numbers as people read them, and templates that print them; files hold them in full."""
 
 import math
+import platform
 from decimal import ROUND_HALF_UP, Context, Decimal
 from typing import Any
 
+import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference_lcp.terminal import visible
@@ -37,6 +39,13 @@ def significant(value: float) -> str:
     size = abs(rounded)
     text = f"{rounded:,.0f}" if size >= 10 else f"{rounded:f}" if size >= SMALLEST_PLAIN else f"{float(rounded):.1e}"
     return text.replace("-", "−")
+
+
+def versions(rows: pd.DataFrame) -> str:
+    """Name the versions of the engines of a table, and of Python."""
+    pairs = rows[rows.version != ""][["engine", "version"]].drop_duplicates().sort_values("engine")
+    named = [f"{own.engine} {own.version}" for own in pairs.itertuples()]
+    return f"Versions: {', '.join([*named, f'Python {platform.python_version()}'])}."
 
 
 def _safe(value: Any) -> Any:
