@@ -1,6 +1,6 @@
-"""The README's pictures: the chain, and the error of each engine by its preset, from the table of accuracy.
+"""The README's picture of errors: that of each engine by its preset, from the table of accuracy.
 
-python docs/pictures.py docs/accuracy.md docs/_static
+python docs/pictures.py docs/accuracy.md docs/_static/errors.svg
 """
 
 import sys
@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.engines import engine
-from multibody_xval.reports.figures.chain_drawing import chain_drawing
 from multibody_xval.reports.figures.style import PALETTE, PRINT_STYLE
 
 WIDTH = 6.4
@@ -33,13 +32,6 @@ MARKS = {"default": ("white", 5.5), "tuned": ("", 5.5), "recommended": ("0.9", 3
 """Presets, with the filling (their own colour without one) and size of their marks; later ones are on top."""
 
 DARK = "0.2"
-CELLS = 7
-
-CHAIN_STYLE = (
-    "svg{fill:none;stroke:#333;stroke-width:1.6;background:#fff}text{fill:#333;stroke:none;font:15px sans-serif}"
-    ".outer{fill:#f4f5f7}.inner{fill:#d5dbe1}.rub{stroke:#d55e00;stroke-width:3.5}"
-)
-"""Colours of the drawing, which takes those of the page elsewhere."""
 
 
 def errors(table: Path) -> pd.DataFrame:
@@ -90,19 +82,5 @@ def draw_errors(table: Path, picture: Path) -> None:
     plt.close(figure)
 
 
-def draw_chain(picture: Path) -> None:
-    """Write the drawing of the chain as a picture of its own, on white: it has no page around it."""
-    drawing = str(chain_drawing(CELLS, "base"))
-    drawing = drawing.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
-    opening, rest = drawing.split(">", 1)
-    picture.write_text(f"{opening}><style>{CHAIN_STYLE}</style>{rest}\n", encoding="utf-8")
-
-
-def main(table: Path, folder: Path) -> None:
-    """Write both pictures."""
-    draw_chain(folder / "chain.svg")
-    draw_errors(table, folder / "errors.svg")
-
-
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:]))
+    draw_errors(*map(Path, sys.argv[1:]))

@@ -28,6 +28,9 @@ _CONTROLS = re.compile(
 READABLE = 24
 """Columns that a column of texts has at least, if its texts are that long: narrower ones are hard to read."""
 
+SHORT_HEADING = 8
+"""Columns of a heading that stands in one line."""
+
 LONGEST_NAME = 44
 """Columns of a name in the first column; a longer one, with many options, is wrapped."""
 
@@ -93,7 +96,7 @@ def _column(heading: str, cells: Sequence[str], number: int) -> _Column:
     """Give a column; numbers and names keep their width, texts are wrapped, and names with many options."""
     heading, cells = visible(heading), ["\n".join(map(visible, cell.split("\n"))) for cell in cells]
     widest = max((len(line) for cell in cells for line in cell.split("\n")), default=0)
-    word = max(map(len, heading.split()), default=1)
+    word = len(heading) if len(heading) <= SHORT_HEADING else max(map(len, heading.split()), default=1)
     texts = any(" " in cell for cell in cells)
     least = min(widest, LONGEST_NAME if number == 0 else READABLE if texts else widest)
     return _Column(heading, cells, max(least, word), max(widest, word))

@@ -1,7 +1,6 @@
 """What scenarios have answered, as files for people and programs: a comment, every number."""
 
 import math
-import platform
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -9,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.reports.answers import asked, overview, tables, why
+from multibody_xval.reports.formatting import versions
 from multibody_xval.scenarios.catalogue.finding import conclusion, reasons_to_fail
 from multibody_xval.scenarios.catalogue.numbers import COLUMNS
 from multibody_xval.scenarios.catalogue.scenario import Scenario
@@ -57,18 +57,12 @@ def markdown(answer: Answer) -> str:
         for name, table in tables(rows, details=True):
             lines += [markdown_text(name), "", *markdown_lines(_flat(table)), ""]
         lines += [*markdown_list(why(rows)), "", "</details>", ""]
-    return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(_versions(answer.rows))}", ""])
+    return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(versions(answer.rows))}", ""])
 
 
 def _flat(table: pd.DataFrame) -> pd.DataFrame:
     """Give texts in one line each."""
     return table.map(lambda text: "; ".join(map(str.strip, text.split("\n"))))
-
-
-def _versions(rows: pd.DataFrame) -> str:
-    pairs = rows[rows.version != ""][["engine", "version"]].drop_duplicates().sort_values("engine")
-    named = [f"{own.engine} {own.version}" for own in pairs.itertuples()]
-    return f"Versions: {', '.join([*named, f'Python {platform.python_version()}'])}."
 
 
 def plain(rows: pd.DataFrame) -> pd.DataFrame:

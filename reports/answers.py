@@ -7,11 +7,11 @@ from typing import Any
 
 import pandas as pd
 
-from multibody_xval.reports.formatting import MISSING, significant
+from multibody_xval.reports.formatting import MISSING, RESIDUE, significant
 from multibody_xval.scenarios.catalogue.finding import WORST_FIRST, counts, over_allowed, worst_cases
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.judge import AGREES
-from multibody_xval.scenarios.model import Case, Config
+from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import rows_of
 
 MOST_CONFIGURATIONS = 3
@@ -29,6 +29,9 @@ MOST_REASONS = 6
 NAME_WIDTH = 26
 """Columns of the names of cases: beside all others in 80."""
 
+OWN_VALUE = r"^(\w+) = [^:]+: "
+"""How a reason begins that names the value of its case: many that differ in this alone have one line."""
+
 AT_EQUAL_STEPS = "reference at equal steps"
 
 
@@ -38,19 +41,21 @@ def asked(scenario: Scenario, rows: pd.DataFrame) -> list[str]:
     many = len(names) > MOST_CASES
     listed = f"from {names[0]} to {names[-1]}" if many else "; ".join(names)
     cases = f"{len(names)} cases" if len(names) > 1 else "Case"
+    configs = [Config(*own) for own in rows[["engine", "formulation", "preset"]].drop_duplicates().to_numpy().tolist()]
+    runs = [list(scenario.own_runs(config).values()) for config in configs]
+    most = max(map(len, runs), default=0)
+    at_each = f", {most // len(names)} time steps each" if most > len(names) and most % len(names) == 0 else ""
     return [
         scenario.question,
         f"Source: {scenario.source}",
         f"Expected: {scenario.expects}.",
-        f"{cases}: {listed}. {_steps(scenario, rows)}.",
+        f"{cases}{at_each}: {listed}. {_steps([run for own in runs for run in own])}.",
         *scenario.details,
     ]
 
 
-def _steps(scenario: Scenario, rows: pd.DataFrame) -> str:
+def _steps(runs: Sequence[Run]) -> str:
     """Give time steps: of steady states, their number per period."""
-    configs = [Config(*own) for own in rows[["engine", "formulation", "preset"]].drop_duplicates().to_numpy().tolist()]
-    runs = [run for config in configs for run in scenario.own_runs(config).values()]
     if all(isinstance(run.case, Case) for run in runs):
         return f"{_span([run.steps for run in runs])} time steps per period"
     return (
@@ -72,8 +77,8 @@ def number_table(rows: pd.DataFrame) -> pd.DataFrame:
         "number, case": [_numbered(*own) for own in rows[["quantity", "unit", "case"]].to_numpy()],
         "value": rows.value.map(_number),
         "expected": expected.map(_number),
-        "off by": rows.distance.astype(float).map(significant),
-        "allowed": rows.allowed.astype(float).map(significant),
+        "off by": rows.distance.astype(float).map(_size),
+        "allowed": rows.allowed.astype(float).map(_size),
         "result": rows.verdict,
     }
     return pd.DataFrame(texts, rows.index, dtype=object)
@@ -103,6 +108,11 @@ def _number(value: Any) -> str:
         return MISSING
     text = f"{size:.5g}"
     return (text if len(text) <= len("-0.12345") else f"{size:.2e}").replace("-", "−")
+
+
+def _size(value: float) -> str:
+    """Give a distance in two digits; of one that round-off makes, that it is below `RESIDUE`: it is not zero."""
+    return "<1e−9" if 0 < value < RESIDUE else significant(value)
 
 
 def title(rows: pd.DataFrame) -> str:
@@ -137,10 +147,14 @@ def _worst(rows: pd.DataFrame) -> str:
 def why(rows: pd.DataFrame) -> list[str]:
     """Say why numbers are not there, a line a reason."""
     own = rows[(rows.reason != "") & ~rows.verdict.isin([AGREES])]
-    found = own.groupby(["configuration", "verdict", "reason"], sort=False).case.agg(["first", "nunique"])
+    alike = own.reason.astype(str).str.replace(OWN_VALUE, r"\1: ", regex=True)
+    found = own.groupby([own.configuration, own.verdict, alike], sort=False).agg({
+        "case": ["first", "nunique"], "reason": ["first", "nunique"],
+    })  # fmt: skip
     return [
-        f"{name}: {verdict if verdict in WORST_FIRST[1:] else 'note'} in {_cases(case, count)}: {reason}"
-        for (name, verdict, reason), (case, count) in zip(found.index, found.to_numpy(), strict=True)
+        f"{name}: {verdict if verdict in WORST_FIRST[1:] else 'note'} in {_cases(case, count)}: "
+        f"{reason if reasons == 1 else shared}"
+        for (name, verdict, shared), (case, count, reason, reasons) in zip(found.index, found.to_numpy(), strict=True)
     ]
 
 

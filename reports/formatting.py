@@ -1,26 +1,17 @@
 """Numbers as people read them, and templates that print them; files hold them in full."""
 
 import math
-import re
-from collections.abc import Sequence
+import platform
 from decimal import ROUND_HALF_UP, Context, Decimal
 from typing import Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference_lcp.terminal import visible
 
 MISSING = "–"
 """Stands where there is no number."""
-
-
-def fixed(value: float, digits: int) -> str:
-    """Give `value` with this many decimals and a true minus sign."""
-    if not math.isfinite(value):
-        return MISSING
-    text = f"{value:.{digits}f}"
-    return _minus(text.removeprefix("-") if float(text) == 0 else text)
 
 
 RESIDUE = 1e-9
@@ -35,8 +26,8 @@ SMALLEST_PLAIN = Decimal("1e-4")
 TWO_DIGITS = Context(prec=2, rounding=ROUND_HALF_UP)
 
 
-def significant(value: float, sign: str = "") -> str:
-    """Give two significant digits: 15, 0.12, 1,700; zero below `RESIDUE`. With ``+`` as `sign`, differences have it.
+def significant(value: float) -> str:
+    """Give two significant digits: 15, 0.12, 1,700; zero below `RESIDUE`.
 
     It is rounded as the table of accuracy is first, to three decimals: texts that are made from either are the same.
     """
@@ -47,48 +38,14 @@ def significant(value: float, sign: str = "") -> str:
     rounded = TWO_DIGITS.create_decimal(f"{value:.3f}" if abs(value) >= SMALLEST_IN_TABLE else f"{value:.2e}")
     size = abs(rounded)
     text = f"{rounded:,.0f}" if size >= 10 else f"{rounded:f}" if size >= SMALLEST_PLAIN else f"{float(rounded):.1e}"
-    return _minus(f"{sign}{text}" if value > 0 else text)
-
-
-def signed(value: float) -> str:
-    """Give a difference in two digits with its sign."""
-    return significant(value, "+")
-
-
-def scientific(value: float) -> str:
-    """Give a residual: two digits and a power of ten."""
-    if not math.isfinite(value):
-        return MISSING
-    return _minus(f"{value:.1e}") if value else "0"
-
-
-def ratio(value: float) -> str:
-    """Give a friction or frequency ratio as short as it is on the grid."""
-    return _minus(f"{value:.6g}")
-
-
-def per_cell(value: float | Sequence[float]) -> str:
-    """Give a ratio of the chain: one number, or as many as there are cells, from the base on."""
-    return f"({', '.join(ratio(cell) for cell in value)})" if isinstance(value, Sequence) else ratio(value)
-
-
-def span(values: list[int]) -> str:
-    """Give the range of whole numbers: one number where they are equal."""
-    if not values:
-        return MISSING
-    low, high = min(values), max(values)
-    return str(low) if low == high else f"{low}–{high}"
-
-
-def typeset(text: str) -> Markup:
-    """Escape `text`, set the indices of its symbols low (η_r, ω_max, λ_T, U0, P0) and give numbers a true minus."""
-    text = re.sub(r"(?<![\w.)−-])-(?=[\d.])|(?<=\de)-(?=\d)", "−", text)
-    lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(_safe(text))))
-    return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
-
-
-def _minus(text: str) -> str:
     return text.replace("-", "−")
+
+
+def versions(rows: pd.DataFrame) -> str:
+    """Name the versions of the engines of a table, and of Python."""
+    pairs = rows[rows.version != ""][["engine", "version"]].drop_duplicates().sort_values("engine")
+    named = [f"{own.engine} {own.version}" for own in pairs.itertuples()]
+    return f"Versions: {', '.join([*named, f'Python {platform.python_version()}'])}."
 
 
 def _safe(value: Any) -> Any:
@@ -96,10 +53,10 @@ def _safe(value: Any) -> Any:
     return "\n".join(map(visible, value.split("\n"))) if type(value) is str else value
 
 
-def environment(*packages: str, markup: bool = True) -> Environment:
-    """Give the templates of packages, which refuse names that are not there; those of markup escape what they print."""
-    templates = Environment(
-        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys(packages)]),
+def environment(package: str | None = None, *, markup: bool = True) -> Environment:
+    """Give the templates of a package: they refuse names that are not there; those of markup escape what they print."""
+    return Environment(
+        loader=None if package is None else PackageLoader(package),
         autoescape=markup,
         finalize=_safe,
         undefined=StrictUndefined,
@@ -107,6 +64,3 @@ def environment(*packages: str, markup: bool = True) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=not markup,
     )
-    for display in (fixed, significant, signed, scientific, ratio, per_cell, span, typeset):
-        templates.filters[display.__name__] = display
-    return templates

@@ -71,5 +71,4 @@ def plain(*lines: str) -> str:
 
 def print_table(table: pd.DataFrame, title: str | None = None) -> None:
     """Print a table of texts, no wider than the terminal."""
-    rows = [tuple(map(visible, texts)) for texts in table.itertuples(index=False, name=None)]
-    print_rows(list(table.columns), rows, title=title)
+    print_rows(list(map(str, table)), table.to_numpy().tolist(), title=title or None)

@@ -39,7 +39,7 @@ def markers(picture: Path) -> list[float]:
 
 
 def test_picture_is_that_of_the_measured_table(tmp_path: Path) -> None:
-    program("pictures").main(DOCS / "accuracy.md", tmp_path)
+    program("pictures").draw_errors(DOCS / "accuracy.md", tmp_path / "errors.svg")
     made = markers(tmp_path / "errors.svg")
     assert len(made) > 60
     assert made == pytest.approx(markers(DOCS / "_static" / "errors.svg"), abs=0.5)

@@ -3,19 +3,27 @@
 The documentation calls `write` before it is built; what it writes is not kept.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
-from multibody_xval.reports.figures.scene_map import heat_map
+from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.recipe import has_recipe, recipe_text
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 
 FOLDER = Path(__file__).parent
+
+DECADES = 6
+"""Shades of the heat map: decades of a number over the smallest one that counts as none."""
+
+LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1}
+"""By unit, what counts as none."""
 
 
 def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
@@ -27,6 +35,38 @@ def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
     for name in filter(lambda each: has_recipe(registry.engine(each)), registry.engine_names()):
         text = "\n".join(recipe_page(name, rows[rows.engine == name]))
         (folder / "recipes" / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+def heat_map(rows: pd.DataFrame, pages: Mapping[str, str]) -> str:
+    """Give a table of numbers and engines, default options over the recipe, in shades of the recipe's.
+
+    `pages` are linked, by the name of the engine.
+    """
+    engines = list(dict.fromkeys(rows.engine))
+    values: dict[Any, list[float]] = rows.set_index(["number", "engine"])[["default", "recommended"]].T.to_dict("list")
+    cells = {
+        number: [_cell(number, values.get((number, name), [])) for name in engines] for number in rows.number.unique()
+    }
+    titles = {name: registry.engine(name).capabilities.title for name in engines}
+    template = environment().from_string((FOLDER / "heat_map.jinja").read_text(encoding="utf-8"))
+    return template.render(titles=titles, cells=cells, pages=pages)
+
+
+def _cell(number: str, values: Sequence[float]) -> tuple[int, list[str]] | None:
+    """Give the shade of a cell and its lines; ``None`` of an empty one."""
+    known = [value for value in values if not math.isnan(value)]
+    if not known:
+        return None
+    first, *others = dict.fromkeys(printed_number(value).replace("-", "−") for value in known)
+    return _shade(number, known[-1]), [first, *(f"→ {text}" for text in others)]
+
+
+def _shade(number: str, value: float) -> int:
+    """Give the decades of a number over what counts as none."""
+    least = LEAST[number.rpartition("[")[2].rstrip("]")]
+    if not math.isfinite(value):
+        return DECADES
+    return min(DECADES, max(0, math.ceil(math.log10(max(abs(value), least) / least))))
 
 
 def _reaches(name: str) -> Iterator[str]:

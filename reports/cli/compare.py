@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from multibody_xval.reports.cli.options import Store, Workers, check_outs, engine_option, keeping
+from multibody_xval.reports.cli.options import COMMENT_ENDINGS, Store, Workers, check_outs, engine_option, keeping
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import visible
@@ -40,9 +40,6 @@ app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_ex
 MOST_ROWS = 20
 """Changed points that are printed; a file holds all of them."""
 
-ENDINGS = (".md", ".json", ".csv")
-"""Formats of the changes."""
-
 
 @app.command()
 def compare(
@@ -72,7 +69,7 @@ def compare(
     Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """
     names, stores = pair or [], [own for own in (first, second) if own is not None]
-    outs = check_outs(out, ENDINGS, *stores, store)
+    outs = check_outs(out, COMMENT_ENDINGS, *stores, store)
     _check(names, stores, {"--store": store, "--workers": workers})
     with keeping(store):
         changes = _changes(names, stores, store, workers, decibel)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from multibody_xval.engines.completion import complete_variant
-from multibody_xval.reports.cli.options import NAME_METAVAR
+from multibody_xval.reports.cli.options import NAME_METAVAR, AsJson
 from reference_lcp.terminal import print_table, visible
 
 if TYPE_CHECKING:
@@ -19,9 +19,7 @@ app = typer.Typer(name="multibody-xval engines", add_completion=False, pretty_ex
 
 
 @app.callback(invoke_without_command=True)
-def engines(
-    context: typer.Context, as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False
-) -> None:
+def engines(context: typer.Context, as_json: AsJson = False) -> None:
     """List every registered engine: version, friction law and presets, and why it is missing if it is.
 
     Exit code 0: listed, installed or not; 2: wrong input; 130: interrupted.

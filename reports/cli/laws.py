@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from multibody_xval.reports.cli.options import Engines, check_outs, grouped
+from multibody_xval.reports.cli.options import TABLE_ENDINGS, Engines, TableFile, check_outs, grouped
 from multibody_xval.reports.cli.shown import Shown
-from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile
 
 
 @grouped

@@ -54,6 +54,13 @@ Scheduler = Annotated[
 ]
 
 
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
+
+COMMENT_ENDINGS, TABLE_ENDINGS, CHART_ENDINGS = (".md", ".json", ".csv"), (".md", ".csv"), (".svg", ".pdf", ".png")
+"""Formats of a comment with its numbers, of a table, and of a figure."""
+
+
 @dataclass(frozen=True)
 class Engines:
     """The variants that a command is about."""
@@ -129,10 +136,14 @@ class Computing:
             retry_failed=self.retry_failed,
         )  # fmt: skip
 
-    def check(self, *, run: bool) -> None:
-        """Refuse to run something again where nothing is run."""
+    def check(self, store: Path | None, *, run: bool) -> None:
+        """Refuse to run something again where nothing is run, and to show results that are nowhere."""
         if self.retry_failed and not run:
             raise ParameterError("--retry-failed with --no-run, which runs nothing; allowed: one of the two")
+        if not run and store is None:
+            raise ParameterError(
+                "--no-run without --store; allowed where nothing is run: a store of an earlier command"
+            )
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.options import AsJson
 from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def probe(
     ctrl: Annotated[Path | None, typer.Option(help="CSV file that drives the model: time and all controls.")] = None,
     floor: Annotated[bool, typer.Option("--floor", help="Put a floor below the model.")] = False,
     free: Annotated[bool, typer.Option("--free", help="Let the base of a URDF move.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Measure what creeps in a MuJoCo model of one's own: as it is, with each line of the recipe, and with all.
 

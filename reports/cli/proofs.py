@@ -10,7 +10,7 @@ import typer
 from multibody_xval.reports.cli.options import check_outs
 from reference_lcp.errors import ExitCode
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table, tracked, visible
+from reference_lcp.terminal import tracked, visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,6 +33,7 @@ def proofs(
     check_outs([out], (".csv",))
     from multibody_xval.scenarios.catalogue import proofs as study
     from multibody_xval.scenarios.proven import DIGITS
+    from multibody_xval.scenarios.table_text import print_table
     from reference_lcp.defaults import PROOF_TIME_LIMIT
     from reference_lcp.exact.proof.prove import check_request
 
@@ -40,7 +41,7 @@ def proofs(
     check_request(DIGITS, PROOF_TIME_LIMIT)
     table = study.proofs([study.proof_of(case) for case in tracked(cases, "points")])
     summary = study.summary(table)
-    print_table([str(name) for name in summary], summary.to_numpy().tolist())
+    print_table(summary)
     _print_exceptions(table)
     crossing = sample is not None or _print_edges()
     if out is not None:

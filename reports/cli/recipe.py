@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.engines.completion import complete_engine
-from multibody_xval.reports.cli.options import Computing, Store, check_outs, grouped, keeping
-from multibody_xval.reports.cli.studies import TABLE_ENDINGS, TableFile
+from multibody_xval.reports.cli.options import (
+    TABLE_ENDINGS,
+    AsJson,
+    Computing,
+    Store,
+    TableFile,
+    check_outs,
+    grouped,
+    keeping,
+)
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import print_table
 
@@ -28,7 +36,7 @@ def recipe(
         bool,
         typer.Option("--run/--no-run", help="Measure all scenes with it; --no-run prints the recipe alone."),
     ] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: AsJson = False,
     store: Store = None,
     computing: Computing,
 ) -> None:

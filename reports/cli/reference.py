@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
-from multibody_xval.reports.cli.options import grouped
+from multibody_xval.reports.cli.options import AsJson, grouped
 from reference_lcp import defaults
 from reference_lcp.deadline import watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
@@ -48,7 +48,6 @@ class TypedNumber(float):
 
 
 Ratio = partial(typer.Option, parser=typed_number, metavar="<float>")
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 @dataclass(frozen=True)

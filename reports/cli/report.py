@@ -28,7 +28,7 @@ app = typer.Typer(name="multibody-xval report", add_completion=False, pretty_exc
 
 
 @dataclass(frozen=True)
-class Shown:
+class Asked:
     """What a page shows."""
 
     quick: Annotated[
@@ -81,7 +81,7 @@ def report(
     out: Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")] = Path(
         "report"
     ),
-    shown: Shown,
+    asked: Asked,
     store: Annotated[
         list[Path] | None,
         typer.Option(
@@ -105,12 +105,12 @@ def report(
 
     Example: multibody-xval report --quick --engine mujoco --engine pybullet:joint:default
     """
-    computing.check(run=run)
     stores = store or []
-    shown.check(stores, run=run)
+    computing.check(out, run=run)
+    asked.check(stores, run=run)
     gc.set_threshold(*RARE_COLLECTIONS)
     started = monotonic()
-    written = _written(shown, out, stores, computing, run=run)
+    written = _written(asked, out, stores, computing, run=run)
     for line in written.failures:
         print(visible(line))
     print(visible(f"{written.finding} ({monotonic() - started:.0f} s; {written.page})"))
@@ -118,24 +118,24 @@ def report(
         raise typer.Exit(ExitCode.FAILED)
 
 
-def _written(shown: Shown, out: Path, stores: list[Path], computing: Computing, *, run: bool) -> Written:
+def _written(asked: Asked, out: Path, stores: list[Path], computing: Computing, *, run: bool) -> Written:
     """Write the page of a dataset, of stores, of a sweep, or of the runs of a report."""
     from multibody_xval.reports.page import sources
 
-    command = shlex.join([*PROGRAM, *shown.words, *(word for file in stores for word in ("--store", str(file)))])
-    if shown.data is not None:
-        return sources.dataset_page(shown.data, out, command)
+    command = shlex.join([*PROGRAM, *asked.words, *(word for file in stores for word in ("--store", str(file)))])
+    if asked.data is not None:
+        return sources.dataset_page(asked.data, out, command)
     from multibody_xval.scenarios.sweep_file import read_sweep
     from multibody_xval.scenarios.sweep_plan import check_size
 
-    sweep = None if shown.sweep is None else read_sweep(shown.sweep)
+    sweep = None if asked.sweep is None else read_sweep(asked.sweep)
     if not run:
         kept = stores or [out / sources.STORE]
-        return sources.stored_page(kept, out, f"{command} --no-run", shown.names, sweep)
+        return sources.stored_page(kept, out, f"{command} --no-run", asked.names, sweep)
     announce_compilation()
     store = stores[0] if stores else None
     with keeping(store or out / sources.STORE):
         if sweep is None:
-            return sources.planned_page(shown.names, out, command, computing.means, store, quick=shown.quick)
+            return sources.planned_page(asked.names, out, command, computing.means, store, quick=asked.quick)
         check_size(sweep, yes=False, how="multibody-xval sweep --yes")
-        return sources.sweep_page(sweep, out, command, computing.means, store, shown.sweep)
+        return sources.sweep_page(sweep, out, command, computing.means, store, asked.sweep)

@@ -67,7 +67,9 @@ def catalogue(context: typer.Context) -> None:
 
 def print_catalogue() -> None:
     """Print scenarios and measurements."""
-    print_table(("scenario", "question"), scenario.questions())
+    from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+
+    print_table(("scenario", "question"), [(name, own.question) for name, own in SCENARIOS.items()])
     print_table(("measurement", "question"), list(EXPERIMENTS.items()))
     print("multibody-xval run NAME runs one, multibody-xval run all every scenario.")
 

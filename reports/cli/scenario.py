@@ -9,10 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from multibody_xval.reports.cli.options import Computing, Engines, Store, check_outs, grouped, keeping
-from reference_lcp.errors import ExitCode, ParameterError
+from multibody_xval.reports.cli.options import (
+    COMMENT_ENDINGS,
+    Computing,
+    Engines,
+    Store,
+    check_outs,
+    grouped,
+    keeping,
+)
+from reference_lcp.errors import ExitCode
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import announce_compilation, print_table
+from reference_lcp.terminal import announce_compilation
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,9 +30,6 @@ if TYPE_CHECKING:
 
 ALL = "all"
 
-ENDINGS = (".md", ".json", ".csv")
-"""Formats of numbers."""
-
 EXIT_CODES = (
     "Exit code 0: no judged number deviates; 1: one does, or more than a quarter of a judged preset's numbers are "
     "missing, or more than a quarter of a named engine's runs fail; 2: wrong input; 3: results or --out could not be "
@@ -33,7 +38,7 @@ EXIT_CODES = (
 
 
 @dataclass(frozen=True)
-class Shown:
+class Output:
     """Where results come from, and what of them is shown and written."""
 
     store: Store = None
@@ -59,13 +64,6 @@ def names() -> list[str]:
     return [*SCENARIOS, ALL]
 
 
-def questions() -> list[tuple[str, str]]:
-    """Give the names of scenarios with their questions."""
-    from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-
-    return [(name, own.question) for name, own in SCENARIOS.items()]
-
-
 def command(name: str) -> Any:
     """Make the command of a scenario, or of all."""
     from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -86,11 +84,11 @@ def _named(
     others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
     *,
     engines: Engines,
-    shown: Shown,
+    output: Output,
     computing: Computing,
 ) -> None:
     """Run the scenario that the command is named after, or all, and others."""
-    _answer([str(context.info_name), *(others or ())], engines, shown, computing)
+    _answer([str(context.info_name), *(others or ())], engines, output, computing)
 
 
 @grouped
@@ -102,46 +100,44 @@ def _followed(
         Path | None,
         typer.Option(help="CSV table of time in s and displacement in m; without it, the suite's example."),
     ] = None,
-    shown: Shown,
+    output: Output,
     computing: Computing,
 ) -> None:
     """Run the scenario whose base follows a file."""
-    _answer([str(context.info_name)], engines, shown, computing, record)
+    _answer([str(context.info_name)], engines, output, computing, record)
 
 
 def _answer(
-    asked: Sequence[str], engines: Engines, shown: Shown, computing: Computing, record: Path | None = None
+    asked: Sequence[str], engines: Engines, output: Output, computing: Computing, record: Path | None = None
 ) -> None:
     """Run scenarios, of which the only one may follow a record, print what has come out, and end with its code."""
-    computing.check(run=shown.run)
-    outs = check_outs(shown.out, ENDINGS, shown.store, record)
-    if not shown.run and shown.store is None:
-        raise ParameterError("--no-run without --store; allowed where nothing is run: a store of an earlier command")
+    computing.check(output.store, run=output.run)
+    outs = check_outs(output.out, COMMENT_ENDINGS, output.store, record)
     from multibody_xval.reports.answer_files import WRITTEN, Answer
     from multibody_xval.scenarios.catalogue.asking import named_scenarios
 
-    scenarios, options = named_scenarios(asked), [] if shown.run else ["--no-run"]
+    scenarios, options = named_scenarios(asked), [] if output.run else ["--no-run"]
     if record is not None and scenarios[0].of_record is not None:
         scenarios, options = [scenarios[0].of_record(record)], [f"--record={record}", *options]
-    rows = _rows(scenarios, engines, shown, computing)
+    rows = _rows(scenarios, engines, output, computing)
     answer = Answer(scenarios, rows, engines.command(" ".join(asked), options), named=bool(engines.names))
     for out in outs:
         write_whole(out, WRITTEN[out.suffix](answer))
-    _print(answer, details=shown.details)
+    _print(answer, details=output.details)
     if answer.reasons:
         raise typer.Exit(ExitCode.FAILED)
 
 
-def _rows(scenarios: Sequence[Scenario], engines: Engines, shown: Shown, computing: Computing) -> pd.DataFrame:
+def _rows(scenarios: Sequence[Scenario], engines: Engines, output: Output, computing: Computing) -> pd.DataFrame:
     """Give the numbers of scenarios: what the store lacks is run, or not."""
     from multibody_xval.scenarios.catalogue.asking import answers, stored_answers
 
-    if not shown.run:
-        assert shown.store is not None, "checked before"
-        return stored_answers(scenarios, engines.names, shown.store)
-    means = computing.means(shown.store)
+    if not output.run:
+        assert output.store is not None, "checked before"
+        return stored_answers(scenarios, engines.names, output.store)
+    means = computing.means(output.store)
     announce_compilation()
-    with keeping(shown.store):
+    with keeping(output.store):
         return answers(scenarios, engines.names, means)
 
 
@@ -151,7 +147,7 @@ def _print(answer: Answer, *, details: bool) -> None:
 
     from multibody_xval.reports import answers
     from multibody_xval.scenarios.catalogue.finding import MOST_NAMED
-    from multibody_xval.scenarios.table_text import plain
+    from multibody_xval.scenarios.table_text import plain, print_table
 
     console = Console()
     one = len(answer.scenarios) == 1
@@ -161,14 +157,13 @@ def _print(answer: Answer, *, details: bool) -> None:
         console.print(f"[bold]{scenario.name}[/bold]: {plain(question)}", highlight=False)
         console.print(plain(*lines), highlight=False)
         for title, table in answers.tables(rows, details=details):
-            print_table(list(map(str, table)), table.to_numpy().tolist(), title=title or None)
+            print_table(table, title)
         for line in (answers.meanings(scenario), *answers.errors(rows)):
             console.print(plain(line), highlight=False)
     if not one:
-        table = answers.overview(answer.rows)
-        print_table(list(map(str, table)), table.to_numpy().tolist())
+        print_table(answers.overview(answer.rows))
     reasons = answers.why(answer.rows)
-    shown = reasons if details else reasons[: answers.MOST_REASONS]
-    rest = [f"{len(reasons) - len(shown)} more reasons: --details"] if len(shown) < len(reasons) else []
-    for line in (*shown, *rest, *answer.reasons[MOST_NAMED:], answer.conclusion):
+    listed = reasons if details else reasons[: answers.MOST_REASONS]
+    rest = [f"{len(reasons) - len(listed)} more reasons: --details"] if len(listed) < len(reasons) else []
+    for line in (*listed, *rest, *answer.reasons[MOST_NAMED:], answer.conclusion):
         console.print(plain(line), highlight=False)

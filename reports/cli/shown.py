@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table, visible
+from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,14 +19,14 @@ class Shown:
     """The end of a command: what it prints, and what it writes."""
 
     def __init__(self, title: str, command: str, points: pd.DataFrame, legend: str = ""):
-        engines = points[["engine", "version"]].drop_duplicates().sort_values("engine")
-        versions = ", ".join(f"{own.engine} {own.version}" for own in engines.itertuples())
-        self._ends = f"Versions: {versions}; Python {platform.python_version()}."
+        from multibody_xval.reports.formatting import versions
+
+        self._ends = versions(points)
         self._lines = [f"# {title}", "", *([legend] if legend else []), f"Made by `{command}`.", ""]
 
     def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
         """Print tables and lines under their headings."""
-        from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
+        from multibody_xval.scenarios.table_text import markdown_lines, markdown_list, print_table
 
         for heading, part in parts.items():
             if not len(part):
@@ -38,7 +37,7 @@ class Shown:
                 self._lines += [*markdown_list(part), ""]
             else:
                 texts = part.map(_text)
-                print_table([str(name) for name in texts], texts.to_numpy().tolist(), title=heading or None)
+                print_table(texts, heading)
                 self._lines += [*markdown_lines(texts), ""]
 
     def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:

@@ -7,28 +7,31 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from multibody_xval.reports.cli.options import Computing, Engines, GridEngines, Store, check_outs, grouped, keeping
+from multibody_xval.reports.cli.options import (
+    CHART_ENDINGS,
+    TABLE_ENDINGS,
+    Computing,
+    Engines,
+    GridEngines,
+    Store,
+    TableFile,
+    check_outs,
+    grouped,
+    keeping,
+)
 from multibody_xval.reports.cli.shown import Shown
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from multibody_xval.engines.interface.variant import Variant
 
-TABLE_ENDINGS, CHART_ENDINGS = (".md", ".csv"), (".svg", ".pdf", ".png")
-
 Outs = Annotated[
     list[Path] | None,
     typer.Option(
         help="Write the tables here as .md, every number as .csv, the figure as .svg, .pdf or .png; may be repeated."
     ),
-]
-TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
-
-
-RunOption = Annotated[
-    bool, typer.Option("--run/--no-run", help="Run missing points; --no-run judges only the results in --store.")
 ]
 
 
@@ -41,7 +44,14 @@ def compared(engines: Engines) -> list[Variant]:
 
 @grouped
 def figure3(
-    engines: GridEngines, *, store: Store = None, out: Outs = None, run: RunOption = True, computing: Computing
+    engines: GridEngines,
+    *,
+    store: Store = None,
+    out: Outs = None,
+    run: Annotated[
+        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run judges only the results in --store.")
+    ] = True,
+    computing: Computing,
 ) -> None:
     """Answer the paper's claims with the reference and every engine, and judge all points of its figure 3.
 
@@ -51,9 +61,7 @@ def figure3(
 
     Example: multibody-xval run figure3 --engine mujoco:joint:default --out figure3.md --out figure3.svg
     """
-    computing.check(run=run)
-    if not run and store is None:
-        raise ParameterError("--no-run shows stored results alone; allowed: with --store")
+    computing.check(store, run=run)
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     configs = compared(engines)
     from multibody_xval.reports.figures.studies import transmittance

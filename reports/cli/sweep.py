@@ -61,7 +61,7 @@ def sweep(
 
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """
-    computing.check(run=run)
+    computing.check(store, run=run)
     from multibody_xval.scenarios.dataset import judged_table
     from multibody_xval.scenarios.dataset_file import write_dataset
     from multibody_xval.scenarios.judge import conclusion
