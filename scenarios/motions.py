@@ -1,7 +1,6 @@
 """Motions from a state: of a chain under any drive, and of one block on a carrier."""
 
 import dataclasses
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -103,7 +102,7 @@ class Motion:
         checked_choice("recorded", self.recorded, RECORDED)
 
     def __hash__(self) -> int:
-        return self._hash
+        return hash(self._text)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Motion) and self._text == other._text
@@ -111,10 +110,6 @@ class Motion:
     @cached_property
     def _text(self) -> str:
         return json.dumps(self.as_data())
-
-    @cached_property
-    def _hash(self) -> int:
-        return int(hashlib.sha256(self._text.encode()).hexdigest()[:15], 16)  # equal in all processes
 
     @property
     def chain(self) -> Chain:
