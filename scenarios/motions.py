@@ -189,17 +189,11 @@ class ChainMotion(Motion, ChainRatios):
 
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""
-        positions = initial_positions(self.chain, self.shape, self.scale)
+        still = np.zeros(self.cells)
+        row = np.arange(1, self.cells + 1) / self.cells
+        places = {"stretched": (row, row), "inner masses displaced": (still, np.ones(self.cells))}
+        positions = self.scale * np.concatenate(places.get(self.shape, (still, still)))
         return State(positions[None], np.zeros((1, positions.size)))
-
-
-def initial_positions(chain: Chain, shape: str, length: float) -> FloatArray:
-    """Positions of one of `SHAPES` [m], shape (2n,), outer masses first; `length` [m] is its size."""
-    cells = chain.cells
-    row = np.arange(1, cells + 1) / cells
-    outer = row if checked_choice("shape", shape, SHAPES) == "stretched" else np.zeros(cells)
-    inner = {"undeformed": np.zeros(cells), "stretched": row, "inner masses displaced": np.ones(cells)}[shape]
-    return length * np.concatenate([outer, inner])
 
 
 CARRIER_MASSES = 20.0
