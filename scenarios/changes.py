@@ -1,5 +1,7 @@
 """What has become of points from one table to another, by their distance from the exact motion."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import pandas as pd
 
@@ -21,7 +23,7 @@ LEAST_STUCK = 0.01
 
 NOT_RUN = "not run"
 
-RANKS = {"periodic": 0, "not periodic": 1, "failed": 2, "unsupported": 3, NOT_RUN: 3}
+RANKS = {"periodic": 0, "finished": 0, "not periodic": 1, "failed": 2, "unsupported": 3, NOT_RUN: 3}
 """How little a run says."""
 
 POINT = ["configuration", "case", "steps"]
@@ -36,26 +38,24 @@ _NUMBERS = [
 def compared(before: pd.DataFrame, now: pd.DataFrame, ruler: pd.DataFrame, db: float = LEAST_DB) -> pd.DataFrame:
     """Judge two tables of points by one ruler, and join them on the name of what is compared, case and steps."""
     one, other = (_measured(table, ruler)[[*POINT, *_NUMBERS]] for table in (before, now))
-    rows = _joined(one, other)
-    rows = _changes(with_texts(rows), 100 * (10 ** (db / 20) - 1))
+    rows = _changes(joined(one, other, POINT), 100 * (10 ** (db / 20) - 1))
     case = pd.DataFrame([{name: getattr(own, name) for name in CASE} for own in rows.case], rows.index, CASE)
     first = [*POINT, "change", "what"]
     return pd.concat([rows[first], case, rows.drop(columns=first)], axis=1)
 
 
-def with_texts(rows: pd.DataFrame) -> pd.DataFrame:
-    """Fill what says who ran a row and how it ended, where only the other side has it."""
+def joined(before: pd.DataFrame, now: pd.DataFrame, on: list[str]) -> pd.DataFrame:
+    """Join two tables, and add the rows that only the second has: cases have no order to sort by.
+
+    What says who ran a row and how it ended is filled where only the other side has it.
+    """
+    known = before[on].assign(known=True)
+    new = now.merge(known, on=on, how="left").query("known.isna()").drop(columns="known")
+    rows = before.merge(now, on=on, how="left", suffixes=("_before", "_now"))
+    rows = pd.concat([rows, new.rename(columns={name: f"{name}_now" for name in now if name not in on})])
     texts = {"status": NOT_RUN, "engine": "", "version": "", "options": "", "reason": ""}
     filled = {f"{name}{side}": text for name, text in texts.items() for side in ("_before", "_now")}
-    return rows.astype(dict.fromkeys(filled, object)).fillna(filled)
-
-
-def _joined(before: pd.DataFrame, now: pd.DataFrame) -> pd.DataFrame:
-    """Join two tables on the point, and add the points that only the second has: cases have no order to sort by."""
-    known = before[POINT].assign(known=True)
-    new = now.merge(known, on=POINT, how="left").query("known.isna()").drop(columns="known")
-    rows = before.merge(now, on=POINT, how="left", suffixes=("_before", "_now"))
-    return pd.concat([rows, new.rename(columns={name: f"{name}_now" for name in _NUMBERS})], ignore_index=True)
+    return rows.reset_index(drop=True).astype(dict.fromkeys(filled, object)).fillna(filled)
 
 
 def _measured(table: pd.DataFrame, ruler: pd.DataFrame) -> pd.DataFrame:
@@ -87,33 +87,36 @@ def _changes(rows: pd.DataFrame, least: float) -> pd.DataFrame:
     stuck = pd.Series(list(map(_apart, rows.stuck_before, rows.stuck_now)), rows.index, dtype=float)
     other_stuck = (stuck > stuck_left) & rows.ratio_before.notna() & rows.ratio_now.notna()
     worst = np.minimum(
-        _direction(moved, rows.error_percent_now - rows.error_percent_before, left),
-        _direction(other_stuck, rows.stuck_error_now - rows.stuck_error_before, stuck_left),
+        direction(moved, rows.error_percent_now - rows.error_percent_before, left),
+        direction(other_stuck, rows.stuck_error_now - rows.stuck_error_before, stuck_left),
     )
-    was, is_now = rows.status_before.map(RANKS), rows.status_now.map(RANKS)
-    absent = RANKS[NOT_RUN]
-    change = np.select(
-        [is_now > was, (was == absent) & (is_now < was), is_now < was, is_now > 0],
-        [MISSING, NEW, IMPROVED, UNCHANGED],
-        np.array(CHANGES)[worst],
-    )
-    words = [_status_words(rows), _ratio_words(rows).where(moved, ""), ("stuck fraction " + stuck.map("{:.2g}".format))]
-    words[2] = words[2].where(other_stuck, "")
-    return rows.assign(change=change, what=[", ".join(filter(None, own)) for own in zip(*words, strict=True)])
+    words = _ratio_words(rows).where(moved, ""), ("stuck fraction " + stuck.map("{:.2g}".format)).where(other_stuck, "")
+    return with_change(rows, worst, [", ".join(filter(None, own)) for own in zip(*words, strict=True)])
 
 
-def _direction(moved: pd.Series, farther: pd.Series, left: pd.Series | float) -> np.ndarray:
+def direction(moved: pd.Series, farther: pd.Series, left: pd.Series | float) -> np.ndarray:
     """Give the place in `CHANGES` of every row by how much farther from the exact value it is."""
     conditions = [~moved, farther.isna(), farther > left, farther < -left]
     found = [CHANGES.index(name) for name in (UNCHANGED, UNKNOWN, REGRESSED, IMPROVED)]
     return np.select(conditions, found, CHANGES.index(UNCHANGED))
 
 
-def _status_words(rows: pd.DataFrame) -> pd.Series:
-    """Say how the runs have ended, where not alike, with the reason of the one that is worse."""
+def with_change(rows: pd.DataFrame, place: np.ndarray, words: Iterable[str]) -> pd.DataFrame:
+    """Add what has become of each row, and in words what has changed: how runs have ended decides first.
+
+    `place` in `CHANGES` and `words` say what has become of the numbers; of runs that have ended in two ways, the reason
+    is that of the worse.
+    """
+    was, is_now = rows.status_before.map(RANKS), rows.status_now.map(RANKS)
+    change = np.select(
+        [is_now > was, (was == RANKS[NOT_RUN]) & (is_now < was), is_now < was, is_now > 0],
+        [MISSING, NEW, IMPROVED, UNCHANGED],
+        np.array(CHANGES)[place],
+    )
     reason = rows.reason_now.where(rows.reason_now != "", rows.reason_before)
-    words = rows.status_before + " before, " + rows.status_now + " now" + (": " + reason).where(reason != "", "")
-    return words.where(rows.status_before != rows.status_now, "")
+    ended = rows.status_before + " before, " + rows.status_now + " now" + (": " + reason).where(reason != "", "")
+    what = pd.Series(words, rows.index, dtype=object)
+    return rows.assign(change=change, what=what.where(rows.status_before == rows.status_now, ended))
 
 
 def _ratio_words(rows: pd.DataFrame) -> pd.Series:

@@ -173,10 +173,7 @@ def pairs(before: Sequence[Config], now: Sequence[Config]) -> list[tuple[Config,
     """Give what is compared: the same formulation and preset, whatever the options, or the only two configurations."""
     if len(before) == len(now) == 1:
         return [(before[0], now[0])]
-    presets = {_preset(config): config for config in now}
-    return [(config, presets[_preset(config)]) for config in before if _preset(config) in presets]
-
-
-def _preset(config: Config) -> tuple[str, str]:
-    """Give formulation and preset of a configuration, without changed options."""
-    return config.formulation, config.preset_name.partition(":")[0]
+    return [
+        (one, other) for one in before for other in now
+        if (one.formulation, one.unchanged.preset_name) == (other.formulation, other.unchanged.preset_name)
+    ]  # fmt: skip

@@ -1,7 +1,6 @@
 """Motions from a state: of a chain under any drive, and of one block on a carrier."""
 
 import dataclasses
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -103,7 +102,7 @@ class Motion:
         checked_choice("recorded", self.recorded, RECORDED)
 
     def __hash__(self) -> int:
-        return self._hash
+        return hash(self._text)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Motion) and self._text == other._text
@@ -111,10 +110,6 @@ class Motion:
     @cached_property
     def _text(self) -> str:
         return json.dumps(self.as_data())
-
-    @cached_property
-    def _hash(self) -> int:
-        return int(hashlib.sha256(self._text.encode()).hexdigest()[:15], 16)  # equal in all processes
 
     @property
     def chain(self) -> Chain:
@@ -194,17 +189,11 @@ class ChainMotion(Motion, ChainRatios):
 
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""
-        positions = initial_positions(self.chain, self.shape, self.scale)
+        still = np.zeros(self.cells)
+        row = np.arange(1, self.cells + 1) / self.cells
+        places = {"stretched": (row, row), "inner masses displaced": (still, np.ones(self.cells))}
+        positions = self.scale * np.concatenate(places.get(self.shape, (still, still)))
         return State(positions[None], np.zeros((1, positions.size)))
-
-
-def initial_positions(chain: Chain, shape: str, length: float) -> FloatArray:
-    """Positions of one of `SHAPES` [m], shape (2n,), outer masses first; `length` [m] is its size."""
-    cells = chain.cells
-    row = np.arange(1, cells + 1) / cells
-    outer = row if checked_choice("shape", shape, SHAPES) == "stretched" else np.zeros(cells)
-    inner = {"undeformed": np.zeros(cells), "stretched": row, "inner masses displaced": np.ones(cells)}[shape]
-    return length * np.concatenate([outer, inner])
 
 
 CARRIER_MASSES = 20.0

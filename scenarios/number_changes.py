@@ -1,26 +1,15 @@
 """What has become of the numbers of scenarios from one store to another, by their distance from the exact values."""
 
-from collections.abc import Hashable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.changes import (
-    IMPROVED,
-    MISSING,
-    NEW,
-    NOT_RUN,
-    RANKS,
-    REGRESSED,
-    UNCHANGED,
-    UNKNOWN,
-    with_texts,
-)
+from multibody_xval.scenarios.changes import RANKS, direction, joined, with_change
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config
-from multibody_xval.scenarios.result_tables import CONFIG
+from multibody_xval.scenarios.result_tables import CONFIG, rows_of
 from multibody_xval.scenarios.store import Stored
 
 NUMBER = ["scenario", "configuration", "scenario_case", "steps", "quantity", "unit"]
@@ -28,9 +17,6 @@ NUMBER = ["scenario", "configuration", "scenario_case", "steps", "quantity", "un
 
 TWICE = ["engine", "version", "options", "status", "reason", "value", "error", "resolution"]
 """Columns of a number that a comparison has twice."""
-
-DONE = "finished"
-
 
 Store = tuple[Sequence[Stored], Mapping[str, str]]
 """Results of a store, one a run, and options by configuration."""
@@ -52,10 +38,9 @@ def number_changes(before: Store, now: Store, db: float) -> pd.DataFrame:
     sides = [
         _side([*ruler.values(), *(row for row in rows if row.run not in ruler)], own) for rows, own in (before, now)
     ]
-    rows = sides[0].merge(sides[1], on=NUMBER, how="outer", suffixes=("_before", "_now"), sort=False)
-    rows = with_texts(rows)
+    rows = _changes(joined(*sides, NUMBER).sort_values(NUMBER, ignore_index=True), 10 ** (db / 20) - 1)
     named = rows.scenario + ", " + rows.scenario_case + ": " + rows.quantity
-    return _changes(rows.assign(case=named, error_percent_before=np.nan, error_percent_now=np.nan), 10 ** (db / 20) - 1)
+    return rows.assign(case=named, error_percent_before=np.nan, error_percent_now=np.nan)
 
 
 def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
@@ -66,10 +51,9 @@ def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
         return pd.DataFrame(columns=[*NUMBER, *TWICE]).astype({"steps": int, **dict.fromkeys(TWICE[5:], float)})
     rows = pd.concat(found, ignore_index=True).rename(columns={"case": "scenario_case"})
     rows = rows[rows.engine != REFERENCE.engine]
-    names = [str(Config(*own)) for own in rows[CONFIG].to_numpy().tolist()]
     rows = rows.assign(
-        options=[options.get(name, "{}") for name in names],
-        status=rows.verdict.where(rows.verdict.isin(list(RANKS)), DONE),
+        options=[options.get(str(Config(*own)), "{}") for own in rows_of(rows, *CONFIG)],
+        status=rows.verdict.where(rows.verdict.isin(list(RANKS)), "finished"),
         **{name: rows[name].astype(float) for name in ("value", "error", "resolution")},
     )
     return rows[[*NUMBER, *TWICE]]
@@ -79,24 +63,12 @@ def _changes(rows: pd.DataFrame, least: float) -> pd.DataFrame:
     """Add what has become of each number, and in words what has changed."""
     left = (rows.resolution_before + rows.resolution_now).clip(lower=least * rows.value_before.abs())
     moved = (rows.value_now - rows.value_before).abs() > left
-    farther = rows.error_now.abs() - rows.error_before.abs()
-    ranks = {**RANKS, DONE: 0}
-    was, is_now = rows.status_before.map(ranks), rows.status_now.map(ranks)
-    change = np.select(
-        [is_now > was, (was == ranks[NOT_RUN]) & (is_now < was), is_now < was, ~moved, farther.isna(), farther > left,
-         farther < -left],
-        [MISSING, NEW, IMPROVED, UNCHANGED, UNKNOWN, REGRESSED, IMPROVED],
-        UNCHANGED,
-    )  # fmt: skip
-    return rows.assign(change=change, what=[_words(*own) for own in zip(moved, rows.to_dict("records"), strict=True)])
+    place = direction(moved, rows.error_now.abs() - rows.error_before.abs(), left)
+    columns = ("value_before", "value_now", "unit", "error_before", "error_now")
+    words = [_words(*own) if it else "" for it, own in zip(moved, rows_of(rows, *columns), strict=True)]
+    return with_change(rows, place, words)
 
 
-def _words(moved: bool, row: dict[Hashable, Any]) -> str:
-    """Say what has changed, with the reason of the run that is worse."""
-    if row["status_before"] != row["status_now"]:
-        reason = row["reason_now"] or row["reason_before"]
-        return f"{row['status_before']} before, {row['status_now']} now" + (f": {reason}" if reason else "")
-    if not moved:
-        return ""
-    values = f"{row['value_before']:.5g} → {row['value_now']:.5g} {row['unit']}".strip()
-    return f"{values}, error {row['error_before']:+.2g} → {row['error_now']:+.2g}"
+def _words(before: float, now: float, unit: str, error_before: float, error_now: float) -> str:
+    values = f"{before:.5g} → {now:.5g} {unit}".strip()
+    return f"{values}, error {error_before:+.2g} → {error_now:+.2g}"

@@ -61,7 +61,7 @@ def described(config: Config, case: Case) -> dict[str, Any]:
     return {
         "configuration": full_name(config),
         "engine": config.engine, "formulation": str(config.formulation), "preset": config.preset_name,
-        **_values(case), "case": case, "curve": curve_of(case),
+        **{name: getattr(case, name) for name in CASE}, "case": case, "curve": curve_of(case),
         **of_config(config, swings=bool(case.modulation), opens=case.modulation > CLOSED),
     }  # fmt: skip
 
@@ -119,7 +119,7 @@ def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
         {**label, "cell": cell, "time": time, "mode": mode}
         for run, version, result in steady_ones(stored)
         if result.status is Status.PERIODIC and result.transitions
-        for label in [_label(run, version)]
+        for label in [{**described(run.config, run.steady), "version": version, "steps": run.steps}]
         for cell, time, mode in result.transitions
     ]
     return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", "cell", "time", "mode"])
@@ -129,16 +129,6 @@ def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
 def curve_of(case: Case) -> Case:
     """Give what the points of one curve share: the case with a frequency ratio of 1."""
     return replace(case, frequency_ratio=1.0)
-
-
-def _label(run: Run, version: str) -> dict[str, Any]:
-    own = run.config
-    names = {"engine": own.engine, "formulation": str(own.formulation), "preset": own.preset_name, "version": version}
-    return {**names, **_values(run.steady), "steps": run.steps}
-
-
-def _values(case: Case) -> dict[str, Any]:
-    return {name: getattr(case, name) for name in CASE}
 
 
 def rows_of(table: pd.DataFrame, *names: str) -> Iterator[tuple[Any, ...]]:

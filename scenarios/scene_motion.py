@@ -66,9 +66,6 @@ class SceneMotion:
     def _text(self) -> str:
         return json.dumps(self.as_data())
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_text"}
-
     def as_data(self) -> dict[str, Any]:
         """Give plain data, without what is as it usually is."""
         data = _adapter(SceneMotion).dump_python(self, mode="json", exclude_defaults=True)

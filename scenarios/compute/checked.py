@@ -21,14 +21,6 @@ class TrajectoryFault(RuntimeError):
     """What an engine gives is no trajectory of its lane; the message names the array, the time and the cell."""
 
 
-class NotFinite(TrajectoryFault):
-    """A number of the engine is not finite."""
-
-
-NOT_FINITE = "not finite"
-"""In reasons: a number is NaN or infinite."""
-
-
 class CheckedSimulation:
     """A simulation that raises a `TrajectoryFault` where an engine gives what is no finite trajectory of its lane."""
 
@@ -83,7 +75,7 @@ def _check_array(name: str, values: FloatArray, times: FloatArray, columns: int,
     if not finite.all():
         row, column = np.argwhere(~finite)[0]
         place = f"at {times[row]:g} s in cell {int(column) % cells + 1}"
-        raise NotFinite(f"the engine's {name} is {NOT_FINITE} {place}: {values[row, column]}")
+        raise TrajectoryFault(f"the engine's {name} is not finite {place}: {values[row, column]}")
 
 
 def _check_type(name: str, values: FloatArray) -> None:

@@ -1,19 +1,18 @@
-"""``python -m multibody_xval.scenarios.truth.record`` writes the problems' files, with their exact motions.
+"""``python -m multibody_xval.scenarios.truth.record`` writes the exact motions of the problems into their files anew.
 
-Motions are those of `EventDrivenSystem`, without a time step; transmittances, phases and transitions of steady states
-are proven in ball arithmetic. Numbers of a file are rounded to its uncertainty.
+Motions are those of `EventDrivenSystem`, without a time step, from what a file builds to the times it names. Numbers
+are rounded to their uncertainty.
 """
 
 import json
 import math
-from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from multibody_xval.scenarios.truth.drafts import Data, Draft, drafts
-from multibody_xval.scenarios.truth.problem import FORMAT, Problem, text_of
+from multibody_xval.scenarios.truth.problem import Problem, problems, text_of
 from reference_lcp.exact.event_driven_system import EventDrivenSystem
 from reference_lcp.lcp.systems import simulate_system
 from reference_lcp.validation import FloatArray
@@ -33,27 +32,17 @@ SINGLE = float(np.finfo(np.float32).eps)
 """Rounding of engines in single precision: what stands still may creep by that of a step, and no more."""
 
 
-def completed(draft: Draft) -> Problem:
-    """Give the problem with its exact motion, and what a step may be off."""
-    lists = [name for name in Problem.model_fields if name.startswith(("spring_", "force_"))]
-    lists += ["transitions", "positions", "velocities", "position_error", "velocity_error"]
-    empty: Data = {"base_amplitude": 0.0, "observables": {}, **{name: [] for name in lists}}
-    times = [draft.data["time_step"] * count for count in draft.steps]
-    later = {"times": times, "position_uncertainty": 1.0, "velocity_uncertainty": 1.0}
-    problem = Problem.model_validate({"format": FORMAT, **empty, **draft.data, **later})
-    return problem.model_copy(update=_motion(problem, draft.steps))
-
-
-def _motion(problem: Problem, steps: Sequence[int]) -> Data:
-    """Give the exact motion at the times of a problem, its uncertainty, and the errors of a scheme of first order."""
+def recorded(problem: Problem) -> Problem:
+    """Give a problem with its exact motion at its times, the uncertainty of that, and what a step may be off."""
     system, h = problem.system, problem.time_step
-    state: Data = {"position": problem.start_position, "velocity": problem.start_velocity}
+    steps = np.rint(np.array(problem.times) / h).astype(int)
+    state: dict[str, Any] = {"position": problem.start_position, "velocity": problem.start_velocity}
     every = h * np.arange(1, max(steps) + 2)
     exact = EventDrivenSystem(system).motion(**state, times=every)
-    scheme = simulate_system(system, **state, time_step=h, steps=max(steps))
-    rows, speed = np.array(steps) - 1, _rounding(problem)
+    scheme = simulate_system(system, **state, time_step=h, steps=int(max(steps)))
+    rows, speed = steps - 1, _rounding(problem)
     at_rest = {"velocity": speed, "position": speed * float(every[rows[-1]])}
-    data: Data = {}
+    data: dict[str, Any] = {}
     for name in ("position", "velocity"):
         many = "positions" if name == "position" else "velocities"
         values, own = getattr(exact, many), getattr(scheme, many)
@@ -64,7 +53,7 @@ def _motion(problem: Problem, steps: Sequence[int]) -> Data:
         data[many] = [[_rounded(value, digits) for value in row] for row in values[rows].tolist()]
         data[f"{name}_uncertainty"] = uncertainty
         data[f"{name}_error"] = [_rounded_up(each) for each in np.maximum(error, at_rest[name]).tolist()]
-    return data
+    return problem.model_copy(update=data)
 
 
 def _rounding(problem: Problem) -> FloatArray:
@@ -92,9 +81,8 @@ def _rounded_up(value: float) -> float:
 
 def main() -> None:
     """Write all files."""
-    for draft in drafts():
-        problem = completed(draft)
-        (FOLDER / "problems" / f"{problem.name}.json").write_text(text_of(problem), encoding="utf-8")
+    for name, problem in problems().items():
+        (FOLDER / "problems" / f"{name}.json").write_text(text_of(recorded(problem)), encoding="utf-8")
     schema = json.dumps(Problem.model_json_schema(), indent=1, ensure_ascii=False)
     (FOLDER / "problem.schema.json").write_text(schema + "\n", encoding="utf-8")
 

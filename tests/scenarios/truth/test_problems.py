@@ -3,18 +3,18 @@
 import json
 import math
 from decimal import Decimal
-from itertools import takewhile
 from pathlib import Path
 
 import jsonschema
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.catalogue.proofs import exact_chain
+from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.proven import proven_levels
 from multibody_xval.scenarios.truth import problem_named, problems
-from multibody_xval.scenarios.truth.drafts import OPERATING_POINTS, drafts
 from multibody_xval.scenarios.truth.problem import Problem, problem_of, text_of
-from multibody_xval.scenarios.truth.record import FOLDER, completed
+from multibody_xval.scenarios.truth.record import FOLDER, recorded
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
@@ -22,11 +22,15 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.exact.proof.prove import prove
 from reference_lcp.lcp.systems import simulate_system
 
 FILES = sorted((FOLDER / "problems").glob("*.json"))
 CHAINS = [name for name in problems() if name.startswith("chain")]
-PERIOD_STEPS = 400
+OPERATING_POINTS = [
+    Case(friction_ratio=friction, frequency_ratio=frequency)
+    for friction, frequency in ((0.1, 0.6), (0.3, 0.9), (0.6, 0.7), (1.0, 1.2))
+]
 
 
 def test_the_files_are_small():
@@ -58,10 +62,8 @@ def test_a_problem_of_another_format_is_refused(text, message):
 
 @pytest.mark.slow
 def test_blocks_and_cells_are_recorded_again_to_the_last_digit():
-    short = list(takewhile(lambda draft: not draft.name.startswith("chain"), drafts()))
-    assert len(short) == len(FILES) - len(CHAINS)
-    for draft in short:
-        assert text_of(completed(draft)) == (FOLDER / "problems" / f"{draft.name}.json").read_text()
+    for name in problems().keys() - set(CHAINS):
+        assert text_of(recorded(problem_named(name))) == (FOLDER / "problems" / f"{name}.json").read_text()
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -99,6 +101,17 @@ def test_transmittance_and_phase_are_those_of_the_table_of_proofs(case):
     assert len(problem.transitions) == level.events
     for name, value in (("transmittance", level.transmittance_db), ("phase", level.phase)):
         assert abs(Decimal(found[name].value) - value) <= Decimal(found[name].radius) + Decimal("1e-20")
+
+
+def test_contacts_stick_and_slip_when_a_proof_says_so():
+    found, proven = (
+        problem_named("chain-steady-1-1.2").transitions,
+        prove(exact_chain(OPERATING_POINTS[-1])).transitions,
+    )
+    assert [(own.contact, own.kind) for own in found] == [(own.cell - 1, str(own.kind)) for own in proven]
+    for own, other in zip(found, proven, strict=True):
+        apart = abs(Decimal(own.time.value) - Decimal(str(other.time.value)))
+        assert apart <= Decimal(own.time.radius) + Decimal(str(other.time.radius))
 
 
 @pytest.mark.parametrize(
