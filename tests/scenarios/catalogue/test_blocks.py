@@ -6,10 +6,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from multibody_xval.engines.interface.presets import LARGEST_ACCURACY
 from multibody_xval.scenarios.catalogue import blocks, breakaway
 from multibody_xval.scenarios.catalogue.blocks import RATCHET, STATIC_HOLD, STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.breakaway import BREAKAWAY
-from multibody_xval.scenarios.catalogue.published import LEFT, MORE_LEFT, NUMBERS, PUBLISHED, expected, left_open, read
+from multibody_xval.scenarios.catalogue.published import (
+    LEFT,
+    MORE_LEFT,
+    NUMBERS,
+    PUBLISHED,
+    TARGETS,
+    expected,
+    left_open,
+    read,
+)
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Run
 from multibody_xval.scenarios.motions import Block, BlockMotion
@@ -180,3 +190,20 @@ def test_a_block_without_mass_spring_or_with_a_pull_is_refused(name) -> None:
     case = replace(next(iter(STOPPING_DISTANCE.cases.values())), block=block)
     with pytest.raises(ParameterError, match=r"= -\d+ is outside its range"):
         case.chain  # noqa: B018
+
+
+def test_wear_of_a_table_that_is_just_strong_enough_changes_200_times_as_much_as_the_bound() -> None:
+    case, steps = NUMBERS["sdnd104-1.01"].case, NUMBERS["sdnd104-1.01"].steps
+    less, more = (NUMBERS["sdnd104-1.01"].read(result_of(Run(REFERENCE, pressed(factor)(case), steps)), case)
+                  for factor in (0.9999, 1.0001))  # fmt: skip
+    of_number = (less - more) / float(TARGETS["sdnd104-1.01"]["value"])
+    assert of_number / 2e-4 == pytest.approx(PUBLISHED.quantities[0].conditioning(case), rel=0.01)
+
+
+@pytest.mark.parametrize("factor", [0.99, 1.01])
+def test_a_bound_that_is_a_hundredth_off_is_found_there_beside_the_largest_accuracy_that_is_stated(factor) -> None:
+    stated = Config("exudyn-regularised", "contact")
+    assert stated.preset.accuracy_of("transmittance") == LARGEST_ACCURACY
+    (row,) = judged_copy(only(PUBLISHED, "sdnd104-1.01"), stated, pressed(factor)).itertuples()
+    assert row.verdict == DEVIATES
+    assert row.distance > 5 * row.allowed
