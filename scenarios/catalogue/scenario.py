@@ -39,7 +39,7 @@ def always(value: float) -> Callable[..., float]:
     return lambda *_: value
 
 
-NOTHING = always(0.0)
+NOTHING, ONCE = always(0.0), always(1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +71,7 @@ class Quantity:
     """How much friction changes it at all; without it, its size, and where `step_error` is known, any."""
     accuracy: str = ""
     """Name of the accuracy that presets may state, see `Preset.accuracy`."""
-    conditioning: Callable[[AnyCase], float] = always(1.0)
+    conditioning: Callable[[AnyCase], float] = ONCE
     """By how many times as large a part it changes as amplitudes or bounds do: presets state the accuracy of those."""
     group: str = ""
     """Quantities of one group share the largest error of the step: shares of one energy, for example."""
