@@ -73,9 +73,8 @@ def _lighter(chain: Chain) -> float:
     rubs = chain.friction_bound > 0
     inverse_mass = 1 / chain.inner_mass + 1 / chain.outer_mass
     curvature = inverse_mass * chain.friction_coefficient**2
-    return max(
-        1.0, power_of_two(float(np.min(curvature[rubs]) / (2 * np.min(chain.normal_force[rubs]) ** 2)) ** (1 / 3))
-    )
+    force = float(np.min(chain.normal_force[rubs]))
+    return max(1.0, power_of_two((float(np.min(curvature[rubs])) / (2 * force**2)) ** (1 / 3)))
 
 
 def compiled_contacts(
