@@ -104,11 +104,14 @@ def wear_power(result: Result, _case: BlockMotion) -> float:
 
 
 def _rounded_power(run: Run) -> float:
-    """Give by how much roundings change that [W]: those of two velocities, and in a slip of 1 s as their root."""
-    rounding = ROUNDINGS * ROUND_OFF[run.config.capabilities.precision]
-    of_velocities = WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
-    of_slips = float(TARGETS[name_of(run.case)]["value"]) * math.sqrt(run.steps / WEAR_TO)
-    return rounding * (of_velocities + of_slips)
+    """Give by how much roundings change that [W]: those of two velocities, and of a slip of half a period at most.
+
+    Friction takes equal parts off the velocity, so that their roundings are equal too, and add up as the number of
+    steps.
+    """
+    of_velocities = ROUNDINGS * WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
+    of_slips = float(TARGETS[name_of(run.case)]["value"]) * run.steps / (2 * WEAR_TO)
+    return ROUND_OFF[run.config.capabilities.precision] * (of_velocities + of_slips)
 
 
 def wear(acceleration: float) -> Published:

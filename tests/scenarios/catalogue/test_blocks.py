@@ -207,3 +207,12 @@ def test_a_bound_that_is_a_hundredth_off_is_found_there_beside_the_largest_accur
     (row,) = judged_copy(only(PUBLISHED, "sdnd104-1.01"), stated, pressed(factor)).itertuples()
     assert row.verdict == DEVIATES
     assert row.distance > 5 * row.allowed
+
+
+@pytest.mark.needs("mujoco")
+def test_roundings_of_a_sliding_block_add_up_as_the_number_of_steps() -> None:
+    """With four times the scenario's steps they are a quarter of what is allowed for them; as a root, 1.3 times that."""
+    own = NUMBERS["sdnd104-1.5"]
+    run = Run(SHARES, own.case, 4 * own.steps)
+    off = own.read(result_of(run), own.case) - own.read(result_of(replace(run, config=REFERENCE)), own.case)
+    assert 0.1 * own.rounded(run) < abs(off) < own.rounded(run)
