@@ -211,7 +211,7 @@ def test_a_bound_that_is_a_hundredth_off_is_found_there_beside_the_largest_accur
 
 @pytest.mark.needs("mujoco")
 def test_roundings_of_a_sliding_block_add_up_as_the_number_of_steps() -> None:
-    """With four times the scenario's steps they are a quarter of what is allowed for them; as a root, 1.3 times that."""
+    """With four times the steps of the scenario they are a quarter of what is allowed; as a root, 1.3 times that."""
     own = NUMBERS["sdnd104-1.5"]
     run = Run(SHARES, own.case, 4 * own.steps)
     off = own.read(result_of(run), own.case) - own.read(result_of(replace(run, config=REFERENCE)), own.case)
