@@ -60,7 +60,21 @@ def contact_units(lane: Lane, preset: Preset) -> Units:
         return Units.named("SI" if preset["units"] == "SI" else "lane", lane)
     units = Units.of(lane)
     coefficient = power_of_two(largest)
-    return Units(units.length * coefficient / FINENESS, units.mass / coefficient**2, units.time)
+    units = Units(units.length * coefficient / FINENESS, units.mass / coefficient**2, units.time)
+    return replace(units, mass=units.mass / _lighter(units.scaled(chain)))
+
+
+def _lighter(chain: Chain) -> float:
+    """Give by how much lighter the unit of mass should be, where bounds are far below the forces of springs.
+
+    The sweep leaves a force that is a part ε beyond its bound as it is where 2 ε N² or ε A μ² is below 1e-10, N the
+    normal force and A the inverse mass. A lighter unit raises N and lowers A; the best one makes both limits equal.
+    """
+    rubs = chain.friction_bound > 0
+    inverse_mass = 1 / chain.inner_mass + 1 / chain.outer_mass
+    curvature = inverse_mass * chain.friction_coefficient**2
+    force = float(np.min(chain.normal_force[rubs]))
+    return max(1.0, power_of_two((float(np.min(curvature[rubs])) / (2 * force**2)) ** (1 / 3)))
 
 
 def compiled_contacts(

@@ -157,7 +157,8 @@ def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
         "error": _shown(value, known.exact) if _is_array(known.exact) else value - known.exact,
         "distance": largest(value - (known.reference if expected_is_scheme else known.exact)),
         "expected": "reference at equal steps" if expected_is_scheme else "exact value",
-        "stated": stated(quantity, run.config, size), "size": size, "effect": effect,
+        "stated": stated(quantity, run.config, size * given(quantity.conditioning, run.case)),
+        "size": size, "effect": effect,
     }  # fmt: skip
 
 

@@ -114,11 +114,14 @@ def wear_power(result: Result, _case: BlockMotion) -> float:
 
 
 def _rounded_power(run: Run) -> float:
-    """Give by how much roundings change that [W]: those of two velocities, and in a slip of 1 s as their root."""
-    rounding = ROUNDINGS * round_off(run)
-    of_velocities = WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
-    of_slips = NUMBERS[run.case].value * math.sqrt(run.steps / WEAR_TO)
-    return rounding * (of_velocities + of_slips)
+    """Give by how much roundings change that [W]: those of two velocities, and of a slip of half a period at most.
+
+    Friction takes equal parts off the velocity, so that their roundings are equal too, and add up as the number of
+    steps.
+    """
+    of_velocities = ROUNDINGS * WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
+    of_slips = NUMBERS[run.case].value * run.steps / (2 * WEAR_TO)
+    return round_off(run) * (of_velocities + of_slips)
 
 
 def wear(acceleration: float) -> Published:
@@ -160,6 +163,18 @@ def read(result: Result, run: Run) -> float:
     return own.read(result, own.case) / own.over
 
 
+JUST_STRONG_ENOUGH = ("sdnd104-1.01", "sdnd104-0.99")
+
+CONDITIONING = 200.0
+"""By how many times as large a part these change as the table's amplitude or the bound: wear begins with the square of
+what the amplitude, 1.01 of the bound, is beyond it."""
+
+
+def conditioning(case: BlockMotion) -> float:
+    """Give by how many times as large a part a number changes as amplitude or bound do."""
+    return CONDITIONING if NUMBERS[case].name in JUST_STRONG_ENOUGH else 1.0
+
+
 def left_open(run: Run) -> float:
     """Give what the published digits, the carrier, reading at steps and roundings leave open of a number."""
     own = NUMBERS[run.case]
@@ -177,7 +192,7 @@ PUBLISHED = Scenario(
     quantities=(
         Quantity(
             name="value", unit="", read=read, exact=lambda case: NUMBERS[case].value / NUMBERS[case].over,
-            resolution=left_open, per_amplitude=0.0, effect=1.0, accuracy="transmittance",
+            resolution=left_open, per_amplitude=0.0, effect=1.0, accuracy="transmittance", conditioning=conditioning,
             meaning="Number over the size of the published one; where that is 0, over the same with A = 1.01 m/s².",
         ),
     ),

@@ -69,6 +69,17 @@ def test_in_other_units_the_sweep_over_sliding_contacts_is_inexact() -> None:
     assert np.max(np.abs(difference)) > 1e-8 * AMPLITUDE
 
 
+def test_a_weak_contact_that_turns_back_takes_no_more_than_its_bound() -> None:
+    """MuJoCo compares forces with a fixed 1e-10: those of a bound far below the springs' must not be below it."""
+    chain = Chain.from_ratios(
+        cells=1, mass_ratio=1e-4, stiffness_ratio=2.5e-5, damping_ratio=0.0, friction_ratio=1.5e-6, base_amplitude=0.01
+    )
+    lane = Lane(chain, StillBase(0.01), 2 * np.pi / chain.resonator_frequency / STEPS)
+    start = State(np.array([[0.0, 0.01]]), np.zeros((1, 2)))
+    friction = MuJoCo().build([lane], "contact").run(start, 0, 4 * STEPS)[0].friction
+    assert np.max(np.abs(friction)) == pytest.approx(chain.friction_bound[0], rel=1e-9)
+
+
 @both_formulations
 def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: str) -> None:
     """A time constant of its own, whatever the step: friction never stops a contact."""

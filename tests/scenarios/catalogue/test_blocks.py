@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from multibody_xval.engines.interface.presets import LARGEST_ACCURACY
 from multibody_xval.scenarios.catalogue.blocks import block, breakaway, held, thrown
 from multibody_xval.scenarios.catalogue.blocks.breakaway import BREAKAWAY
 from multibody_xval.scenarios.catalogue.blocks.held import RATCHET, STATIC_HOLD
@@ -34,6 +35,8 @@ from tests.scenarios.in_this_process import (
     pressed,
     result_of,
 )
+
+BY_NAME = {own.name: own for own in NUMBERS.values()}
 
 FEW = [
     only(STATIC_HOLD, "1 kg"),
@@ -187,3 +190,29 @@ def test_a_block_without_mass_spring_or_with_a_pull_is_refused(name) -> None:
     case = replace(next(iter(STOPPING_DISTANCE.cases.values())), block=block)
     with pytest.raises(ParameterError, match=r"= -\d+ is outside its range"):
         case.chain  # noqa: B018
+
+
+def test_wear_of_a_table_that_is_just_strong_enough_changes_200_times_as_much_as_the_bound() -> None:
+    case, steps = BY_NAME["sdnd104-1.01"].case, BY_NAME["sdnd104-1.01"].steps
+    less, more = (BY_NAME["sdnd104-1.01"].read(result_of(Run(REFERENCE, pressed(factor)(case), steps)), case)
+                  for factor in (0.9999, 1.0001))  # fmt: skip
+    of_number = (less - more) / BY_NAME["sdnd104-1.01"].value
+    assert of_number / 2e-4 == pytest.approx(PUBLISHED.quantities[0].conditioning(case), rel=0.01)
+
+
+@pytest.mark.parametrize("factor", [0.99, 1.01])
+def test_a_bound_that_is_a_hundredth_off_is_found_there_beside_the_largest_accuracy_that_is_stated(factor) -> None:
+    stated = Config("exudyn-regularised", "contact")
+    assert stated.preset.accuracy_of("transmittance") == LARGEST_ACCURACY
+    (row,) = judged_copy(only(PUBLISHED, "sdnd104-1.01"), stated, pressed(factor)).itertuples()
+    assert row.verdict == DEVIATES
+    assert row.distance > 5 * row.allowed
+
+
+@pytest.mark.needs("mujoco")
+def test_roundings_of_a_sliding_block_add_up_as_the_number_of_steps() -> None:
+    """With four times the steps of the scenario they are a quarter of what is allowed; as a root, 1.3 times that."""
+    own = BY_NAME["sdnd104-1.5"]
+    run = Run(SHARES, own.case, 4 * own.steps)
+    off = own.read(result_of(run), own.case) - own.read(result_of(replace(run, config=REFERENCE)), own.case)
+    assert 0.1 * own.rounded(run) < abs(off) < own.rounded(run)
