@@ -148,24 +148,21 @@ def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
+    accuracy = run.config.preset.accuracy_of(quantity.accuracy) if quantity.accuracy else 0.0
+    factor = given(quantity.conditioning, run.case)
+    distance = largest(value - (known.reference if expected_is_scheme else known.exact))
+    shown: list[Any] = [value, known.exact, known.reference]
+    if np.ndim(value) or np.ndim(known.exact):  # of arrays, the largest difference
+        shown = [largest(own - known.exact) for own in shown]
     return {
-        "value": _shown(value, known.exact), "exact": 0.0 if _is_array(known.exact) else known.exact,
-        "reference": _shown(known.reference, known.exact), "exact_bar": known.bar, "exact_kind": known.kind,
-        "scheme_error": known.scheme_error,
+        **dict(zip(("value", "exact", "reference"), shown, strict=True)), "error": shown[0] - shown[1],
+        "exact_bar": known.bar, "exact_kind": known.kind, "scheme_error": known.scheme_error, "distance": distance,
         "resolution": given(quantity.resolution, run)
         + (amplitude * open_amplitude if quantity.step_error is None else 0.0),
-        "error": _shown(value, known.exact) if _is_array(known.exact) else value - known.exact,
-        "distance": largest(value - (known.reference if expected_is_scheme else known.exact)),
         "expected": "reference at equal steps" if expected_is_scheme else "exact value",
-        "stated": stated(quantity, run.config, size * given(quantity.conditioning, run.case)),
+        "stated": accuracy * factor * (size if quantity.accuracy in RELATIVE else 1.0),
         "size": size, "effect": effect,
     }  # fmt: skip
-
-
-def stated(quantity: Quantity, config: Config, size: float) -> float:
-    """Give the accuracy that a preset states of a quantity, in its unit; `size` is what parts refer to."""
-    accuracy = config.preset.accuracy_of(quantity.accuracy) if quantity.accuracy else 0.0
-    return accuracy * size if quantity.accuracy in RELATIVE else accuracy
 
 
 def _effect(quantity: Quantity, case: AnyCase, exact: Number) -> float:
@@ -174,15 +171,6 @@ def _effect(quantity: Quantity, case: AnyCase, exact: Number) -> float:
     if quantity.step_error is not None:
         return math.inf
     return DB if quantity.unit == "dB" else largest(exact)
-
-
-def _is_array(number: Number) -> bool:
-    return isinstance(number, np.ndarray)
-
-
-def _shown(value: Number, exact: Number) -> Number:
-    """Give a number as tables have it: of an array, the largest difference."""
-    return largest(value - exact) if _is_array(value) or _is_array(exact) else value
 
 
 def _shared(table: pd.DataFrame) -> "pd.Series[float]":
