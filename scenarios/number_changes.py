@@ -35,10 +35,10 @@ def number_changes(before: Store, now: Store, db: float) -> pd.DataFrame:
         Largest change that does not count, as a part of the number [dB].
     """
     ruler = {row.run: row for row in (*now[0], *before[0]) if row.run.config in (REFERENCE, EXACT)}
-    sides = [
+    one, other = (
         _side([*ruler.values(), *(row for row in rows if row.run not in ruler)], own) for rows, own in (before, now)
-    ]
-    rows = _changes(joined(*sides, NUMBER).sort_values(NUMBER, ignore_index=True), 10 ** (db / 20) - 1)
+    )
+    rows = _changes(joined(one, other, NUMBER).sort_values(NUMBER, ignore_index=True), 10 ** (db / 20) - 1)
     named = rows.scenario + ", " + rows.scenario_case + ": " + rows.quantity
     return rows.assign(case=named, error_percent_before=np.nan, error_percent_now=np.nan)
 
