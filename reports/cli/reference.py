@@ -180,9 +180,9 @@ def run(
     with said_if_long(f"searching: {size}; Ctrl-C ends it"), watched(SearchLines()):
         state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)
-    steps = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
+    told = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
     proven = proof.answer(question)
-    _show(as_json, state.as_dict() | steps | proven, lambda: _print(state, reason, proven))
+    _show(as_json, state.as_dict() | told | proven, lambda: _print(state, reason, proven))
     if plot is not None:
         save_picture(state.plot(), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
