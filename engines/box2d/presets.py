@@ -54,7 +54,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -77,7 +77,7 @@ CONTACT_TUNED = Preset(
         "positionIterations": (1, "Boxes start as near to their plates as Box2D leaves them."),
     },
     shares_scheme=True,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

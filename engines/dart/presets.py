@@ -98,7 +98,7 @@ JOINT_TUNED = Preset(
     split_tolerance=1e-12,
     residual_slip_compliance=JOINT_MIXING,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -126,7 +126,7 @@ CONTACT_TUNED = replace(
     CONTACT_DEFAULT,
     description="Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
     changes={**TUNED, "shape": ("box", "Its four points share DART's constraint force mixing of 1e-5 a point.")},
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_SPHERE = replace(

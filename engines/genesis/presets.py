@@ -61,7 +61,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 OWN_JOINT = {
@@ -133,7 +133,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-7,
     # (1 - d) / d over impratio.
     residual_slip_compliance=1e-8,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 OWN_CONTACT = {**CONTACT_OPTIONS, "constraint_timeconst": Option.own(TIME_CONSTANT, "Genesis's own, of solref [s].")}

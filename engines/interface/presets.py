@@ -141,7 +141,8 @@ class Preset:
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Options that a recipe changes, with other values of theirs: `run recipes` measures them too."""
     judged: tuple[str, ...] = ()
-    """What of it is judged, of ``chain`` and ``scenes``; of the rest, errors are measured and no run fails by them."""
+    """What of it is judged, of ``chain``, ``blocks`` (a single mass that friction holds, stops or lets go) and
+    ``scenes``; of the rest, errors are measured and no run fails by them."""
     accuracy: Mapping[str, float] = field(default_factory=dict)
     """By how much its numbers may be off, where that is more than the error of Euler's step, by quantity:
     ``transmittance`` as a part of the amplitude, at most `LARGEST_ACCURACY`; ``stuck fraction``; ``time`` over the

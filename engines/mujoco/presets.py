@@ -98,7 +98,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -150,7 +150,7 @@ CONTACT_TUNED = Preset(
         "solreffriction": Option(HARDEST_STOPS[0], (0.0, 0.0), HARDEST_STOPS[1]),
     },
     modulated_residual_slip_compliance=1e-4,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_NEWTON = Preset(

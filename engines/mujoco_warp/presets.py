@@ -57,7 +57,7 @@ JOINT_TUNED = Preset(
     {**TUNED, "cone": mujoco.NO_CONTACTS, "solref_friction": mujoco.stops_in_one_step(step_model.LARGEST_IMPEDANCE)},
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = replace(mujoco.JOINT_DEFAULT, law=joint_friction, split_tolerance=1e-6, judged=())
@@ -74,7 +74,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     turns=True,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = replace(mujoco.CONTACT_DEFAULT, law=pyramidal_contact, split_tolerance=1e-6, judged=())

@@ -31,7 +31,7 @@ JOINT_TUNED = Preset(
     {"units": LANE_UNITS},
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -51,7 +51,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

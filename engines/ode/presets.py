@@ -35,7 +35,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -90,7 +90,7 @@ CONTACT_TUNED = Preset(
         ),
         "depth": Option(2.0**-21, 0.0, "Within the layer, as under a constant normal force."),
     },
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

@@ -72,7 +72,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -106,7 +106,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
     turns=True,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

@@ -35,7 +35,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -59,7 +59,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

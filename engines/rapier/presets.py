@@ -46,7 +46,7 @@ JOINT_TUNED = Preset(
     TUNED,
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -83,7 +83,7 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
     turns=True,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

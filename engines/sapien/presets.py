@@ -59,7 +59,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 JOINT_DEFAULT = Preset(
@@ -82,7 +82,7 @@ CONTACT_TUNED = Preset(
     turns=True,
     static_friction=True,
     turned_bound=_tangents_of_a_slow_slip,
-    judged=("chain",),
+    judged=("chain", "blocks"),
 )
 
 CONTACT_DEFAULT = Preset(

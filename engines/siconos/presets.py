@@ -61,7 +61,7 @@ JOINT_TUNED = Preset(
     TUNED_RELAYS,
     law=moreau_jean,
     split_tolerance=1e-12,
-    judged=("chain",),
+    judged=("chain", "blocks"),
     accuracy={"transmittance": 0.014},
     accuracy_reason=TRAPEZOIDAL,
 )
@@ -103,7 +103,7 @@ CONTACT_TUNED = Preset(
     },
     law=moreau_jean,
     split_tolerance=1e-12,
-    judged=("chain",),
+    judged=("chain", "blocks"),
     accuracy={"transmittance": 0.0025},
     accuracy_reason=TRAPEZOIDAL,
 )

@@ -113,8 +113,9 @@ def about_config(run: Run) -> Row:
         return of_config(run.config, swings=False) | {"judged": "scenes" in preset.judged, "shares_scheme": False}
     modulation = case.modulation if isinstance(case, Case) else 0.0
     about = of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
-    if isinstance(case, BlockMotion) and case.direction and preset.turned_bound is not None:
-        return about | {"judged": False}  # its friction is stated to be a pyramid, no cone
+    if isinstance(case, BlockMotion):
+        cone = not case.direction or preset.turned_bound is None  # else its friction is stated to be a pyramid
+        return about | {"judged": "blocks" in preset.judged and cone}
     return about
 
 
@@ -149,7 +150,6 @@ def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
     effect = _effect(quantity, run.case, known.exact)
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
     accuracy = run.config.preset.accuracy_of(quantity.accuracy) if quantity.accuracy else 0.0
-    factor = given(quantity.conditioning, run.case)
     distance = largest(value - (known.reference if expected_is_scheme else known.exact))
     shown: list[Any] = [value, known.exact, known.reference]
     if np.ndim(value) or np.ndim(known.exact):  # of arrays, the largest difference
@@ -160,7 +160,7 @@ def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
         "resolution": given(quantity.resolution, run)
         + (amplitude * open_amplitude if quantity.step_error is None else 0.0),
         "expected": "reference at equal steps" if expected_is_scheme else "exact value",
-        "stated": accuracy * factor * (size if quantity.accuracy in RELATIVE else 1.0),
+        "stated": accuracy * (size if quantity.accuracy in RELATIVE else 1.0),
         "size": size, "effect": effect,
     }  # fmt: skip
 

@@ -67,8 +67,6 @@ class Quantity:
     """How much friction changes it at all; without it, its size, and where `step_error` is known, any."""
     accuracy: str = ""
     """Name of the accuracy that presets may state, see `Preset.accuracy`."""
-    conditioning: float | Callable[[Any], float] = 1.0
-    """By how many times as large a part it changes as amplitudes or bounds do: presets state the accuracy of those."""
     group: str = ""
     """Quantities of one group share the largest error of the step: shares of one energy, for example."""
     of: Callable[[Any], bool] | None = None

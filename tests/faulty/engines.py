@@ -6,8 +6,8 @@ from multibody_xval.engines import Capabilities, Engine, Formulation, FrictionLa
 from tests.faulty.faults import FAULTS
 from tests.faulty.scheme import Batch, Fault
 
-SHARED = Preset("Claims the reference's own step.", shares_scheme=True, judged=("chain",))
-OTHER = Preset("The same steps, judged beside the exact motion.", judged=("chain",))
+SHARED = Preset("Claims the reference's own step.", shares_scheme=True, judged=("chain", "blocks"))
+OTHER = Preset("The same steps, judged beside the exact motion.", judged=("chain", "blocks"))
 
 PREFIX = "wrong-"
 

@@ -163,18 +163,6 @@ def read(result: Result, run: Run) -> float:
     return own.read(result, own.case) / own.over
 
 
-JUST_STRONG_ENOUGH = ("sdnd104-1.01", "sdnd104-0.99")
-
-CONDITIONING = 200.0
-"""By how many times as large a part these change as the table's amplitude or the bound: wear begins with the square of
-what the amplitude, 1.01 of the bound, is beyond it."""
-
-
-def conditioning(case: BlockMotion) -> float:
-    """Give by how many times as large a part a number changes as amplitude or bound do."""
-    return CONDITIONING if NUMBERS[case].name in JUST_STRONG_ENOUGH else 1.0
-
-
 def left_open(run: Run) -> float:
     """Give what the published digits, the carrier, reading at steps and roundings leave open of a number."""
     own = NUMBERS[run.case]
@@ -192,7 +180,7 @@ PUBLISHED = Scenario(
     quantities=(
         Quantity(
             name="value", unit="", read=read, exact=lambda case: NUMBERS[case].value / NUMBERS[case].over,
-            resolution=left_open, per_amplitude=0.0, effect=1.0, accuracy="transmittance", conditioning=conditioning,
+            resolution=left_open, per_amplitude=0.0, effect=1.0, accuracy="transmittance",
             meaning="Number over the size of the published one; where that is 0, over the same with A = 1.01 m/s².",
         ),
     ),
