@@ -14,7 +14,7 @@ from reference_lcp.validation import LARGEST_DECIBEL, LARGEST_PARAMETER, LARGEST
 RANGE = ("first", "last", "points")
 ADAPTIVE = ("first", "last", "accuracy_db", "least_spacing", "most_points")
 
-KEYS = {
+KEYS: dict[tuple[int | str, ...], tuple[str, ...]] = {
     (): ("engines", "steps_per_period", "grid", "chain", "drive", "tolerances"),
     ("grid",): AXES,
     ("chain",): CHAIN,
