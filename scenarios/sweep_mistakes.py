@@ -62,7 +62,9 @@ def mistake(problem: ValidationError) -> ParameterError:
 
 def _text(error: Mapping[str, Any]) -> str:
     parts, kind = _parts(error["loc"]), error["type"]
-    key = ".".join(map(str, parts))
+    if not parts:
+        return f"a sweep = {shown(error['input'])}; allowed: a table with engines and grid"
+    key = ".".join(parts)
     table = KEYS.get(tuple(parts[:1]), ())
     if len(parts) > 1 and parts[0] in ("grid", "chain") and parts[1] not in table:
         return f"{parts[0]}.{parts[1]} is unknown; {choices(parts[1], table)}"
@@ -75,12 +77,12 @@ def _text(error: Mapping[str, Any]) -> str:
     return f"{key} = {shown(error['input'])}; allowed: {_allowed(parts, error)}"
 
 
-def _parts(place: tuple[int | str, ...]) -> list[int | str]:
+def _parts(place: tuple[int | str, ...]) -> list[str]:
     """Give the key of a place, without the form in which a value of [grid] or [chain] is written."""
-    return [part for depth, part in enumerate(place) if depth != 2 or place[0] not in ("grid", "chain")]
+    return [str(part) for depth, part in enumerate(place) if depth != 2 or place[0] not in ("grid", "chain")]
 
 
-def _unknown(key: str, parts: list[int | str]) -> str:
+def _unknown(key: str, parts: list[str]) -> str:
     """Tell of a key that is not allowed, of the file, of a table, or of the values of an axis."""
     table = tuple(parts[:-1])
     if len(table) < 2:
@@ -92,10 +94,10 @@ def _unknown(key: str, parts: list[int | str]) -> str:
     return f"{key} is unknown; {forms}{meant(parts[-1], known)}"
 
 
-def _allowed(parts: list[int | str], error: Mapping[str, Any]) -> str:
+def _allowed(parts: list[str], error: Mapping[str, Any]) -> str:
     """Say what the value of a key may be."""
     if "adaptive" in error["loc"][2:3] and parts[-1] in ("first", "last"):
         return _UNEVEN
-    head, *rest = map(str, parts)
+    head, *rest = parts
     names = (".".join([head, *rest]), f"{head}.*.{parts[-1]}", ".".join([head, *["*"] * len(rest)]))
     return next((ALLOWED[name] for name in names if name in ALLOWED), "what `multibody-xval example` shows")

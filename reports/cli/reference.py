@@ -175,8 +175,8 @@ def run(
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
     ratios = {name: ratio for name, ratio in vars(parameters).items() if name != "base_amplitude"}
     question = proof.question({"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **ratios})
-    steps = steps_per_period_for(chain, drive, search.steps_per_period)
-    size = f"{chain.cells:,} cells, {steps:,} steps per period, at most {search.max_periods:,} periods"
+    needed = steps_per_period_for(chain, drive, search.steps_per_period)
+    size = f"{chain.cells:,} cells, {needed:,} steps per period, at most {search.max_periods:,} periods"
     with said_if_long(f"searching: {size}; Ctrl-C ends it"), watched(SearchLines()):
         state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)

@@ -153,6 +153,11 @@ def test_a_key_that_is_misspelt_comes_before_one_that_is_missing() -> None:
         sweep_of({"engines": ["reference"]})
 
 
+def test_what_is_no_table_is_no_sweep() -> None:
+    with pytest.raises(ParameterError, match=r"^a sweep = \[1\]; allowed: a table with engines and grid$"):
+        sweep_of([1])  # as a stranger's dataset may have it
+
+
 ODD: list[Any] = [True, "x", -1, 0, 2.5, 1e300, math.nan, [], [[1.0]], ["x"], {}, {"x": 1}, datetime.date(2020, 1, 1)]
 
 
