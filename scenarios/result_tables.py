@@ -112,6 +112,9 @@ INTERNAL = [
 ]  # fmt: skip
 """Columns that files of tables leave out."""
 
+CHANGE = ["cell", "time", "mode"]
+"""Of a contact between stick and slip: its time is over the period, the mode is the new one."""
+
 
 def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
     """Give one row a change between stick and slip: its ``cell``, ``time`` over the period and new ``mode``."""
@@ -122,7 +125,7 @@ def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
         for label in [{**described(run.config, run.steady), "version": version, "steps": run.steps}]
         for cell, time, mode in result.transitions
     ]
-    return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", "cell", "time", "mode"])
+    return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", *CHANGE])
 
 
 @lru_cache(maxsize=4096)

@@ -178,11 +178,13 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     return of_options
 
 
-def check_outs(outs: Iterable[Path | None] | None, endings: Sequence[str], *inputs: Path | None) -> list[Path]:
+def check_outs(
+    outs: Iterable[Path | None] | None, endings: Sequence[str], *inputs: Path | None, name: str = "--out"
+) -> list[Path]:
     """Give the files to write; refuse one that cannot be written, of no known ending, named twice or of `inputs`."""
     checked: list[Path] = []
     for out in filter(None, outs or ()):
         if out.suffix not in endings:
-            raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
-        checked.append(checked_output_file("--out", out, [*inputs, *checked]))
+            raise ParameterError(f"{name} = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
+        checked.append(checked_output_file(name, out, [*inputs, *checked]))
     return checked

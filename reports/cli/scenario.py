@@ -18,7 +18,7 @@ from multibody_xval.reports.cli.options import (
     grouped,
     keeping,
 )
-from reference_lcp.errors import ExitCode
+from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import write_whole
 from reference_lcp.terminal import announce_compilation
 
@@ -49,12 +49,27 @@ class Output:
             "may be repeated."
         ),
     ] = None
+    series: Annotated[
+        Path | None, typer.Option(help="Write every row of the motions here, as .csv; needs --store.")
+    ] = None
+    transitions: Annotated[
+        Path | None,
+        typer.Option(help="Write when contacts stick and slip in steady states here, as .csv; needs --store."),
+    ] = None
     details: Annotated[
         bool, typer.Option("--details", help="Print every number, and not the worst case of each alone.")
     ] = False
     run: Annotated[
         bool, typer.Option("--run/--no-run", help="Run what is missing; --no-run shows only what --store holds.")
     ] = True
+
+    def check(self, record: Path | None) -> None:
+        """Refuse files that cannot be written; whole motions are read from the store."""
+        inputs = [*check_outs(self.out, COMMENT_ENDINGS, self.store, record), self.store, record]
+        for name, file in (("--series", self.series), ("--transitions", self.transitions)):
+            if file is not None and self.store is None:
+                raise ParameterError(f"{name} = {file} without --store; allowed: with a store, which holds the runs")
+            inputs += check_outs([file], [".csv"], *inputs, name=name)
 
 
 def names() -> list[str]:
@@ -112,7 +127,7 @@ def _answer(
 ) -> None:
     """Run scenarios, of which the only one may follow a record, print what has come out, and end with its code."""
     computing.check(output.store, run=output.run)
-    outs = check_outs(output.out, COMMENT_ENDINGS, output.store, record)
+    output.check(record)
     from multibody_xval.reports.answer_files import WRITTEN, Answer
     from multibody_xval.scenarios.catalogue.asking import named_scenarios
 
@@ -121,8 +136,9 @@ def _answer(
         scenarios, options = [scenarios[0].of_record(record)], [f"--record={record}", *options]
     rows = _rows(scenarios, engines, output, computing)
     answer = Answer(scenarios, rows, engines.command(" ".join(asked), options), named=bool(engines.names))
-    for out in outs:
+    for out in output.out or ():
         write_whole(out, WRITTEN[out.suffix](answer))
+    _write_motions(answer, output)
     _print(answer, details=output.details)
     if answer.reasons:
         raise typer.Exit(ExitCode.FAILED)
@@ -139,6 +155,18 @@ def _rows(scenarios: Sequence[Scenario], engines: Engines, output: Output, compu
     announce_compilation()
     with keeping(output.store):
         return answers(scenarios, engines.names, means)
+
+
+def _write_motions(answer: Answer, output: Output) -> None:
+    """Write the rows of motions and the transitions of steady states of what was asked, as far as that is wanted."""
+    from multibody_xval.scenarios.catalogue.motion_tables import series, transitions
+    from multibody_xval.scenarios.evaluate import stored_results
+    from multibody_xval.scenarios.table_text import csv_text
+
+    for table, file in ((series, output.series), (transitions, output.transitions)):
+        if file is not None and output.store is not None:
+            shown = set(answer.rows.configuration)
+            write_whole(file, csv_text(table(answer.scenarios, stored_results(output.store), shown), missing=""))
 
 
 def _print(answer: Answer, *, details: bool) -> None:

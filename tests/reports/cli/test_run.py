@@ -96,6 +96,18 @@ def test_files_hold_amplitude_and_phase_of_every_number(capsys) -> None:
     assert Path("a.md").read_text().startswith("## Scenarios: fail\n\nIt fails: mujoco:joint:tuned: 1 of 2")
 
 
+def test_transitions_of_what_was_asked_are_a_row_each(capsys) -> None:
+    moving = SOUND | {CASE: replace(SOUND[CASE], transitions=((0, 0.25, "stick"), (2, 0.5, "forward slip")))}
+    assert stored(capsys, moving, "--transitions=t.csv", "--series=s.csv")[0] == 0
+    with Path("t.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["case"] == "soft"]
+    assert [(row["cell"], row["time"], row["mode"]) for row in rows] == [
+        ("0", "0.25", "stick"), ("2", "0.5", "forward slip"),
+    ]  # fmt: skip
+    assert {row["configuration"] for row in rows} == {"mujoco:joint:tuned"}
+    assert Path("s.csv").read_text(encoding="utf-8").count("\n") == 1, "steady states have no rows"
+
+
 def test_what_an_engine_cannot_represent_is_said_and_does_not_fail(capsys) -> None:
     lacks = unsupported("its joints take no normal force that changes")
     code, printed = stored(capsys, dict.fromkeys(SOUND, lacks))
@@ -163,6 +175,9 @@ def test_many_configurations_and_several_scenarios_have_a_row_each(capsys) -> No
         ("two-points --engine mujocko", "engine = 'mujocko' is unknown"),
         ("two-points --out numbers.txt", "allowed: .md or .json or .csv"),
         ("two-points --out missing/numbers.md", "the folder missing does not exist"),
+        ("two-points --series rows.csv", "--series = rows.csv without --store; allowed: with a store"),
+        ("two-points --store s.sqlite --series rows.md", "--series = rows.md has the ending '.md'; allowed: .csv"),
+        ("two-points --store s.sqlite --series a.csv --transitions a.csv", "a.csv"),
         ("two-points --workers 0", "workers = 0"),
         ("two-points --no-run", "--no-run without --store"),
         ("two-points --no-run --retry-failed", "--retry-failed with --no-run"),

@@ -10,14 +10,15 @@ from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.blocks import held, thrown
 from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
 from multibody_xval.scenarios.catalogue.chains import steady_states as chains
+from multibody_xval.scenarios.catalogue.motion_tables import series
 from multibody_xval.scenarios.catalogue.numbers import COLUMNS, numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.scenes import held_boxes, scene
-from multibody_xval.scenarios.catalogue.series import series
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, UNKNOWN
 from multibody_xval.scenarios.model import REFERENCE, AnyCase, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.motions import BlockMotion
+from multibody_xval.scenarios.result_tables import full_name
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.chain.transient import QUIET, RickerPulse
 
@@ -218,10 +219,13 @@ def test_a_box_on_a_slope_stays_where_it_is(config, drift, sag, expected) -> Non
 
 
 def test_series_are_a_row_a_number() -> None:
-    table = series(only(held_boxes.SLOPE_HOLD, "load 0.5"), [box(RECIPE, 1.0)])
+    own = box(RECIPE, 1.0)
+    table = series([only(held_boxes.SLOPE_HOLD, "load 0.5")], [own], {full_name(RECIPE)})
     along = table[table.series == "along"]
     assert along[["case", "row", "value"]].to_numpy().tolist() == [["load 0.5, 1 ms", 1, 2e-6]]
     assert table[table.series == "from the start"].row.tolist() == [1, 2, 3]
+    assert series([only(held_boxes.SLOPE_HOLD, "load 0.9")], [own], {full_name(RECIPE)}).empty
+    assert series([held_boxes.SLOPE_HOLD], [own], {"another"}).empty
 
 
 def test_scenes_are_judged_of_recipes_alone() -> None:
