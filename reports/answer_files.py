@@ -38,6 +38,12 @@ class Answer(NamedTuple):
         return reasons_to_fail(self.rows, named=self.named)
 
     @property
+    def outcome(self) -> str:
+        """In a word or two."""
+        judged = self.rows[self.rows.judged & (self.rows.verdict != "unsupported")]
+        return "fail" if self.reasons else "pass" if len(judged) else "nothing judged"
+
+    @property
     def conclusion(self) -> str:
         """One sentence."""
         return conclusion(self.rows, self.reasons)
@@ -49,7 +55,7 @@ class Answer(NamedTuple):
 
 def markdown(answer: Answer) -> str:
     """Give a comment for a pull request: one sentence, a table, all else folded."""
-    lines = [f"## Scenarios: {'fail' if answer.reasons else 'pass'}", "", markdown_text(answer.conclusion), ""]
+    lines = [f"## Scenarios: {answer.outcome}", "", markdown_text(answer.conclusion), ""]
     lines += [*markdown_lines(_flat(overview(answer.rows))), ""]
     for scenario in answer.scenarios:
         rows = answer.of(scenario)
@@ -62,7 +68,12 @@ def markdown(answer: Answer) -> str:
 
 def _flat(table: pd.DataFrame) -> pd.DataFrame:
     """Give texts in one line each."""
-    return table.map(lambda text: "; ".join(map(str.strip, text.split("\n"))))
+    return table.map(_line)
+
+
+def _line(text: str) -> str:
+    first, *rest = map(str.strip, text.split("\n"))
+    return "; ".join([first, " ".join(rest)]) if rest else first
 
 
 def plain(rows: pd.DataFrame) -> pd.DataFrame:

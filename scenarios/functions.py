@@ -106,7 +106,7 @@ def sweep(
 
 
 def check(
-    scenario: str,
+    scenario: str | Sequence[str],
     engines: str | Sequence[str] | None = None,
     *,
     store: str | Path | None = None,
@@ -120,7 +120,7 @@ def check(
     Parameters
     ----------
     scenario
-        Its name, see ``multibody-xval run``, or ``"all"``.
+        Its name, see ``multibody-xval run``, several names, or ``"all"``.
     engines
         Names as for `sweep`; those that come with the suite without it.
     store, workers, time_limit, scheduler, retry_failed
@@ -140,7 +140,7 @@ def check(
     ParameterError
         If a name is unknown or a number is outside its range.
     """
-    scenarios = named_scenarios([scenario])
+    scenarios = named_scenarios(_names(scenario, "scenario"))
     names = _names(default_engine_names() if engines is None else engines)
     means = Means(
         store=None if store is None else checked_store(store), workers=workers, scheduler=scheduler,
@@ -149,11 +149,11 @@ def check(
     return answers(scenarios, names, means)
 
 
-def _names(engines: str | Sequence[str]) -> list[str]:
+def _names(given: str | Sequence[str], what: str = "engines") -> list[str]:
     """Give the names, also where there is only one."""
-    names = [engines] if isinstance(engines, str) else engines
-    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
-        raise ParameterError(f"engines = {shown(engines)}; allowed: a name, or a list of names")
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, Sequence) or not names or not all(isinstance(name, str) for name in names):
+        raise ParameterError(f"{what} = {shown(given)}; allowed: a name, or a list of names")
     return list(names)
 
 

@@ -190,7 +190,7 @@ def failures(
             lines.append(f"{name}: {deviating} of {total} numbers deviate, by up to {worst}")
         elif failed > MOST_MISSING * total:
             first = own[own.verdict == "failed"].reason.iloc[0]
-            lines.append(f"{name}: {failed} of {total} runs failed: {first}")
+            lines.append(f"{name}: {failed} of {total} numbers failed: {first}")
         elif own.judged.all() and missing > MOST_MISSING * total:
             lines.append(f"{name}: {missing} of {total} numbers are missing")
     return lines

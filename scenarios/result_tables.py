@@ -161,7 +161,12 @@ def file_columns(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def with_amplitude(table: pd.DataFrame) -> pd.DataFrame:
-    """Put ``amplitude``, of the base or of the force, and ``amplitude_unit``, m or N, in place of ``displacement``."""
+    """Put ``amplitude``, of the base or of the force, and ``amplitude_unit``, m or N, in place of ``displacement``.
+
+    Tables of scenarios have none of them.
+    """
+    if "displacement" not in table:
+        return table
     own = [amplitude_of(*row) for row in rows_of(table, "drive", "displacement")]
     shown = table.rename(columns={"displacement": "amplitude"}).assign(amplitude=[value for value, _ in own])
     shown.insert(list(shown).index("amplitude") + 1, "amplitude_unit", [unit for _, unit in own])

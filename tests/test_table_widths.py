@@ -35,7 +35,7 @@ LINES = [
     "run all --no-run --store run.sqlite",
     "run static-hold --details --no-run --store run.sqlite",
     pytest.param("run accuracy --engine reference --workers 1", marks=pytest.mark.slow),
-    "run laws --engine mujoco:joint:default --workers 1",
+    "run laws --engine mujoco:joint:default",
     pytest.param("run work-precision --engine mujoco:contact:default --steps 100 --workers 1", marks=pytest.mark.slow),
     "sweep sweep.toml --store sweep.sqlite --workers 1",
     "compare sweep.sqlite lost.sqlite",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,7 +55,9 @@ class Output:
     ] = None
     transitions: Annotated[
         Path | None,
-        typer.Option(help="Write when contacts stick and slip in steady states here, as .csv; needs --store."),
+        typer.Option(
+            help="Write when contacts stick and slip in steady states, over the period, here as .csv; needs --store."
+        ),
     ] = None
     details: Annotated[
         bool, typer.Option("--details", help="Print every number, and not the worst case of each alone.")
@@ -165,8 +168,10 @@ def _write_motions(answer: Answer, output: Output) -> None:
 
     for table, file in ((series, output.series), (transitions, output.transitions)):
         if file is not None and output.store is not None:
-            shown = set(answer.rows.configuration)
-            write_whole(file, csv_text(table(answer.scenarios, stored_results(output.store), shown), missing=""))
+            rows = table(answer.scenarios, stored_results(output.store), set(answer.rows.configuration))
+            write_whole(file, csv_text(rows, missing=""))
+            if rows.empty:
+                print(f"{file}: no rows, since there are no {table.__name__} among these runs", file=sys.stderr)
 
 
 def _print(answer: Answer, *, details: bool) -> None:

@@ -89,8 +89,8 @@ at_rest = partial(Quantity, exact=0.0, step_error=0.0)
 """A number of what friction should hold: whatever the step, nothing slips."""
 
 TRANSMITTANCE = Quantity(
-    name="transmittance", unit="U0", meaning="Fundamental of the last outer mass over that of the drive.",
-    accuracy="transmittance",
+    name="transmittance", unit="U0", accuracy="transmittance",
+    meaning="Fundamental of the last outer mass over that of the drive; its phase counts in what it is off by.",
 )  # fmt: skip
 
 STICK_SLIP = (

@@ -48,8 +48,10 @@ def read_motion(path: str | os.PathLike[str], problem: Problem) -> Motion:
         If the file is not there or too large, columns are missing, a value is no finite number, or times do not rise.
     """
     file = checked_path("motion", path)
-    if not file.is_file() or file.stat().st_size > LARGEST_FILE:
-        raise ParameterError(f"motion = {shown(str(path))} is no file of at most {LARGEST_FILE} bytes; allowed: a CSV")
+    if not file.is_file():
+        raise ParameterError(f"motion = {shown(str(path))} is no file; allowed: a CSV file")
+    if file.stat().st_size > LARGEST_FILE:
+        raise ParameterError(f"motion = {shown(str(path))} is too large; allowed: at most {LARGEST_FILE} bytes")
     with file.open(newline="", encoding="utf-8", errors="replace") as lines:
         header, *rows = list(csv.reader(lines)) or [[]]
     names = [name.strip() for name in header]

@@ -123,6 +123,8 @@ def test_check_gives_a_row_a_number_and_keeps_the_results(tmp_path: Path, monkey
         ({"scenario": "static-hole"}, "scenario = 'static-hole' is unknown; allowed: .*did you mean static-hold?"),
         ({"engines": "mojuco"}, "mojuco"),
         ({"engines": 3}, "engines = 3; allowed: a name, or a list of names"),
+        ({"engines": []}, "engines = []; allowed: a name, or a list of names"),
+        ({"scenario": ["static-hold", 1]}, "scenario = ['static-hold', 1]; allowed: a name, or a list of names"),
         ({"store": "no/such/folder/kept.sqlite"}, "no/such/folder"),
         ({"workers": 0}, "workers"),
         ({"time_limit": 0.0}, "time_limit = 0"),

@@ -126,7 +126,7 @@ def result_of(status: Status) -> Result:
         (SHARES, [Status.PERIODIC] * 4, None),
         (SHARES, [Status.PERIODIC] * 3 + [Status.NOT_PERIODIC], None),
         (SHARES, [Status.PERIODIC] * 2 + [Status.NOT_PERIODIC] * 2, "2 of 4 numbers are missing"),
-        (SHARES, [Status.PERIODIC] * 2 + [Status.FAILED] * 2, "2 of 4 runs failed: it crashed"),
+        (SHARES, [Status.PERIODIC] * 2 + [Status.FAILED] * 2, "2 of 4 numbers failed: it crashed"),
         (SHARES, [Status.UNSUPPORTED] * 4, None),
         (DEFAULT, [Status.NOT_PERIODIC] * 4, None),
         (DEFAULT, [Status.FAILED] * 4, None),
@@ -146,7 +146,7 @@ def test_a_measured_preset_fails_where_it_is_named_and_crashes(ruled) -> None:
     table = judged(points([*ruled, *own]))
     assert failures(table) == []
     assert failures(table, lambda rows: rows.engine == "mujoco") == [
-        "mujoco:joint:default: 4 of 4 runs failed: it crashed"
+        "mujoco:joint:default: 4 of 4 numbers failed: it crashed"
     ]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from multibody_xval.reports.changes import changed_points
+from multibody_xval.reports.changes import WRITTEN, Comparison, changed_points
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare import compare, conclusion, fails
 from multibody_xval.scenarios.compute.batch import run_batch
@@ -66,6 +66,13 @@ def test_what_has_changed_is_said_with_both_errors(changes) -> None:
     assert rows.what["distance"].startswith(f"{value}, error ")
     assert "regressed, " in conclusion(rows, "before", "now")
     assert changed_points(rows.reset_index()).point.tolist() == [rows.case["distance"]]
+
+
+@pytest.mark.parametrize("ending", sorted(WRITTEN))
+def test_numbers_without_any_steady_state_are_written(changes, ending) -> None:
+    rows = changes(thrown(1.01), thrown(1.05)).reset_index()
+    text = WRITTEN[ending](Comparison(rows, "before", "now", 0.001, strict=False))
+    assert NAME in text.replace("\\", "")
 
 
 @pytest.mark.parametrize(

@@ -108,6 +108,28 @@ def test_transitions_of_what_was_asked_are_a_row_each(capsys) -> None:
     assert Path("s.csv").read_text(encoding="utf-8").count("\n") == 1, "steady states have no rows"
 
 
+def test_a_table_without_rows_says_why(capsys) -> None:
+    _, printed = stored(capsys, SOUND, "--series=s.csv")
+    assert "s.csv: no rows, since there are no series among these runs" in printed
+
+
+def test_a_comment_on_measured_presets_does_not_say_that_they_pass(capsys) -> None:
+    default = Run(Config("mujoco", preset_name="default"), CASE, 400)
+    with opened(Path("s.sqlite")) as store:
+        store.add({default: with_bound(1.1)})
+    assert stored(capsys, {}, "--engine=mujoco:joint:default", "--out=measured.md")[0] == 0
+    assert stored(capsys, SOUND, "--engine=mujoco", "--out=sound.md")[0] == 0
+    first = [Path(name).read_text(encoding="utf-8").splitlines()[0] for name in ("measured.md", "sound.md")]
+    assert first == ["## Scenarios: nothing judged", "## Scenarios: pass"]
+
+
+def test_long_names_of_cases_are_whole_in_a_comment(capsys, monkeypatch) -> None:
+    name = "1 t under 10 t, with a load of 0.99, shaken"
+    monkeypatch.setitem(SCENARIOS, NAME, replace(SCENARIO, cases={name: CASE}))  # type: ignore[arg-type]
+    stored(capsys, {CASE: SOUND[CASE]}, "--out=long.md")
+    assert f"; {name} |" in Path("long.md").read_text(encoding="utf-8")
+
+
 def test_what_an_engine_cannot_represent_is_said_and_does_not_fail(capsys) -> None:
     lacks = unsupported("its joints take no normal force that changes")
     code, printed = stored(capsys, dict.fromkeys(SOUND, lacks))
@@ -130,7 +152,7 @@ def test_a_measured_preset_fails_where_it_was_named_and_often_crashes(capsys) ->
     assert (code, "mujoco:joint:default: failed in 2 cases: it crashed" in printed) == (0, True)
     code, printed = shown(capsys, "--no-run", "--store=s.sqlite", "--engine=mujoco:joint:default")
     assert code == 1
-    assert printed.endswith("It fails: mujoco:joint:default: 2 of 2 runs failed: it crashed.")
+    assert printed.endswith("It fails: mujoco:joint:default: 2 of 2 numbers failed: it crashed.")
 
 
 def test_measured_presets_alone_are_not_judged(capsys) -> None:

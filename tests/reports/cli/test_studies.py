@@ -54,7 +54,7 @@ def test_figure_3_fails_where_a_judged_number_deviates_or_too_many_are_lost(tmp_
     assert figure3(stored(tmp_path / "off.sqlite", off=0.01)) == 1
     assert "numbers deviate" in capsys.readouterr().out
     assert figure3(stored(tmp_path / "lost.sqlite", lost=60)) == 1
-    assert "60 of 180 runs failed: crashed" in capsys.readouterr().out
+    assert "60 of 180 numbers failed: crashed" in capsys.readouterr().out
     assert figure3(stored(tmp_path / "few.sqlite", lost=20)) == 0
 
 
