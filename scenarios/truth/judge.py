@@ -93,14 +93,17 @@ def judged(problem: Problem, motion: Motion, time_step: float | None = None) -> 
     problem, motion
         The exact motion, and the rows of a program.
     time_step
-        Step of the program [s]; without it, that of the problem. Allowed errors are in proportion to it.
+        Step of the program [s], no longer than the problem; without it, that of the problem. Allowed errors are in
+        proportion to it.
 
     Raises
     ------
     ParameterError
-        If a time of the problem has no row, or the numbers are of other units.
+        If a time of the problem has no row, the step is outside its range, or the numbers are of other units.
     """
     step = checked_scalar("time_step", problem.time_step if time_step is None else time_step, "> 0")
+    if step > max(problem.times):
+        raise ParameterError(f"time_step = {step:g} is outside its range; allowed: > 0, at most {max(problem.times):g}")
     rows = _rows(problem, motion, step)
     own = motion.positions[rows], None if motion.velocities is None else motion.velocities[rows]
     exact = np.array(problem.positions), np.array(problem.velocities)

@@ -144,8 +144,8 @@ def test_other_units_are_named(name, scale, unit, tmp_path):
         judged(problem, motion)
 
 
-@pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
-def test_a_step_that_is_none_is_refused(step, tmp_path):
+@pytest.mark.parametrize("step", [0.0, -1.0, float("nan"), 1000.0])
+def test_a_step_that_is_none_or_longer_than_the_problem_is_refused(step, tmp_path):
     problem = problem_named("block-held")
     motion = read_motion(written(tmp_path, problem), problem)
     with pytest.raises(ParameterError, match=r"time_step = .*> 0"):
