@@ -2,6 +2,7 @@
 
 import shutil
 import sqlite3
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -64,29 +65,22 @@ def foreign(file: Path) -> None:
         other.execute("CREATE TABLE mine (number)")
 
 
-def older(file: Path) -> None:
-    stored_in(file)
-    with sqlite3.connect(file) as own:
-        own.execute("PRAGMA user_version = 2")
+def changed(statement: str) -> Callable[[Path], None]:
+    """Make a store, and change it by a statement of SQL."""
 
+    def written(file: Path) -> None:
+        stored_in(file)
+        with sqlite3.connect(file) as own:
+            own.execute(statement)
 
-def with_other_tables(file: Path) -> None:
-    stored_in(file)
-    with sqlite3.connect(file) as own:
-        own.execute("ALTER TABLE results RENAME TO answers")
-
-
-def with_another_table(file: Path) -> None:
-    stored_in(file)
-    with sqlite3.connect(file) as own:
-        own.execute("CREATE TABLE mine (number)")
+    return written
 
 
 REFUSED = {
-    "has other tables": with_other_tables,
-    "other tables than a store": with_another_table,
+    "has other tables": changed("ALTER TABLE results RENAME TO answers"),
+    "other tables than a store": changed("CREATE TABLE mine (number)"),
     "is no store of this suite": foreign,
-    "is of format 2": older,
+    "is of format 2": changed("PRAGMA user_version = 2"),
     "is damaged or no store": lambda file: file.write_text("no database at all, of some length" * 99),
     "is a folder or a device": Path.mkdir,
 }
