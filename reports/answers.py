@@ -10,7 +10,7 @@ import pandas as pd
 from multibody_xval.reports.formatting import MISSING, RESIDUE, significant
 from multibody_xval.scenarios.catalogue.finding import WORST_FIRST, counts, over_allowed, worst_cases
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.judge import AGREES
+from multibody_xval.scenarios.judge import AGREES, AT_EQUAL_STEPS
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import rows_of
 
@@ -31,8 +31,6 @@ NAME_WIDTH = 26
 
 OWN_VALUE = r"^(\w+) = [^:]+: "
 """How a reason begins that names the value of its case: many that differ in this alone have one line."""
-
-AT_EQUAL_STEPS = "reference at equal steps"
 
 
 def asked(scenario: Scenario, rows: pd.DataFrame) -> list[str]:

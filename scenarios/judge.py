@@ -39,6 +39,9 @@ that may be stated: beyond what is allowed, and up to this, the step is too larg
 MOST_MISSING = 0.25
 """Part of the numbers of a judged preset that may be missing, or of a named one that may fail."""
 
+AT_EQUAL_STEPS, EXACT_VALUE = "reference at equal steps", "exact value"
+"""What is expected of presets that share the scheme, and of all others."""
+
 AGREES, DEVIATES, TOO_LARGE, UNKNOWN = "agrees", "deviates", "time step too large", "unknown"
 """Verdicts on numbers that are there; those that are not have the status of their run."""
 
@@ -106,7 +109,7 @@ def decided(parts: pd.DataFrame) -> dict[str, pd.Series]:
 
 
 def _expected(rows: pd.DataFrame) -> np.ndarray:
-    return np.where(rows.shares_scheme, "reference at equal steps", "exact value")
+    return np.where(rows.shares_scheme, AT_EQUAL_STEPS, EXACT_VALUE)
 
 
 def _distance(rows: pd.DataFrame) -> pd.Series:

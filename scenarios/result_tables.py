@@ -59,10 +59,16 @@ def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
 def described(config: Config, case: Case) -> dict[str, Any]:
     """Give what a row says of its configuration and its case."""
     return {
-        "configuration": full_name(config),
-        "engine": config.engine, "formulation": str(config.formulation), "preset": config.preset_name,
-        **{name: getattr(case, name) for name in CASE}, "case": case, "curve": curve_of(case),
+        **names_of(config), **{name: getattr(case, name) for name in CASE}, "case": case, "curve": curve_of(case),
         **of_config(config, swings=bool(case.modulation), opens=case.modulation > CLOSED),
+    }  # fmt: skip
+
+
+def names_of(config: Config) -> dict[str, str]:
+    """Give the columns that name a configuration."""
+    return {
+        "configuration": full_name(config), "engine": config.engine, "formulation": str(config.formulation),
+        "preset": config.preset_name,
     }  # fmt: skip
 
 

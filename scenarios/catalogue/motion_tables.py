@@ -7,7 +7,7 @@ import pandas as pd
 from multibody_xval.scenarios import result_tables
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.model import Case, Run
-from multibody_xval.scenarios.result_tables import CONFIG, full_name
+from multibody_xval.scenarios.result_tables import CONFIG, full_name, names_of
 from multibody_xval.scenarios.store import Stored
 
 RUN = ["scenario", "case", "configuration", *CONFIG, "version", "steps"]
@@ -54,9 +54,5 @@ def _asked(
             names: dict[Run, str] = {run: name for name, run in scenario.own_runs(config).items()}
             for row in own:
                 if row.run in names:
-                    yield (scenario.name, names[row.run], *_described(row)), row
-
-
-def _described(row: Stored) -> tuple[object, ...]:
-    config = row.run.config
-    return full_name(config), config.engine, str(config.formulation), config.preset_name, row.version, row.run.steps
+                    own_names = names_of(config).values()
+                    yield (scenario.name, names[row.run], *own_names, row.version, row.run.steps), row

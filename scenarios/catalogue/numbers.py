@@ -20,10 +20,10 @@ from multibody_xval.scenarios.catalogue.scenario import (
 )
 from multibody_xval.scenarios.catalogue.stick_slip import stick_slip
 from multibody_xval.scenarios.compute.motions import is_pressed
-from multibody_xval.scenarios.judge import DB, decided, judged, parts_of
+from multibody_xval.scenarios.judge import AT_EQUAL_STEPS, DB, EXACT_VALUE, decided, judged, parts_of
 from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Config, Run, failed
 from multibody_xval.scenarios.motions import BlockMotion
-from multibody_xval.scenarios.result_tables import CONFIG, full_name, of_config, points
+from multibody_xval.scenarios.result_tables import CONFIG, names_of, of_config, points
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.steady.richardson import ROUND_OFF_STEPS
@@ -97,11 +97,10 @@ def _labels(scenario: Scenario, case: str, own: Stored, quantity: Quantity) -> R
     run, config = own.run, own.run.config
     about = about_config(run)
     return {
-        "scenario": scenario.name, "case": case, "configuration": full_name(config), "engine": config.engine,
-        "formulation": str(config.formulation), "preset": config.preset_name, "version": own.version,
+        "scenario": scenario.name, "case": case, **names_of(config), "version": own.version,
         "steps": run.steps, "quantity": quantity.name, "unit": quantity.unit, "status": str(own.result.status),
         "reason": own.result.reason, "group": quantity.group, "judged": about["judged"],
-        "accuracy": config.preset.accuracy_of(quantity.accuracy) if quantity.accuracy else 0.0,
+        "accuracy": _accuracy(quantity, config),
         "shares_scheme": about["shares_scheme"] and quantity.step_error is None, "repeats": 0.0,
     }  # fmt: skip
 
@@ -149,7 +148,7 @@ def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
     open_amplitude = about["round_off"] * math.sqrt(run.steps / ROUND_OFF_STEPS) + about["gives_way"]
     effect = _effect(quantity, run.case, known.exact)
     size = DB if quantity.unit == "dB" else max(largest(known.exact), effect if math.isfinite(effect) else 0.0)
-    accuracy = run.config.preset.accuracy_of(quantity.accuracy) if quantity.accuracy else 0.0
+    accuracy = _accuracy(quantity, run.config)
     distance = largest(value - (known.reference if expected_is_scheme else known.exact))
     shown: list[Any] = [value, known.exact, known.reference]
     if np.ndim(value) or np.ndim(known.exact):  # of arrays, the largest difference
@@ -159,10 +158,15 @@ def _read(quantity: Quantity, own: Stored, ruler: Ruler) -> Row:
         "exact_bar": known.bar, "exact_kind": known.kind, "scheme_error": known.scheme_error, "distance": distance,
         "resolution": given(quantity.resolution, run)
         + (amplitude * open_amplitude if quantity.step_error is None else 0.0),
-        "expected": "reference at equal steps" if expected_is_scheme else "exact value",
+        "expected": AT_EQUAL_STEPS if expected_is_scheme else EXACT_VALUE,
         "stated": accuracy * (size if quantity.accuracy in RELATIVE else 1.0),
         "size": size, "effect": effect,
     }  # fmt: skip
+
+
+def _accuracy(quantity: Quantity, config: Config) -> float:
+    """Give the accuracy that a preset states of a quantity."""
+    return config.preset.accuracy_of(quantity.accuracy) if quantity.accuracy else 0.0
 
 
 def _effect(quantity: Quantity, case: AnyCase, exact: Number) -> float:

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, Exact
 from multibody_xval.scenarios.exact_values import has_exact_motion
+from multibody_xval.scenarios.judge import AT_EQUAL_STEPS, EXACT_VALUE
 from multibody_xval.scenarios.model import Result, Run
 from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition, match_transitions
 from reference_lcp.steady.richardson import richardson_error
@@ -79,7 +80,7 @@ def stick_slip(
     }
     common = {
         "exact_kind": str(Exact.LADDER if exact is None else Exact.MOTION),
-        "expected": "reference at equal steps" if shares else "exact value",
+        "expected": AT_EQUAL_STEPS if shares else EXACT_VALUE,
     }
     return {name: row | common for name, row in rows.items()}
 
