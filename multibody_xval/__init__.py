@@ -19,7 +19,6 @@ if TYPE_CHECKING:
         engine,
         engine_names,
     )
-    from multibody_xval.engines.interface.law import NotModelled
     from multibody_xval.reports import band_edges, plot, report
     from multibody_xval.scenarios import check, sweep
     from multibody_xval.scenarios.compare import compare
@@ -49,7 +48,6 @@ _NAMES = {
     "multibody_xval.engines": (
         "Capabilities", "Engine", "Formulation", "FrictionLaw", "Option", "Preset", "Variant", "engine", "engine_names",
     ),
-    "multibody_xval.engines.interface.law": ("NotModelled",),
     "reference_lcp": (
         "Chain", "HarmonicBase", "HarmonicForce", "Lane", "NotProven", "ParameterError", "PeriodicOrbit",
         "ProvenSteadyState", "State", "SteadyState", "Trajectory", "exact_steady_state", "prove_steady_state",
@@ -68,7 +66,6 @@ __all__ = [
     "HarmonicForce",
     "Lane",
     "LaneModel",
-    "NotModelled",
     "NotProven",
     "Option",
     "ParameterError",

@@ -80,8 +80,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 @cache
 def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     """Give what each argument stands for, of these engines or, without any, of all that are installed."""
+    from multibody_xval.engines.interface.law import law_of
     from multibody_xval.engines.interface.presets import NormalForce
-    from multibody_xval.engines.interface.registry import engine, engine_names, law_of
+    from multibody_xval.engines.interface.registry import engine, engine_names
     from multibody_xval.engines.interface.variant import variants_of
 
     names = named or [name for name in engine_names() if engine(name).unavailable_reason() is None]
@@ -94,7 +95,7 @@ def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "default": [variant for variant in variants if variant.preset_name == "default"],
         "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
-        "modelled": [variant for variant in variants if law_of(variant.preset) is not None],
+        "modelled": [each for each in variants if law_of(engine(each.engine), each.formulation, each.preset_name) is not None],
         "turning": [variant for variant in variants if variant.preset.turns],
         "holding": [variant for variant in tuned if variant.preset.static_friction],
         "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],

@@ -26,7 +26,6 @@ from multibody_xval.engines.interface.tolerances import (
     TRAJECTORY_TOLERANCE,
 )
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.engines.shared.law_distance import allowed_distance, stepped_by
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain, mechanical_energy
@@ -83,7 +82,7 @@ def _steady_levels_are(tuned: Variant, lanes: Sequence[Lane], exact: Sequence[fl
 def test_faint_friction_moves_the_chain_by_no_more_than_its_impulse(tested: Variant, friction: float) -> None:
     """The distance √(2 E) from the chain without friction grows by at most |M^(-1/2) W_T μ λ_N| a second.
 
-    A preset that does more, a bristle at every reversal for example, does what its law says.
+    A preset that does more, a bristle at every reversal for example, has to say how it deviates.
     """
     lane, start = lane_of(friction, 0.6), random_state(1)
     rubbing, sliding = run_of(tested, lane, start, STEPS), run_of(tested, lane_of(0.0, 0.6), start, STEPS)
@@ -94,12 +93,7 @@ def test_faint_friction_moves_the_chain_by_no_more_than_its_impulse(tested: Vari
     apart = mechanical_energy(chain, rubbing.positions - sliding.positions, rubbing.velocities - sliding.velocities)
     motion = np.sqrt(2 * np.max(mechanical_energy(chain, sliding.positions, sliding.velocities)))
     if np.sqrt(2 * np.max(apart)) > FIRST_ORDER * impulse + tolerance_of(tested, TRAJECTORY_TOLERANCE) * motion:
-        stated = stepped_by(tested)
-        if stated is None:
-            pytest.skip("faint friction does more than its impulse, and its steps are not modelled")
-        expected = stated.build([lane]).run(start, 0, STEPS)[0]
-        off = np.max(np.abs(rubbing.positions - expected.positions)) / BASE_AMPLITUDE
-        assert off <= allowed_distance(tested), f"faint friction does more than its impulse: {off:.2g} U0 off its law"
+        assert tested.preset.known_deviation, "faint friction does more than its impulse, and no deviation is stated"
 
 
 def test_stuck_limit_is_the_chain_of_locked_masses(tuned: Variant) -> None:

@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.contract.lanes import lane_of, random_state, scaled_state, tolerance_of
-from multibody_xval.engines.interface.registry import law_of
 from multibody_xval.engines.interface.tolerances import STEPS, TRAJECTORY_TOLERANCE
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.engines.shared.law_distance import allowed_distance, stepped_by, unclaimed_reason
 from multibody_xval.engines.shared.wide_range import DESIGN, LONG_USE, MANY_RUNS, RangePoint
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
@@ -29,22 +27,13 @@ def positions_of(variant: Variant | Simulation, lane: Lane, state: State, start:
 
 
 @pytest.mark.parametrize("point", DESIGN, ids=lambda point: f"friction coefficient {point.friction_coefficient:g}")
-def test_chain_anywhere_in_the_ranges_moves_by_the_stated_law(tested: Variant, point: RangePoint) -> None:
+def test_chain_anywhere_in_the_ranges_moves_by_the_reference_s_scheme(sharing: Variant, point: RangePoint) -> None:
     """One period from a random state: other friction coefficients, dashpots, frequencies, cells and time steps."""
-    stated, lane = stepped_by(tested), point.lane
-    if stated is None:
-        pytest.skip("its steps are not modelled")
-    reason = unclaimed_reason(stated, lane)
-    if reason is not None:
-        pytest.skip(f"its law does not claim this chain: {reason}")
-    state, law = scaled_state([lane]), law_of(tested.preset)
-    own = positions_of(tested, lane, state, 0, point.steps)
-    model = stated.build([lane])
-    expected = model.run(state, 0, point.steps)[0].positions
-    model.close()
+    lane = point.lane
+    state = scaled_state([lane])
+    own, expected = (positions_of(each, lane, state, 0, point.steps) for each in (sharing, Variant("reference")))
     off = np.max(np.abs(own - expected)) / lane.drive.displacement_scale(lane.chain)
-    allowed = allowed_distance(tested) if law is None else law.bound_at(point.steps)
-    assert off <= allowed, f"off by {off:.2g} displacement scales"
+    assert off <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), f"off by {off:.2g} displacement scales"
 
 
 def test_motion_does_not_depend_on_when_it_begins(tested: Variant) -> None:
@@ -52,7 +41,7 @@ def test_motion_does_not_depend_on_when_it_begins(tested: Variant) -> None:
     lane, state = lane_of(0.3, 0.6), random_state(1)
     first, later = (positions_of(tested, lane, state, periods * STEPS, STEPS) for periods in (0, LATE_PERIODS))
     off = np.max(np.abs(later - first)) / BASE_AMPLITUDE
-    own = tested.capabilities.residual if stepped_by(tested) is None else allowed_distance(tested)
+    own = 0.0 if tested.preset.shares_scheme else tested.capabilities.residual
     allowed = max(tolerance_of(tested, TRAJECTORY_TOLERANCE), own)
     assert off <= allowed, f"off by {off:.2g} U0 after {LATE_PERIODS} periods"
 

@@ -1,13 +1,10 @@
 """Presets with changed options: ``PRESET:NAME=VALUE:…``, read by the types that its options have."""
 
 import math
-from collections import UserDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
-from multibody_xval.engines.interface.law import Law, NotModelled
 from multibody_xval.engines.interface.presets import ACROSS, OfStep, Option, Preset
 from reference_lcp.errors import ParameterError, shown
 
@@ -25,9 +22,8 @@ def changed_preset(
 ) -> Preset:
     """Give a preset with some options changed by texts ``NAME=VALUE``; the preset itself where nothing is.
 
-    It claims no longer to share the reference's scheme, and its law is that of the changed options where the law is
-    computed from every one of them. The texts that an option takes are those that `all_presets` have. What `installed`,
-    the engine as it comes, is without can be left out.
+    It claims no longer to share the reference's scheme. The texts that an option takes are those that `all_presets`
+    have. What `installed`, the engine as it comes, is without can be left out.
     """
     known = list(all_presets)
     values: dict[str, Any] = {}
@@ -39,25 +35,17 @@ def changed_preset(
         values[option] = value
         reached = replace(preset, options=_options(preset, values))
     changes = {option: value for option, value in sorted(values.items()) if value != preset[option]}
-    return _changed(preset, changes, name) if changes else preset
+    return _changed(preset, changes) if changes else preset
 
 
-def _changed(preset: Preset, changes: Mapping[str, Any], name: str) -> Preset:
-    changed = replace(
+def _changed(preset: Preset, changes: Mapping[str, Any]) -> Preset:
+    return replace(
         preset,
         options=_options(preset, changes),
         modulated_options={other: own for other, own in preset.modulated_options.items() if other not in changes},
         shares_scheme=False,
-        law=partial(_law_of_changed, preset, tuple(changes)),
-        unchanged=preset,
         settings=tuple(f"{option}={value_text(value)}" for option, value in changes.items()),
     )
-    try:
-        changed.stated_law()
-    except (ArithmeticError, ValueError, LookupError) as problem:
-        reason = " ".join(f"{type(problem).__name__}: {problem}".split())
-        raise ParameterError(f"{', '.join(changed.settings)} of {name} is not what its law takes: {reason}") from None
-    return changed
 
 
 def _options(preset: Preset, changes: Mapping[str, Any]) -> dict[str, Option]:
@@ -65,28 +53,6 @@ def _options(preset: Preset, changes: Mapping[str, Any]) -> dict[str, Option]:
     left_out = {name for name, value in changes.items() if value is None}
     changed = {name: replace(preset.options[name], value=value) for name, value in changes.items()}
     return {name: option for name, option in {**preset.options, **changed}.items() if name not in left_out}
-
-
-def _law_of_changed(unchanged: Preset, changes: Sequence[str], preset: Preset) -> Law | NotModelled:
-    """Give the law of a changed preset: that of the unchanged one, if it is computed from all that is changed."""
-    options = _ReadOptions(preset.options)
-    stated = None if unchanged.law is None else unchanged.law(replace(preset, options=options))
-    ignored = ", ".join(name for name in changes if name not in options.read)
-    if isinstance(stated, Law) and ignored:
-        return NotModelled(f"its law does not say what {ignored} changes")
-    return stated or NotModelled(f"no model says what {', '.join(changes)} changes")
-
-
-class _ReadOptions(UserDict[str, Option]):
-    """Options that note which of them are read."""
-
-    def __init__(self, options: Mapping[str, Option]):
-        self.read: set[str] = set()
-        super().__init__(options)
-
-    def __getitem__(self, name: str) -> Option:
-        self.read.add(name)
-        return super().__getitem__(name)
 
 
 def value_text(value: Any) -> str:

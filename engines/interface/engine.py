@@ -61,23 +61,6 @@ class Engine(ABC):
         """Version of the Python that the engine runs in; adapters override it where that is not this one."""
         return platform.python_version()
 
-    def versioned(self, version: str) -> "Engine":
-        """Refuse ``NAME@VERSION``: an engine has the version that is installed; tests give other meanings to it."""
-        raise ParameterError(
-            f"engine = {shown(f'{self.name}@{version}')} is unknown; allowed: {self.name}, as installed; for another "
-            "version install it with the suite in a virtual environment, and compare what --store keeps there"
-        )
-
-    @property
-    def states_laws_of(self) -> str:
-        """Name of the engine whose laws its presets state: its own, but for copies of another engine."""
-        return self.name
-
-    @property
-    def host(self) -> str:
-        """Name of the engine in whose worker processes it runs: its own, but for models of the suite itself."""
-        return self.name
-
     @abstractmethod
     def unavailable_reason(self) -> str | None:
         """Reason in a sentence why the engine cannot be used here; ``None`` if it can."""

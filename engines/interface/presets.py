@@ -5,7 +5,6 @@ from dataclasses import InitVar, dataclass, field, replace
 from enum import StrEnum
 from typing import Any, Self
 
-from multibody_xval.engines.interface.law import Law, NotModelled
 from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import DEFAULT_RESIDUAL
@@ -111,11 +110,8 @@ class Preset:
     """Part of the relative velocity which a contact would gain in a step without its forces, along it when it sticks
     or across it, that is left to it, where no option of the engine makes it zero."""
     known_deviation: str = ""
-    """The law of the engine by which its motion deviates from Coulomb's with these options, by more than its time
-    step explains; empty where there is none. Reports print it beside a disagreement."""
-    law: "Callable[[Preset], Law | NotModelled] | None" = None
-    """Gives the model that predicts its steps, with constants taken from its options, or the reason why there is
-    none; ``None`` where it claims the reference's own step."""
+    """How its motion deviates from Coulomb's law or from Euler's step with these options, by more than its time step
+    explains; empty where there is none. Reports print it beside a disagreement."""
     stick_margin: float = STICK_MARGIN
     """Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
     friction of a sliding contact only tends to its bound."""
@@ -135,9 +131,8 @@ class Preset:
     """The row may have any direction in the plane of the contacts."""
     static_friction: bool = False
     """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
-    turned_bound: Callable[[Lane, float], float] | None = None
-    """Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
-    not 1 as Coulomb's law has it, and nothing else but this is another."""
+    pyramid: bool = False
+    """Each of two tangents has a bound of its own, so that friction between them is larger than μ λ_N, by up to √2."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Options that a recipe changes, with other values of theirs: `run recipes` measures them too."""
     judged: tuple[str, ...] = ()
@@ -153,8 +148,6 @@ class Preset:
     settles: bool = True
     """Whether its search usually ends in a steady state on the paper's chain: not of a preset that has one at no more
     than one of the five headline points. Reports measure what does not settle at one point alone."""
-    unchanged: "Preset | None" = None
-    """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()
     """What is changed, as ``NAME=VALUE``, sorted."""
 
@@ -204,10 +197,6 @@ class Preset:
     def pressed(self, lane: Lane) -> Lane:
         """Give a lane as it is built: where masses are free across the row, a constant force presses them together."""
         return replace(lane, preload=CONSTANT) if self.is_free and lane.preload is None else lane
-
-    def stated_law(self) -> Law | NotModelled | None:
-        """Give the model of its steps, or the reason why there is none; ``None`` where it states neither."""
-        return None if self.law is None else self.law(self)
 
     def modulated(self) -> "Preset":
         """Give the options, and the residual slip compliance, that hold where the normal force changes in time."""

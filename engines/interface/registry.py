@@ -1,111 +1,15 @@
-"""Every engine by name: those that are registered, their versions, and the models of their laws."""
+"""Every engine by name: those that are registered, and what is wrong with those that are broken."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from multibody_xval.engines.interface.engine import Engine
-from multibody_xval.engines.interface.law import Law
-from multibody_xval.engines.interface.presets import Capabilities, Formulation, NormalForce, Option, Preset
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.defaults import DEFAULT_RESIDUAL
+from multibody_xval.engines.interface.presets import Capabilities, Option, Preset
 from reference_lcp.errors import ParameterError, checked_choice, text_of
 from reference_lcp.terminal import visible
-
-LAW_SUFFIX = "@law"
-"""What follows the name of an engine to name the model of its laws."""
-
-BATCH_LANES = 16
-"""Lanes of a batch: they are advanced one after the other, and cost the same alone."""
-
-SPLIT_TOLERANCE = 1e-12
-"""Largest difference between one run and the same run split in two, over the displacement scale: round-off, unless the
-engine itself does not begin where it ended."""
-
-
-class LawEngine(Engine):
-    """The models of an engine's presets, under their own names; presets without a model are left out."""
-
-    def __init__(self, modelled: Engine, version: str):
-        self.name = f"{modelled.name}{LAW_SUFFIX}"  # type: ignore[misc]
-        self.capabilities = _capabilities(modelled.capabilities)  # type: ignore[misc]
-        self._modelled, self._version = modelled, version
-
-    def version(self) -> str:
-        """Version of the suite."""
-        return self._version
-
-    @property
-    def host(self) -> str:
-        """The reference, which is the suite's own code as well."""
-        return "reference"
-
-    def unavailable_reason(self) -> str | None:
-        """``None``: models need nothing but the suite."""
-        return None
-
-    def preset(self, formulation: str, preset: str) -> Preset:
-        """Give the model of a preset; one with changed options may have a model where the preset itself has none."""
-        if ":" not in preset:
-            return super().preset(formulation, preset)
-        modelled = _presets({preset: self._modelled.preset(formulation, preset)})
-        if not modelled:
-            raise ParameterError(f"{self.name}:{formulation}:{preset} has no model of its steps")
-        return modelled[preset]
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        law = law_of(preset)
-        assert law is not None, "presets without a law are not listed"
-        return law.build(lanes)
-
-
-def law_of(preset: Preset) -> Law | None:
-    """Give the model of a preset; ``None`` where it has none."""
-    law = preset.stated_law()
-    return law if isinstance(law, Law) else None
-
-
-def _capabilities(modelled: Capabilities) -> Capabilities:
-    """Give what the models of an engine can do; a formulation without any is none of theirs."""
-    modelled_presets = {formulation: _presets(presets) for formulation, presets in modelled.presets.items()}
-    return replace(
-        modelled,
-        title=f"{modelled.title}'s law",
-        presets={formulation: presets for formulation, presets in modelled_presets.items() if presets},
-        batch_lanes=BATCH_LANES,
-        precision="double",
-        residual=DEFAULT_RESIDUAL,
-        deterministic=True,
-        optional=True,
-    )
-
-
-def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
-    """Give the presets that have a model; its constants come from the options that they keep."""
-    laws = {name: law_of(preset) for name, preset in presets.items()}
-    return {
-        name: replace(
-            presets[name],
-            split_tolerance=max(SPLIT_TOLERANCE, presets[name].split_tolerance),
-            known_deviation="",
-            normal_force=_normal_force(law),
-            modulated_options={},
-            batch_lanes=None,
-            static_friction=False,
-        )
-        for name, law in laws.items()
-        if law is not None
-    }
-
-
-def _normal_force(law: Law) -> NormalForce:
-    """Give how the normal force may change, that a law holds."""
-    if law.lifting:
-        return NormalForce.LIFTING
-    return NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT
-
 
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""
@@ -208,35 +112,17 @@ GONE = {"mjx": "mujoco-warp", "ovphysx": "sapien, which has PhysX too"}
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
-    ``NAME@law`` is the model of that engine's laws, which needs no package.
-
     Raises
     ------
     ParameterError
         If no engine of this name is registered, or the one that is registered is broken.
     """
-    if name.endswith(LAW_SUFFIX):
-        return _law_engine(name.removesuffix(LAW_SUFFIX))
-    versioned, at, version = name.partition("@")
-    if at and versioned in _entry_points():
-        return _version(versioned, version)
     if name not in _entry_points():
         checked_choice("engine", name, registered_names(), GONE)
     reason = broken_reason(name)
     if reason is not None:
         raise ParameterError(f"engine = {name!r} cannot be used: {reason}")
     return _loaded(name)()
-
-
-@cache
-def _law_engine(name: str) -> Engine:
-    return LawEngine(engine(name), engine("reference").version())
-
-
-@cache
-def _version(name: str, version: str) -> Engine:
-    """Give a version of a registered engine."""
-    return engine(name).versioned(version)
 
 
 def default_engine_names() -> list[str]:

@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from multibody_xval.engines.interface.changed_options import value_text
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preset
-from multibody_xval.engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
+from multibody_xval.engines.interface.registry import default_engine_names, engine, engine_names
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError, checked_choice
 
@@ -111,13 +111,6 @@ class Variant:
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
         return engine(self.engine).build(lanes, self.formulation, self.preset_name)
-
-    @property
-    def law(self) -> Self | None:
-        """Give the variant that is the model of this one's law; ``None`` where it has no model."""
-        if law_of(self.preset) is None or self.engine.endswith(LAW_SUFFIX):
-            return None
-        return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property
     def tuned(self) -> Self:

@@ -1,19 +1,12 @@
 """MuJoCo: dry friction of a joint, or of a sphere pressed on a plate."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from multibody_xval.engines.mujoco.contact import compiled_contacts
 from multibody_xval.engines.mujoco.joint import compiled_joints
-from multibody_xval.engines.mujoco.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_NEWTON,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.mujoco.reproducer import CONTACT, JOINT
 from multibody_xval.engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
 from multibody_xval.engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
@@ -32,19 +25,7 @@ class MuJoCo(PipEngine):
         package="mujoco",
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
-        presets={
-            Formulation.JOINT: {
-                "tuned": JOINT_TUNED,
-                "recommended": JOINT_RECOMMENDED,
-                "default": JOINT_DEFAULT,
-            },
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "newton": CONTACT_NEWTON,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "MuJoCo"),
         notes=(
             "Friction is a convex regularisation of Coulomb's law with a time constant: by default, in joint and "
             "contact alike, a stuck contact creeps, and no finer time step helps. The no-slip sweep of the tuned "

@@ -1,19 +1,13 @@
 """PyBullet: friction emulated by a motor in a joint, or of boxes pressed together."""
 
 import sys
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from multibody_xval.engines.pybullet.contact import PLATE, REST_DEPTH, SPACING, PyBulletContactLane
 from multibody_xval.engines.pybullet.joint import Connection, PyBulletJointLane
-from multibody_xval.engines.pybullet.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.pybullet.scene import STEP, contacts, joints
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_si
@@ -32,14 +26,7 @@ class PyBullet(PipEngine):
         package="pybullet",
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "PyBullet"),
         notes=(
             "Coulomb's law, exact in stick: in the joint emulated by a velocity motor of target zero and bounded "
             "impulse, as is usual with Bullet, in the contact boxes pressed on each other. Springs, dashpots and the "

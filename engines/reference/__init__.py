@@ -1,7 +1,6 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
 from multibody_xval.engines.interface.engine import Engine
-from multibody_xval.engines.interface.law import NotModelled
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
 from multibody_xval.engines.shared.pip_engine import installed_version
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -19,11 +18,6 @@ CONVERGED_SUBSTEPS = 32
 The scheme is of first order: at 400 steps a period its error reaches 0.2 dB on the steepest flanks
 of figure 3, at 32 times as many 0.006 dB, far below every tolerance that is compared with it.
 """
-
-
-def authority(_: Preset) -> NotModelled:
-    """Say that they are not predicted by anything: others are compared with them."""
-    return NotModelled("it is what others are judged by: Coulomb's law itself, with a finer step or none")
 
 
 class Reference(Engine):
@@ -51,13 +45,11 @@ class Reference(Engine):
                             CONVERGED_SUBSTEPS, 1, "brings the scheme's own first-order error below 0.01 dB"
                         )
                     },
-                    law=authority,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",
-                    law=authority,
                     split_tolerance=SERIES_ROUND_OFF,
                     batch_lanes=1,
                     optional=True,

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from multibody_xval.engines.mujoco.step_model import damping_rate, relative_softness
+from multibody_xval.engines.mujoco.softness import damping_rate, relative_softness
 from reference_lcp.validation import FloatArray
 
 MARGIN = 1e-3

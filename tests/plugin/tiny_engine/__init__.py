@@ -19,7 +19,6 @@ TUNED = xval.Preset(
 DEFAULT = xval.Preset(
     "As the engine comes.",
     OPTIONS,
-    law=lambda _: xval.NotModelled("no model has its compliance"),
     residual_slip_compliance=1e-3,
     known_deviation="a stuck contact creeps by a thousandth of what it would slip",
 )
