@@ -95,7 +95,9 @@ def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "default": [variant for variant in variants if variant.preset_name == "default"],
         "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
-        "modelled": [each for each in variants if law_of(engine(each.engine), each.formulation, each.preset_name) is not None],
+        "modelled": [
+            each for each in variants if law_of(engine(each.engine), each.formulation, each.preset_name) is not None
+        ],
         "turning": [variant for variant in variants if variant.preset.turns],
         "holding": [variant for variant in tuned if variant.preset.static_friction],
         "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],

@@ -132,7 +132,11 @@ def smooth_friction(speeds: FloatArray) -> Friction:
 
     def impulse(cell: int, slip: float, coupling: float, bound: float) -> float:
         speed, most, zone = abs(slip), coupling * bound, speeds[cell]
-        end = brentq(lambda w: w + most * w / np.hypot(w, zone) - speed, 0.0, speed, xtol=ROUND_OFF * speed) if speed else 0.0
+        end = (
+            brentq(lambda w: w + most * w / np.hypot(w, zone) - speed, 0.0, speed, xtol=ROUND_OFF * speed)
+            if speed
+            else 0.0
+        )
         return -float(np.copysign(bound * end / np.hypot(end, zone), slip))
 
     return impulse
@@ -156,7 +160,9 @@ def linear_law(lane: Lane, step: LinearStep, friction: Friction = soft_coulomb(0
     return take
 
 
-def _sweep(slips: FloatArray, coupling: FloatArray, bounds: FloatArray, friction: Friction, impulses: FloatArray) -> None:
+def _sweep(
+    slips: FloatArray, coupling: FloatArray, bounds: FloatArray, friction: Friction, impulses: FloatArray
+) -> None:
     """Solve all contacts by Gauss–Seidel sweeps, in place; sweeps start from the impulses of the step before."""
     own = coupling.diagonal()
     for _ in range(MOST_SWEEPS):

@@ -114,7 +114,7 @@ def outcomes(install, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str
     options = [part for name in names for part in ("--xval-engine", name)]
     usual = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-m", "slow or not slow"]
     command = [*usual, f"--junitxml={file}", *options, *nodes]
-    install("mutations").run(*command, code=1)
+    install("wrong_engines").run(*command, code=1)
     messages: dict[str, str | None] = {}
     for case in ElementTree.parse(file).getroot().iter("testcase"):
         failure = case.find("failure")
@@ -145,7 +145,7 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
 def test_a_sound_engine_passes_whatever_its_name(install) -> None:
     command = "-m pytest -q -n 0 -p no:cacheprovider --xval-engine mine+fast"
-    install("mutations").run(
+    install("wrong_engines").run(
         *command.split(),
         f"multibody_xval/engines/contract/{INTERFACE}.py",
         f"multibody_xval/engines/contract/{MODULATED}.py",
