@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.engine import sample_lane
-from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
+from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import Variant, variants_named
 from multibody_xval.scenarios.model import Case, Run

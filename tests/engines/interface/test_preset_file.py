@@ -93,7 +93,7 @@ def test_a_formula_is_a_number_at_every_time_step(tmp_path) -> None:
         ("[own]", "[mine]", "table of .*/presets.toml = 'mine' is unknown; allowed: own, all, tuned, joint, contact"),
         ("shares_scheme = true", "shares = true", "key of .*/presets.toml, joint:tuned = 'shares' is unknown"),
         ("shares_scheme = true", "shares_scheme = 1", "joint:tuned: shares_scheme = 1; allowed: true or false"),
-        ("[joint.hard.set]", "[joint.hard.set]\nsweeps = [3, 4, 5]", r"joint:hard.set: sweeps = \[3, 4, 5\]; allowed: \[value"),
+        ("[joint.hard.set]", "[joint.hard.set]\nsweeps = [3, 4, 5]", r"hard.set: sweeps = \[3, 4, 5\]; allowed: \[v"),
         ("[joint.hard.set]", "[joint.hard.set]\nsweep = [3, 'x']", "option of .*joint:hard.set = 'sweep' is unknown"),
         ("[joint.default]", "[joint.default]\nset.sweeps = [10, 'As it is.']", "sweeps = 10 is the engine's own"),
         ("2h" + '" }, "In', "2dt" + '" }, "In', "contact:tuned.modulated: landing = '2dt' is no formula"),

@@ -8,7 +8,6 @@ import pytest
 
 from multibody_xval.engines import engine, engine_names
 from multibody_xval.engines.interface.registry import default_engine_names
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.isolated import out_of_process
 from reference_lcp import ParameterError
 
