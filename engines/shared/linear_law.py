@@ -117,7 +117,7 @@ class LinearStep:
 
 
 def soft_coulomb(compliance: FloatArray | float) -> Friction:
-    """Give −p = w / ε up to the bound, and the bound beyond; ε [m/s / (N s)], zero of Coulomb's law, may be per cell."""
+    """Give −p = w / ε up to the bound, and the bound beyond; ε [m/s / (N s)] may be per cell, Coulomb has zero."""
     of_cell = np.atleast_1d(compliance)
 
     def impulse(cell: int, slip: float, coupling: float, bound: float) -> float:
