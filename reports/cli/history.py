@@ -55,4 +55,4 @@ def history(
     print_table(wide, f"Off by, in m, with {name}")
     for version, problem, status in own.loc[own["number [m]"].isna(), ["version", "problem", "status"]].to_numpy():
         print(visible(f"{version}, {problem}: {status}"))
-    print(f"{(own.status == 'agrees').sum()} of {len(own)} motions agree with the exact ones; {written}")
+    print(f"{(own.status == 'agrees').sum()} of {own['number [m]'].count()} motions agree; {written}")
