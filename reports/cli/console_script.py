@@ -19,6 +19,7 @@ COMMANDS = {
     "example": ("sweep", "Print a commented file of parameters for `sweep`."),
     "report": ("report", "Compare engines with the reference, and write a page about it."),
     "compare": ("compare", "Compare two stores, and print what has changed."),
+    "history": ("history", "Run plain blocks in released versions of an engine, and show their errors."),
     "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
     "reproduce": ("reproduce", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
@@ -31,7 +32,6 @@ GONE = {
     "animate": "report, which draws stick and slip",
     "bisect": "compare, with a store of each version",
     "card": "report --engine NAME",
-    "history": "compare, with a store of each version",
     "site": "report --engine NAME",
     "store": "the command that computes, with a new --store",
 }
