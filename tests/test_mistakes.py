@@ -81,7 +81,6 @@ COMMAND_LINES = [
     (f"sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
     ("sweep /dev/zero", r"more than 10000000 bytes"),
     ("report --engine mjx", r"engine = 'mjx' is unknown; allowed: .*; instead: mujoco-warp"),
-    ("card mujoco", r"command = 'card' is unknown; allowed: .*; instead: report --engine NAME"),
     ("report --engine mujoco@3.3.7 --quick", r"engine = 'mujoco@3.3.7' is unknown; allowed: mujoco, as installed; "),
     ("reproduce mujoco free-decay", r"scenario = 'free-decay'.*static-hold"),
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
