@@ -38,6 +38,9 @@ EXIT_CODES = (
 )
 
 
+Others = Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")]
+
+
 @dataclass(frozen=True)
 class Output:
     """Where results come from, and what of them is shown and written."""
@@ -99,7 +102,7 @@ def command(name: str) -> Any:
 @grouped
 def _named(
     context: typer.Context,
-    others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
+    others: Others = None,
     *,
     engines: Engines,
     output: Output,
@@ -112,6 +115,7 @@ def _named(
 @grouped
 def _followed(
     context: typer.Context,
+    others: Others = None,
     *,
     engines: Engines,
     record: Annotated[
@@ -121,14 +125,14 @@ def _followed(
     output: Output,
     computing: Computing,
 ) -> None:
-    """Run the scenario whose base follows a file."""
-    _answer([str(context.info_name)], engines, output, computing, record)
+    """Run the scenario whose base follows a file, and others."""
+    _answer([str(context.info_name), *(others or ())], engines, output, computing, record)
 
 
 def _answer(
     asked: Sequence[str], engines: Engines, output: Output, computing: Computing, record: Path | None = None
 ) -> None:
-    """Run scenarios, of which the only one may follow a record, print what has come out, and end with its code."""
+    """Run scenarios, of which the first may follow a record, print what has come out, and end with its code."""
     computing.check(output.store, run=output.run)
     output.check(record)
     from multibody_xval.reports.answer_files import WRITTEN, Answer
@@ -136,7 +140,7 @@ def _answer(
 
     scenarios, options = named_scenarios(asked), [] if output.run else ["--no-run"]
     if record is not None and scenarios[0].of_record is not None:
-        scenarios, options = [scenarios[0].of_record(record)], [f"--record={record}", *options]
+        scenarios, options = [scenarios[0].of_record(record), *scenarios[1:]], [f"--record={record}", *options]
     rows = _rows(scenarios, engines, output, computing)
     answer = Answer(scenarios, rows, engines.command(" ".join(asked), options), named=bool(engines.names))
     for out in output.out or ():
