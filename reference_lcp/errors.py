@@ -64,8 +64,12 @@ def checked_choice(name: str, value: str, allowed: Sequence[str], instead: Mappi
 
 
 def choices(value: object, allowed: Sequence[str]) -> str:
-    """List the names that are allowed in place of `value`, and ask whether the one most like it was meant."""
-    return f"allowed: {', '.join(allowed)}{meant(value, allowed)}"
+    """List the names that are allowed in place of `value`, and ask whether the one most like it was meant.
+
+    Names with commas are quoted.
+    """
+    names = [repr(name) if "," in name else name for name in allowed]
+    return f"allowed: {', '.join(names)}{meant(value, allowed)}"
 
 
 def meant(value: object, allowed: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ import typer
 from multibody_xval.reports.cli.options import (
     COMMENT_ENDINGS,
     Computing,
-    Engines,
+    ScenarioEngines,
     Store,
     check_outs,
     grouped,
@@ -104,7 +104,7 @@ def _named(
     context: typer.Context,
     others: Others = None,
     *,
-    engines: Engines,
+    engines: ScenarioEngines,
     output: Output,
     computing: Computing,
 ) -> None:
@@ -117,7 +117,7 @@ def _followed(
     context: typer.Context,
     others: Others = None,
     *,
-    engines: Engines,
+    engines: ScenarioEngines,
     record: Annotated[
         Path | None,
         typer.Option(help="CSV table of time in s and displacement in m; without it, the suite's example."),
@@ -130,7 +130,7 @@ def _followed(
 
 
 def _answer(
-    asked: Sequence[str], engines: Engines, output: Output, computing: Computing, record: Path | None = None
+    asked: Sequence[str], engines: ScenarioEngines, output: Output, computing: Computing, record: Path | None = None
 ) -> None:
     """Run scenarios, of which the first may follow a record, print what has come out, and end with its code."""
     computing.check(output.store, run=output.run)
@@ -151,7 +151,9 @@ def _answer(
         raise typer.Exit(ExitCode.FAILED)
 
 
-def _rows(scenarios: Sequence[Scenario], engines: Engines, output: Output, computing: Computing) -> pd.DataFrame:
+def _rows(
+    scenarios: Sequence[Scenario], engines: ScenarioEngines, output: Output, computing: Computing
+) -> pd.DataFrame:
     """Give the numbers of scenarios: what the store lacks is run, or not."""
     from multibody_xval.scenarios.catalogue.asking import answers, stored_answers
 
