@@ -56,17 +56,17 @@ class Answer(NamedTuple):
 def markdown(answer: Answer) -> str:
     """Give a comment for a pull request: one sentence, a table, all else folded."""
     lines = [f"## Scenarios: {answer.outcome}", "", markdown_text(answer.conclusion), ""]
-    lines += [*markdown_lines(_flat(overview(answer.rows))), ""]
+    lines += [*markdown_lines(flat(overview(answer.rows))), ""]
     for scenario in answer.scenarios:
         rows = answer.of(scenario)
         lines += [f"<details><summary>{scenario.name}</summary>", "", *markdown_list(asked(scenario, rows)), ""]
         for name, table in tables(rows, details=True):
-            lines += [markdown_text(name), "", *markdown_lines(_flat(table)), ""]
+            lines += [markdown_text(name), "", *markdown_lines(flat(table)), ""]
         lines += [*markdown_list(why(rows)), "", "</details>", ""]
     return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(versions(answer.rows))}", ""])
 
 
-def _flat(table: pd.DataFrame) -> pd.DataFrame:
+def flat(table: pd.DataFrame) -> pd.DataFrame:
     """Give texts in one line each."""
     return table.map(_line)
 

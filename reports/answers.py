@@ -72,11 +72,11 @@ def number_table(rows: pd.DataFrame) -> pd.DataFrame:
         rows.expected != AT_EQUAL_STEPS, rows.reference.where(rows.reference.notna(), rows.exact)
     )
     texts = {
-        "number, case": [_numbered(*own) for own in rows[["quantity", "unit", "case"]].to_numpy()],
-        "value": rows.value.map(_number),
-        "expected": expected.map(_number),
-        "off by": rows.distance.astype(float).map(_size),
-        "allowed": rows.allowed.astype(float).map(_size),
+        "number, case": [numbered(*own) for own in rows[["quantity", "unit", "case"]].to_numpy()],
+        "value": rows.value.map(number_text),
+        "expected": expected.map(number_text),
+        "off by": rows.distance.astype(float).map(size_text),
+        "allowed": rows.allowed.astype(float).map(size_text),
         "result": rows.verdict,
     }
     return pd.DataFrame(texts, rows.index, dtype=object)
@@ -93,13 +93,13 @@ def worst_table(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _numbered(name: str, unit: str, case: str) -> str:
+def numbered(name: str, unit: str, case: str) -> str:
     """Name a number, and below it its case, in lines that leave room for the other columns."""
     first = f"{name} [{unit}]" if unit else name
     return "\n".join([first, *wrap(case, NAME_WIDTH, initial_indent="  ", subsequent_indent="  ")])
 
 
-def _number(value: Any) -> str:
+def number_text(value: Any) -> str:
     """Give a number in five digits; of a complex one, its size."""
     size = abs(value) if isinstance(value, complex) else float(value)
     if not math.isfinite(size):
@@ -108,7 +108,7 @@ def _number(value: Any) -> str:
     return (text if len(text) <= len("-0.12345") else f"{size:.2e}").replace("-", "−")
 
 
-def _size(value: float) -> str:
+def size_text(value: float) -> str:
     """Give a distance in two digits; of one that round-off makes, that it is below `RESIDUE`: it is not zero."""
     return "<1e−9" if 0 < value < RESIDUE else significant(value)
 

@@ -66,7 +66,12 @@ class Output:
         bool, typer.Option("--details", help="Print every number, and not the worst case of each alone.")
     ] = False
     run: Annotated[
-        bool, typer.Option("--run/--no-run", help="Run what is missing; --no-run shows only what --store holds.")
+        bool,
+        typer.Option(
+            "--run/--no-run",
+            help="Run what is missing; --no-run shows only what --store holds: of several versions of an engine the "
+            "installed one, or else the last, which is the one that compare takes.",
+        ),
     ] = True
 
     def check(self, record: Path | None) -> None:
