@@ -1,5 +1,6 @@
 """Numbers of scenarios of two stores: what a block does is compared by its error to the exact motion."""
 
+import warnings
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,7 @@ from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, faile
 from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ParameterError
+from tests.scenarios.stores import CASE, with_bound, write_store
 
 SCENARIO, ENGINE = SCENARIOS["stopping-distance"], Config("mujoco")
 ENGINE_NAME = "mujoco:joint:tuned"
@@ -79,6 +81,18 @@ def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_
     assert changed_points(rows.reset_index()).empty
     text = markdown(Comparison(rows.reset_index(), "before", "now", 0.001, strict=False))
     assert f"; stopping-distance, {NAME} | {own.value_before:.5g} | {own.value_now:.5g} |" in text
+
+
+def test_steady_states_that_the_second_store_alone_has_are_new_without_a_warning(tmp_path: Path) -> None:
+    before, now = tmp_path / "before.sqlite", write_store(tmp_path / "now.sqlite", {CASE: with_bound(1.01)})
+    for file in (before, now):
+        with opened(file) as store:
+            store.add({run: of(run) for run in RULER} | {OWN: thrown(1.01)})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rows = compare(before, now)
+    assert set(rows[rows.scenario.isna()].change) == {"new"}
+    assert set(rows[rows.scenario.notna()].change) == {"unchanged"}
 
 
 def test_columns_of_steady_states_are_not_written_where_there_are_none(changes) -> None:
