@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from multibody_xval.reports.answer_files import flat
-from multibody_xval.reports.answers import number_text, numbered, size_text
+from multibody_xval.reports.formatting import flat, number_text, numbered, size_text
 from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
 from multibody_xval.scenarios.compare import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text

@@ -8,8 +8,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from multibody_xval.reports.answer_files import flat
 from multibody_xval.reports.changes import WRITTEN, Comparison, changed_numbers, changed_points, markdown
+from multibody_xval.reports.formatting import flat
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare import compare, conclusion, fails
 from multibody_xval.scenarios.compute.batch import run_batch
