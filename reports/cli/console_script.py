@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from reference_lcp.errors import checked_choice
 from reference_lcp.process import run_command
 
 COMMANDS = {
@@ -26,16 +25,6 @@ COMMANDS = {
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
 }
 """The module of `multibody_xval.reports.cli` that has each command, and what the command does in a sentence."""
-
-
-GONE = {
-    "animate": "report, which draws stick and slip",
-    "bisect": "compare, with a store of each version",
-    "card": "report --engine NAME",
-    "site": "report --engine NAME",
-    "store": "the command that computes, with a new --store",
-}
-"""Commands of before, and what to use instead."""
 
 
 class HelpAlone(TyperGroup):
@@ -61,8 +50,6 @@ class CommandsOnUse(HelpAlone):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Give the command itself, with the arguments that are left for it."""
-        if args and args[0] in GONE:
-            checked_choice("command", args[0], list(COMMANDS), GONE)
         self.commands = {name: self.get_command(ctx, name) for name in COMMANDS}  # of which typer suggests one
         name, _, rest = super().resolve_command(ctx, args)
         return name, loaded(name), rest
