@@ -86,7 +86,6 @@ COMMAND_LINES = [
     ("sweep sweep.toml --workers 1000000", r"workers = 1000000.*1 to 1024"),
     (f"sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
     ("sweep /dev/zero", r"more than 10000000 bytes"),
-    ("report --engine mjx", r"engine = 'mjx' is unknown; allowed: .*; instead: mujoco-warp"),
     ("report --engine mujoco@3.3.7 --quick", r"engine = 'mujoco@3.3.7' is unknown; allowed: mujoco, as installed; "),
     ("reproduce mujoco free-decay", r"scenario = 'free-decay'.*static-hold"),
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
