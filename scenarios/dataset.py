@@ -13,7 +13,7 @@ from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Status
 from multibody_xval.scenarios.result_tables import described
 from multibody_xval.scenarios.store import identity
-from multibody_xval.scenarios.sweep_file import content_of, sweep_of
+from multibody_xval.scenarios.sweep_file import sweep_of
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS, Sweep
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray
@@ -80,7 +80,7 @@ def dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
 def _values(sweep: Sweep, own: pd.DataFrame) -> dict[str, list[float]]:
     """Give the values of the axes; of adaptive frequencies, those of all points."""
     values = {name: list(axis) for name, axis in sweep.axes.items()}
-    if sweep.grid is not None:
+    if sweep.adaptive is not None:
         values[FREQUENCY] = sorted(set(own[FREQUENCY]))
     return values
 
@@ -103,11 +103,11 @@ def _describe(data: xr.Dataset, sweep: Sweep) -> None:
     for name, unit in {**units, **dict.fromkeys(sweep.axes, "1"), "modulation_phase": "rad"}.items():
         if name in data.variables:
             data[name].attrs["units"] = unit
-    of_force = {"friction_ratio": FORCE_FRICTION} if sweep.drive == "force" else {}
+    of_force = {"friction_ratio": FORCE_FRICTION} if sweep.drive.kind == "force" else {}
     for name in sweep.axes:
         data[name].attrs["long_name"] = (AXES | of_force).get(name, name.replace("_", " "))
     known = {str(config): _identity(config) for config in sweep.configs}
-    data.attrs = {"sweep": json.dumps(content_of(sweep)), "configurations": json.dumps(known)}
+    data.attrs = {"sweep": sweep.model_dump_json(exclude_none=True), "configurations": json.dumps(known)}
 
 
 def _identity(config: Config) -> dict[str, str]:

@@ -1,21 +1,17 @@
 """A sweep from a TOML file: what may stand in it, and errors that name the place."""
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-import numpy as np
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
+from pydantic import ValidationError
 
 from multibody_xval.engines.interface.variant import variants_named
-from multibody_xval.scenarios.frequency_grid import MOST_VALUES, AdaptiveGrid, Decibel
+from multibody_xval.scenarios.frequency_grid import AdaptiveGrid
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.sweep_mistakes import mistake
-from multibody_xval.scenarios.sweep_plan import COUNTS, FREQUENCY, Sweep
-from reference_lcp.defaults import BASE_AMPLITUDE, CHAIN_STIFFNESS, FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.validation import LARGEST_PARAMETER, LARGEST_UNIT, MOST_STEPS
+from multibody_xval.scenarios.sweep_plan import AXES, CHAIN, Drive, Range, Sweep, Tolerances
+from reference_lcp.errors import ParameterError, checked_path, choices, shown
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.
@@ -69,56 +65,23 @@ amplitude = 0.01             # > 0: of the base U0 [m], of the force P0 [N]; fri
 LARGEST_FILE = 10_000_000
 """Bytes of a sweep file: half a million values one by one; a device may never end."""
 
-AMPLITUDES = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
-"""U0 [m] or P0 [N] by kind of drive where none is given: both displace alike."""
+KEYS: dict[str, Collection[str]] = {
+    "": Sweep.model_fields, "grid": AXES, "chain": CHAIN,
+    "drive": Drive.model_fields, "tolerances": Tolerances.model_fields,
+    "range": Range.model_fields, "adaptive": AdaptiveGrid.model_fields,
+}  # fmt: skip
+"""Keys of the file, of its tables and of the values of an axis."""
 
+FORMS = ("values", "range", "adaptive", "float", "list[float]")
+"""What pydantic puts into the place of a value that may have several forms."""
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-_Bounded = Annotated[float, Field(ge=-LARGEST_PARAMETER, le=LARGEST_PARAMETER, allow_inf_nan=False)]
-
-
-class _Range(_Table):
-    first: _Bounded
-    last: _Bounded
-    points: Annotated[int, Field(ge=2, le=MOST_VALUES)]
-
-
-class _Drive(_Table):
-    kind: Literal["base", "force"] = "base"
-    amplitude: Annotated[float, Field(gt=0, le=LARGEST_UNIT, allow_inf_nan=False)] = Field(
-        default_factory=lambda read: AMPLITUDES[read["kind"]]
-    )
-
-
-class _Tolerances(_Table):
-    transmittance_db: Decibel
-
-
-def _form(values: object) -> str:
-    """Give the form in which the values of an axis are written."""
-    if isinstance(values, dict):
-        return "adaptive" if "accuracy_db" in values else "range"
-    return "values"
-
-
-_Axis = Annotated[
-    Annotated[list[float], Tag("values")] | Annotated[_Range, Tag("range")] | Annotated[AdaptiveGrid, Tag("adaptive")],
-    Discriminator(_form),
-]
-
-
-class _File(_Table):
-    """The content of a sweep file, as `EXAMPLE` shows it."""
-
-    engines: Annotated[list[str], Field(min_length=1)]
-    grid: dict[str, _Axis]
-    chain: dict[str, float | list[float]] = {}
-    drive: _Drive = _Drive()
-    tolerances: _Tolerances | None = None
-    steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD, le=MOST_STEPS)] = MINIMUM_STEPS_PER_PERIOD
+ALLOWED = {
+    "greater_than": "> {gt:g}", "greater_than_equal": ">= {ge:g}", "less_than_equal": "<= {le:g}",
+    "finite_number": "a finite number", "float_type": "a number", "int_type": "a whole number",
+    "int_from_float": "a whole number", "string_type": "a name in quotes", "list_type": "a list",
+    "too_short": "at least one", "literal_error": "{expected}", "missing": "as `multibody-xval example` shows",
+}  # fmt: skip
+"""What a value may be, by what is wrong with it; of all else, a table."""
 
 
 def sweep_of(content: dict[str, Any], named: Callable[[list[str]], list[Config]] = variants_named) -> Sweep:
@@ -137,39 +100,27 @@ def sweep_of(content: dict[str, Any], named: Callable[[list[str]], list[Config]]
         If a key is unknown or missing, or a value outside its range.
     """
     try:
-        file = _File.model_validate(content)
+        sweep = Sweep.model_validate(content)
     except ValidationError as problem:
-        raise mistake(problem) from None
-    adaptive = {name: own for name, own in file.grid.items() if isinstance(own, AdaptiveGrid)}
-    for name in adaptive.keys() - {FREQUENCY}:
-        raise ParameterError(f"grid.{name} has an accuracy; allowed: of {FREQUENCY} only")
-    unit = 1.0 if file.drive.kind == "base" else CHAIN_STIFFNESS
-    return Sweep(
-        configs=tuple(dict.fromkeys(named(file.engines))),
-        axes={name: _values(name, own) for name, own in file.grid.items()},
-        chain={name: tuple(own) if isinstance(own, list) else _whole(name, own) for name, own in file.chain.items()},
-        drive=file.drive.kind,
-        displacement=file.drive.amplitude / unit,
-        steps_per_period=file.steps_per_period,
-        grid=adaptive.get(FREQUENCY),
-        tolerance_db=None if file.tolerances is None else file.tolerances.transmittance_db,
-    )
+        errors: list[Any] = problem.errors()
+        worst = max(errors, key=lambda own: (own["type"] == "extra_forbidden", len(own["loc"])))
+        raise ParameterError(_text(worst)) from None
+    return sweep.model_copy(update={"engines": list(dict.fromkeys(map(str, named(sweep.engines))))})
 
 
-def content_of(sweep: Sweep) -> dict[str, Any]:
-    """Give plain data that `sweep_of` reads."""
-    unit = 1.0 if sweep.drive == "base" else CHAIN_STIFFNESS
-    grid: dict[str, Any] = {name: list(values) for name, values in sweep.axes.items()}
-    if sweep.grid is not None:
-        grid[FREQUENCY] = sweep.grid.model_dump()
-    return {
-        "engines": [str(config) for config in sweep.configs],
-        "steps_per_period": sweep.steps_per_period,
-        "grid": grid,
-        "chain": {name: list(own) if isinstance(own, tuple) else own for name, own in sweep.chain.items()},
-        "drive": {"kind": sweep.drive, "amplitude": sweep.displacement * unit},
-        **({} if sweep.tolerance_db is None else {"tolerances": {"transmittance_db": sweep.tolerance_db}}),
-    }
+def _text(error: dict[str, Any]) -> str:
+    """Tell of a mistake in one line: its key, its value, and what is allowed."""
+    place, kind = [str(part) for part in error["loc"]], error["type"]
+    table = place[-2] if len(place) > 1 else ""
+    key = ".".join(part for part in place if part not in FORMS)
+    if kind == "value_error":
+        return ".".join(filter(None, [key, str(error["ctx"]["error"])]))
+    if kind == "extra_forbidden":
+        return f"{key} is unknown; {choices(place[-1], list(KEYS[table]))}"
+    keys = ", ".join(KEYS.get(place[-1] if place else "", ()))
+    allowed = ALLOWED.get(kind, f"a table with {keys}").format(**error.get("ctx", {}))
+    wrong = "is missing" if kind == "missing" else f"= {shown(error['input'])}"
+    return f"{key or 'a sweep'} {wrong}; allowed: {allowed}"
 
 
 def read_sweep(file: Path) -> Sweep:
@@ -197,18 +148,3 @@ def read_sweep(file: Path) -> Sweep:
         return sweep_of(content)
     except ParameterError as problem:
         raise ParameterError(f"{file}: {problem}") from None
-
-
-def _values(name: str, written: list[float] | _Range | AdaptiveGrid) -> tuple[float, ...]:
-    """Give the values of an axis; none where they are adaptive."""
-    if isinstance(written, AdaptiveGrid):
-        return ()
-    values = (
-        np.linspace(written.first, written.last, written.points).tolist() if isinstance(written, _Range) else written
-    )
-    return tuple(_whole(name, value) for value in values)
-
-
-def _whole(name: str, value: float) -> float:
-    """Give the value of a parameter that is counted as a whole number."""
-    return int(value) if name in COUNTS and float(value).is_integer() else value

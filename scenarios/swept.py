@@ -32,7 +32,7 @@ def stored_sweep(sweep: Sweep, store: Path) -> xr.Dataset:
     new = sweep.runs()
     while new := [run for run in new if run in kept and run not in found]:
         found |= {run: kept[run] for run in new}
-        new = sweep.propose(points(found.values()))
+        new = sweep.runs(points(found.values()))
     return _judged(sweep, points(found.values()))
 
 

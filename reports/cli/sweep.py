@@ -98,7 +98,7 @@ def print_counts(planned: Sweep, table: pd.DataFrame) -> None:
     """Print what has become of the points of every configuration, with the largest error and where it is."""
     from multibody_xval.scenarios.judge import AGREES, DEVIATES, VERDICTS
 
-    places = 0 if planned.grid is not None else planned.points // len(planned.configs)
+    places = 0 if planned.adaptive is not None else planned.points // len(planned.configs)
     rows = []
     for config in planned.configs:
         own = table[table.config == config]

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config, Run
-from multibody_xval.scenarios.sweep_file import EXAMPLE, content_of, read_sweep, sweep_of
+from multibody_xval.scenarios.sweep_file import EXAMPLE, read_sweep, sweep_of
 from multibody_xval.scenarios.sweep_plan import Sweep
 from reference_lcp.defaults import CHAIN_STIFFNESS
 from reference_lcp.errors import ParameterError
@@ -28,7 +28,7 @@ def swept(**changes: Any) -> Sweep:
 def test_the_example_is_read_and_written_again() -> None:
     sweep = sweep_of(tomllib.loads(EXAMPLE))
     assert sweep.points == 3 * 3 * 14
-    assert sweep_of(content_of(sweep)) == sweep
+    assert sweep_of(sweep.model_dump(exclude_none=True)) == sweep
 
 
 def test_runs_are_those_of_the_engines_and_of_the_ruler() -> None:
@@ -70,15 +70,12 @@ def test_an_adaptive_sweep_begins_before_it_proposes() -> None:
          "frequency_ratio": case.frequency_ratio, "status": "periodic", "transmittance_db": 0.0}
         for case in begun
     ]  # fmt: skip
-    proposed = {run.case for run in sweep.propose(pd.DataFrame(rows))}
+    proposed = {run.case for run in sweep.runs(pd.DataFrame(rows))}
     assert len(proposed) == len(begun) - 1
-    assert sweep_of(content_of(sweep)) == sweep
+    assert sweep_of(sweep.model_dump(exclude_none=True)) == sweep
 
 
-VALUES = "a list of numbers, such as [0.1, 0.3], or { first = 0.3, last = 1.6, points = 14 }"
-FORMS = "allowed: first, last, points, or first, last, accuracy_db, least_spacing, most_points"
 ENDS = {"first": 0.5, "last": 1.5}
-DECIBEL = "a number > 0, up to 1000"
 
 
 def axis(**values: Any) -> dict[str, Any]:
@@ -93,50 +90,55 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     (axis(friction_ratio=[-1.0]), "grid.friction_ratio = -1 is outside its range; allowed: >= 0, up"),
     ({"grid": {"friction_ratio": [0.3]}}, "grid.frequency_ratio is missing; allowed: at least one value"),
     (axis(mas_ratio=[1.0]), "grid.mas_ratio is unknown; allowed: friction_ratio, "),
-    (axis(mas_ratio="x"), "grid.mas_ratio is unknown; allowed: friction_ratio, "),
     (axis(cells=[2.5]), "grid.cells = 2.5 is not a whole number; allowed: >= 1"),
-    (axis(mass_ratio=2.5), f"grid.mass_ratio = 2.5; allowed: {VALUES}"),
+    (axis(mass_ratio=2.5), "grid.mass_ratio = 2.5; allowed: a list"),
     (axis(mass_ratio=["x"]), "grid.mass_ratio.0 = 'x'; allowed: a number"),
-    (axis(mass_ratio=ENDS), "grid.mass_ratio.points is missing; allowed: a whole number from 2 to"),
-    (axis(mass_ratio={**ENDS, "steps": 3}), f"grid.mass_ratio.steps is unknown; {FORMS}"),
-    (axis(mass_ratio={**ENDS, "point": 3}), f"grid.mass_ratio.point is unknown; {FORMS}; did you mean points?"),
-    (axis(mass_ratio={**ENDS, "points": 1}), "grid.mass_ratio.points = 1; allowed: a whole number from 2 to"),
+    (axis(mass_ratio=ENDS), "grid.mass_ratio.points is missing; allowed: as `multibody-xval example` shows"),
+    (axis(mass_ratio={**ENDS, "steps": 3}), "grid.mass_ratio.steps is unknown; allowed: first, last, points"),
+    (
+        axis(mass_ratio={**ENDS, "point": 3}),
+        "grid.mass_ratio.point is unknown; allowed: first, last, points; did you mean points?",
+    ),
+    (axis(mass_ratio={**ENDS, "points": 1}), "grid.mass_ratio.points = 1; allowed: >= 2"),
     (
         axis(mass_ratio={**ENDS, "points": 3, "first": "x"}),
-        "grid.mass_ratio.first = 'x'; allowed: a number from -1e+12 to",
+        "grid.mass_ratio.first = 'x'; allowed: a number",
     ),
     (
         axis(mass_ratio={**ENDS, "accuracy_db": 1.0}),
         "grid.mass_ratio has an accuracy; allowed: of frequency_ratio only",
     ),
-    (curve(accuracy_db=0.0), f"grid.frequency_ratio.accuracy_db = 0.0; allowed: {DECIBEL}"),
-    (curve(first=0.0), "grid.frequency_ratio.first = 0.0; allowed: a number > 0, up"),
+    (curve(accuracy_db=0.0), "grid.frequency_ratio.accuracy_db = 0.0; allowed: > 0"),
+    (curve(first=0.0), "grid.frequency_ratio.first = 0.0; allowed: > 0"),
     (curve(last=0.2), "grid.frequency_ratio.last = 0.2; allowed: > first = 0.5"),
-    (curve(points=3), f"grid.frequency_ratio.points does not go with the other keys; {FORMS}"),
-    ({"grid": [0.3]}, "grid = [0.3]; allowed: a table with friction_ratio and frequency_ratio"),
+    (
+        curve(points=3),
+        "grid.frequency_ratio.points is unknown; allowed: first, last, accuracy_db, least_spacing, most_points",
+    ),
+    ({"grid": [0.3]}, "grid = [0.3]; allowed: a table with friction_ratio, frequency_ratio, cells"),
     (
         {"chain": {"mass_ratio": "x"}},
-        "chain.mass_ratio = 'x'; allowed: a number, or a list with a number for every cell",
+        "chain.mass_ratio = 'x'; allowed: a number",
     ),
     ({"chain": {"mass_ratio": [1.0, "x"]}}, "chain.mass_ratio.1 = 'x'; allowed: a number"),
     ({"chain": {"mass_ratio": [1.0, 2.0]}}, "chain.mass_ratio has 2 values and the chain 7 cells; allowed: one number"),
     ({"chain": {"mass": 1.0}}, "chain.mass is unknown; allowed: cells, "),
     ({"chain": {"cells": 0}}, "chain.cells = 0 is outside its range; allowed: whole numbers >= 1, up to 100000"),
-    ({"drive": {"kind": "forse"}}, 'drive.kind = \'forse\'; allowed: "base" or "force"'),
-    ({"drive": {"amplitude": 0.0}}, "drive.amplitude = 0.0; allowed: a number > 0, up to 1e+24"),
+    ({"drive": {"kind": "forse"}}, "drive.kind = 'forse'; allowed: 'base' or 'force'"),
+    ({"drive": {"amplitude": 0.0}}, "drive.amplitude = 0.0; allowed: > 0"),
     ({"drive": {"amplitud": 1.0}}, "drive.amplitud is unknown; allowed: kind, amplitude; did you mean amplitude?"),
-    ({"drive": 3}, "drive = 3; allowed: a table with kind and amplitude"),
-    ({"steps_per_period": 3}, "steps_per_period = 3; allowed: a whole number from 16 to 1000000"),
-    ({"steps_per_period": 20.5}, "steps_per_period = 20.5; allowed: a whole number from 16 to 1000000"),
+    ({"drive": 3}, "drive = 3; allowed: a table with kind, amplitude"),
+    ({"steps_per_period": 3}, "steps_per_period = 3; allowed: >= 16"),
+    ({"steps_per_period": 20.5}, "steps_per_period = 20.5; allowed: a whole number"),
     (
         {"steps": 400},
-        "steps is unknown; allowed: engines, steps_per_period, grid, chain, drive, tolerances; did you mean steps_",
+        "steps is unknown; allowed: engines, grid, chain, drive, tolerances, steps_per_period; did you mean steps_",
     ),
     ({"engines": ["nope"]}, "engine = 'nope' is unknown; allowed: reference"),
-    ({"engines": "mujoco"}, "engines = 'mujoco'; allowed: at least one name in quotes, such as "),
-    ({"engines": [1]}, 'engines.0 = 1; allowed: a name in quotes, such as "mujoco"'),
-    ({"tolerances": {"transmittance_db": 0.0}}, f"tolerances.transmittance_db = 0.0; allowed: {DECIBEL}"),
-    ({"tolerances": {}}, f"tolerances.transmittance_db is missing; allowed: {DECIBEL}"),
+    ({"engines": "mujoco"}, "engines = 'mujoco'; allowed: a list"),
+    ({"engines": [1]}, "engines.0 = 1; allowed: a name in quotes"),
+    ({"tolerances": {"transmittance_db": 0.0}}, "tolerances.transmittance_db = 0.0; allowed: > 0"),
+    ({"tolerances": {}}, "tolerances.transmittance_db is missing; allowed: as "),
 ]
 
 
@@ -149,12 +151,12 @@ def test_errors_name_key_value_and_range(change: dict[str, Any], message: str) -
 def test_a_key_that_is_misspelt_comes_before_one_that_is_missing() -> None:
     with pytest.raises(ParameterError, match=r"^engine is unknown; .*; did you mean engines\?$"):
         sweep_of({"engine": ["reference"], "grid": GRID})
-    with pytest.raises(ParameterError, match=r"^grid is missing; allowed: a table with friction_ratio"):
+    with pytest.raises(ParameterError, match=r"^grid is missing; allowed: as `multibody-xval example` shows"):
         sweep_of({"engines": ["reference"]})
 
 
 def test_what_is_no_table_is_no_sweep() -> None:
-    with pytest.raises(ParameterError, match=r"^a sweep = \[1\]; allowed: a table with engines and grid$"):
+    with pytest.raises(ParameterError, match=r"^a sweep = \[1\]; allowed: a table with engines, grid, chain, "):
         sweep_of([1])  # as a stranger's dataset may have it
 
 
