@@ -1,21 +1,29 @@
-"""A sweep as labelled arrays: judged points with units, options and versions, and the sweep itself; and back again."""
+"""A sweep as labelled arrays: judged points with units, options and versions, and the sweep itself; and back again.
+
+Files are NetCDF that any program reads, or CSV with a row a point.
+"""
 
 import json
 from collections.abc import Mapping
+from itertools import zip_longest
+from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
-from multibody_xval.scenarios.model import REFERENCE, Case, Config, Status
-from multibody_xval.scenarios.result_tables import described
+from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Config, Status
+from multibody_xval.scenarios.result_tables import CONFIG, described, file_columns
 from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweep_file import sweep_of
 from multibody_xval.scenarios.sweep_plan import FREQUENCY, STEPS, Sweep
-from reference_lcp.errors import ParameterError, checked_choice
+from multibody_xval.scenarios.table_text import csv_text
+from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
 
 UNITS = {
@@ -29,6 +37,8 @@ UNITS = {
 
 COMPLEX = ("ratio", "exact", "reference")
 """Transmittances of judged points, each as a real and an imaginary part."""
+
+NUMBERS = [*UNITS, *(f"{name}_{part}" for name in COMPLEX for part in ("real", "imag"))]
 
 TEXTS = ("status", "verdict", "expected", "exact_kind", "reason", "version")
 
@@ -50,8 +60,11 @@ FORCE_FRICTION = "friction bound over the amplitude of the force, μ λ_N / P0"
 NO_POINT = "missing"
 """Status where a sweep has no point: adaptive curves have each their own frequencies."""
 
-ROUND_OFF = 1e-9
-"""Of fractions that are sums of durations."""
+FIRST = ("configuration", *CONFIG, "version", *CASE, "steps", "status", "verdict")
+"""Columns of a file of points, before all others."""
+
+LARGEST_DATASET = 2**30
+"""Bytes of all arrays of a dataset in memory. A compressed file may claim more."""
 
 WHOLE = "what multibody_xval.sweep gives, a part of it by data.sel(...), or a file of it"
 
@@ -87,20 +100,15 @@ def _values(sweep: Sweep, own: pd.DataFrame) -> dict[str, list[float]]:
 
 def _by_cell(stuck: pd.Series, labels: Mapping[str, list[Any]]) -> xr.DataArray:
     """Give the stuck fractions of all points along a dimension ``cell``; NaN where a chain is shorter."""
-    rows = [own if isinstance(own, tuple) else () for own in stuck]
-    cells = max(map(len, rows), default=0)
-    padded = np.full((len(rows), cells), np.nan)
-    for values, row in zip(padded, rows, strict=True):
-        values[: len(row)] = row
-    shape = [len(values) for values in labels.values()]
-    coordinates = {**labels, "cell": range(1, cells + 1)}
-    return xr.DataArray(padded.reshape(*shape, cells), coordinates, dims=[*labels, "cell"])
+    cells = list(zip_longest(*(own if isinstance(own, tuple) else () for own in stuck), fillvalue=np.nan))
+    values = np.array(cells, dtype=float).reshape(len(cells), *map(len, labels.values()))
+    return xr.DataArray(values, {"cell": range(1, len(cells) + 1), **labels}).transpose(..., "cell")
 
 
 def _describe(data: xr.Dataset, sweep: Sweep) -> None:
     """Add units, descriptions, the sweep, and what its configurations are."""
-    units = {**UNITS, **{f"{name}_{part}": "1" for name in COMPLEX for part in ("real", "imag")}, "stuck_fraction": "1"}
-    for name, unit in {**units, **dict.fromkeys(sweep.axes, "1"), "modulation_phase": "rad"}.items():
+    units = dict.fromkeys([*NUMBERS, "stuck_fraction", *sweep.axes], "1") | UNITS | {"modulation_phase": "rad"}
+    for name, unit in units.items():
         if name in data.variables:
             data[name].attrs["units"] = unit
     of_force = {"friction_ratio": FORCE_FRICTION} if sweep.drive.kind == "force" else {}
@@ -144,37 +152,25 @@ def judged_table(data: Any) -> pd.DataFrame:
         If the data are of something else than a sweep, or lack a part of it.
     """
     sweep = sweep_in(data)
-    names = ["configuration", *sweep.axes]
-    lacking = [name for name in (*names, *_VARIABLES) if name not in data.variables]
-    if lacking:
-        raise ParameterError(f"the data lack {', '.join(lacking)}; allowed: {WHOLE}")
-    whole = data[[*_VARIABLES]].expand_dims([name for name in names if name not in data.dims]).transpose(*names, ...)
-    if not set(whole.dims) <= {*names, "cell"}:
-        raise ParameterError(f"the data have the dimensions {', '.join(map(str, whole.dims))}; allowed: {names}")
-    _check_values(whole)
-    numbers = whole.drop_dims("cell", errors="ignore").drop_vars(["stuck_fraction", "cell"], errors="ignore")
-    rows = numbers.to_dataframe(dim_order=names).reset_index()
-    stuck = whole.stuck_fraction.values.reshape(len(rows), -1)
-    kept = (rows.status != NO_POINT).to_numpy()
-    rows = rows[kept].reset_index(drop=True).assign(stuck=pd.Series(map(_present, stuck[kept]), dtype=object))
+    try:
+        return _with_cases(_rows(data, ["configuration", *sweep.axes]), sweep)
+    except ParameterError:
+        raise
+    except (KeyError, ValueError, TypeError) as problem:
+        raise ParameterError(f"the data are not as a sweep gives them: {problem}; allowed: {WHOLE}") from None
+
+
+def _rows(data: xr.Dataset, names: list[str]) -> pd.DataFrame:
+    """Give the points of data along dimensions, of which some may be single values."""
+    own = data[[*NUMBERS, *TEXTS, "stuck_fraction"]]
+    whole = own.expand_dims([name for name in names if name not in data.dims]).transpose(*names, "cell")
+    rows = whole.drop_vars(["stuck_fraction", "cell"]).to_dataframe(dim_order=names).reset_index()
+    rows["stuck"] = [_present(own) for own in whole.stuck_fraction.values.reshape(len(rows), -1)]
+    rows = rows[rows.status != NO_POINT].reset_index(drop=True)
+    rows = rows.assign(status=[str(Status(own)) for own in rows.status], **rows[NUMBERS].apply(pd.to_numeric))
     for name in COMPLEX:
         rows[name] = rows.pop(f"{name}_real") + 1j * rows.pop(f"{name}_imag")
-    return _with_cases(rows, sweep)
-
-
-_NUMBERS = (*UNITS, *(f"{name}_{part}" for name in COMPLEX for part in ("real", "imag")), "stuck_fraction")
-_VARIABLES = (*_NUMBERS, *TEXTS)
-
-
-def _check_values(data: xr.Dataset) -> None:
-    """Refuse what no sweep has written."""
-    for name in _NUMBERS:
-        if data[name].dtype.kind not in "fiu":
-            raise ParameterError(f"{name} of the data is no number; allowed: numbers, NaN where there is none")
-    for status in map(str, np.unique(data.status.values.astype(str))):
-        checked_choice("status of the data", status, [*Status, NO_POINT])
-    if ((data.stuck_fraction < 0) | (data.stuck_fraction > 1 + ROUND_OFF)).any():
-        raise ParameterError("stuck_fraction of the data is outside its range; allowed: 0 to 1")
+    return rows
 
 
 def _present(stuck: FloatArray) -> tuple[float, ...]:
@@ -198,3 +194,48 @@ def by_tolerance(table: pd.DataFrame, tolerance_db: float | None) -> pd.DataFram
     verdict = np.where(table.error_db.abs() <= tolerance_db, AGREES, DEVIATES)
     known = (table.status == "periodic") & table.error_db.notna()
     return table.assign(verdict=np.where(known, verdict, table.verdict), expected="exact value")
+
+
+def write_dataset(data: xr.Dataset, file: Path) -> None:
+    """Write a dataset as NetCDF (``.nc``), or its points, a row a run (``.csv``)."""
+    if file.suffix == ".nc":
+        # in memory: HDF5 ends the process on a full disk
+        write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
+        return
+    table = judged_table(data).drop(columns=list(COMPLEX))
+    write_whole(file, csv_text(file_columns(table[[*FIRST, *(name for name in table if name not in FIRST)]])))
+
+
+def read_dataset(file: Path) -> xr.Dataset:
+    """Read the dataset of a sweep; `judged_table` and `sweep_in` check what it holds.
+
+    Raises
+    ------
+    ParameterError
+        If the file is missing, damaged, too large in memory, or refers to other files.
+    """
+    if file.suffix != ".nc":
+        raise ParameterError(f"{file} has the ending {file.suffix!r}; allowed: .nc")
+    if not checked_path("dataset", file).is_file():
+        raise ParameterError(f"{file} cannot be read: there is no such file; allowed: NetCDF")
+    try:
+        _check_links(file)
+        with xr.open_dataset(file, engine="h5netcdf") as opened:
+            size = opened.nbytes
+            if size <= LARGEST_DATASET:
+                return opened.load()
+    except ParameterError:
+        raise
+    except Exception as problem:  # HDF5, h5netcdf and xarray raise all kinds of them on a damaged file
+        reason = " ".join(str(problem).split())
+        raise ParameterError(f"{file} cannot be read: {reason}; allowed: NetCDF as `sweep --out` writes it") from None
+    raise ParameterError(f"{file} holds {size:.3g} bytes; allowed: {LARGEST_DATASET:.3g}")
+
+
+def _check_links(file: Path) -> None:
+    """Refuse arrays that HDF5 would take out of other files."""
+    with h5py.File(file) as arrays:
+        for name in arrays:
+            own = arrays[name] if isinstance(arrays.get(name, getlink=True), h5py.HardLink) else None
+            if own is None or (isinstance(own, h5py.Dataset) and (own.external or own.is_virtual)):
+                raise ParameterError(f"{file}: {name!r} lies in another file; allowed: arrays in the file itself")

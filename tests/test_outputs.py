@@ -8,7 +8,7 @@ import pytest
 
 import reference_lcp
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.dataset_file import write_dataset
+from multibody_xval.scenarios.dataset import write_dataset
 from multibody_xval.scenarios.functions import sweep
 from multibody_xval.scenarios.store import Store
 from reference_lcp import ParameterError

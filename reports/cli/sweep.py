@@ -62,8 +62,7 @@ def sweep(
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """
     computing.check(store, run=run)
-    from multibody_xval.scenarios.dataset import judged_table
-    from multibody_xval.scenarios.dataset_file import write_dataset
+    from multibody_xval.scenarios.dataset import judged_table, write_dataset
     from multibody_xval.scenarios.judge import conclusion
     from multibody_xval.scenarios.store import checked_store, existing_store
     from multibody_xval.scenarios.sweep_file import read_sweep

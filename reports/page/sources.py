@@ -99,7 +99,7 @@ def _of_sweep(stored: Sequence[Stored], sweep: "Sweep") -> list[Stored]:
 
 def dataset_page(file: Path, folder: Path, command: str) -> Written:
     """Write the page of the file of a dataset; nothing is computed."""
-    from multibody_xval.scenarios.dataset_file import read_dataset
+    from multibody_xval.scenarios.dataset import read_dataset
 
     data = read_dataset(file)
     check_folder(folder, [file])

@@ -9,8 +9,7 @@ from multibody_xval import Chain, HarmonicForce, steady_state
 from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.write import write_page
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.dataset import dataset
-from multibody_xval.scenarios.dataset_file import write_dataset
+from multibody_xval.scenarios.dataset import dataset, write_dataset
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.result_tables import now, points

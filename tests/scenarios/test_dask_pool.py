@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from multibody_xval import sweep
-from multibody_xval.scenarios.dataset_file import write_dataset
+from multibody_xval.scenarios.dataset import write_dataset
 from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
 from reference_lcp.errors import ParameterError, RunError

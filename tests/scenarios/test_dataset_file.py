@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from multibody_xval.scenarios import dataset_file
+from multibody_xval.scenarios import dataset as module
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.dataset import dataset, judged_table
-from multibody_xval.scenarios.dataset_file import read_dataset, write_dataset
+from multibody_xval.scenarios.dataset import dataset, judged_table, read_dataset, write_dataset
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
 from multibody_xval.scenarios.result_tables import now, points
@@ -87,12 +86,12 @@ def test_arrays_that_lie_in_other_files_are_refused(file: Path, tmp_path: Path) 
     with h5py.File(file, "a") as opened:
         del opened["secret"]
         opened["other"] = h5py.ExternalLink(str(tmp_path / "other.nc"), "/x")
-    with pytest.raises(ParameterError, match="'other' is a link"):
+    with pytest.raises(ParameterError, match="'other' lies in another file"):
         read_dataset(file)
 
 
 def test_a_small_file_of_huge_arrays_is_refused(data: xr.Dataset, tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(dataset_file, "LARGEST_DATASET", 2**20)
+    monkeypatch.setattr(module, "LARGEST_DATASET", 2**20)
     huge = data.assign(zeros=("zero", np.zeros(2**18)))
     huge.to_netcdf(tmp_path / "huge.nc", engine="h5netcdf", encoding={"zeros": {"zlib": True}})
     assert (tmp_path / "huge.nc").stat().st_size < 2**20

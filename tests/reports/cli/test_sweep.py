@@ -18,7 +18,7 @@ import pytest
 import xarray as xr
 
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.dataset_file import read_dataset
+from multibody_xval.scenarios.dataset import read_dataset
 from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import Config, Result, Run, failed
 from multibody_xval.scenarios.store import Store, opened

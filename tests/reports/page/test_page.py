@@ -9,8 +9,7 @@ import pytest
 from multibody_xval.reports import report
 from multibody_xval.reports.page.sources import stored_page
 from multibody_xval.reports.page.write import SECTIONS, write_page
-from multibody_xval.scenarios.dataset import dataset
-from multibody_xval.scenarios.dataset_file import write_dataset
+from multibody_xval.scenarios.dataset import dataset, write_dataset
 from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.result_tables import points
