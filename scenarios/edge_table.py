@@ -28,9 +28,6 @@ COMPARED = ["configuration", "exact", "error", "expected", "allowed", "verdict"]
 NUMBERS = (FREQUENCY, "interpolation", "exact", "exact_bar", "error", "expected", "allowed")
 """What `edges.judged_edges` gives of an edge."""
 
-Runs = dict[Run, None]
-"""Runs in their order: the points that are asked for with one number of steps each, and all that they lead to."""
-
 
 def edge_table(data: xr.Dataset, means: Means) -> pd.DataFrame:
     """Refine both edges of every curve of a dataset, or of a part of one.
@@ -50,16 +47,12 @@ def edge_table(data: xr.Dataset, means: Means) -> pd.DataFrame:
     table = judged_table(data)
     _check_versions(table)
     axes = [name for name in sweep_in(data).axes if name != FREQUENCY]
-    groups = [own for _, own in table.groupby(STEPS, sort=False)] if STEPS in axes else [table]
-    parts = [_first_runs(own) for own in groups]
-
-    def propose(rows: pd.DataFrame) -> list[Run]:
-        return [run for part in parts for run in _missing(rows, part)]
-
-    runs = list(dict.fromkeys(run for part in parts for run in part))
     known = _known(table, data.attrs.get("configurations", "{}"))
-    rows = points(computed(runs, means, then=[("band edges", propose)], known=known))
-    found = [_edges(_rows_of(rows, part), own, axes) for own, part in zip(groups, parts, strict=True)]
+    found = []
+    for _, own in table.groupby(STEPS if STEPS in axes else lambda _row: 0, sort=False):
+        stored = computed(_first_runs(own), means, then=[("band edges", edges.propose)], known=known)
+        known |= {row.run: row.result for row in stored}
+        found.append(_edges(points(stored), own, axes))
     return _shown(pd.concat(found, ignore_index=True), axes)
 
 
@@ -76,24 +69,10 @@ def _runs(table: pd.DataFrame) -> list[Run]:
     return [Run(*own) for own in rows_of(table, "config", "case", "steps")]
 
 
-def _first_runs(table: pd.DataFrame) -> Runs:
-    """Give the runs of points, with the reference's and those of the ruler there."""
+def _first_runs(table: pd.DataFrame) -> list[Run]:
+    """Give the runs of points, and those of the ruler there."""
     own = _runs(table)
-    return dict.fromkeys([*own, *ruler((run.steady, run.steps) for run in own)])
-
-
-def _rows_of(rows: pd.DataFrame, part: Runs) -> pd.DataFrame:
-    return rows[[run in part for run in _runs(rows)]].reset_index(drop=True)
-
-
-def _missing(rows: pd.DataFrame, part: Runs) -> list[Run]:
-    """Give the runs that the edges of a part need next, and add them to it; none where its edges are refined."""
-    known = set(_runs(rows))
-    while new := edges.propose(_rows_of(rows, part)):
-        part |= dict.fromkeys(new)
-        if missing := [run for run in new if run not in known]:
-            return missing
-    return []
+    return list(dict.fromkeys([*own, *ruler((run.steady, run.steps) for run in own)]))
 
 
 def _known(table: pd.DataFrame, identities: str) -> dict[Run, Result]:
