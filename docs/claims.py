@@ -10,8 +10,17 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.engines.interface.variant import variants_named
-from multibody_xval.scenarios.claims import LOCKED, MOVED, RANGE, STATED, claim_cases, claims, of_paper
-from multibody_xval.scenarios.conclusions import conclusions, shown
+from multibody_xval.scenarios.claims import (
+    LOCKED,
+    MOVED,
+    RANGE,
+    STATED,
+    claim_cases,
+    claims,
+    conclusions,
+    of_paper,
+    shown,
+)
 from multibody_xval.scenarios.edges import edges, propose
 from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE

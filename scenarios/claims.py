@@ -1,4 +1,4 @@
-"""The paper's claims about its figure 3, answered for every configuration by its points and band edges.
+"""The paper's claims about its figure 3, and what one would conclude of them with every configuration.
 
 A claim is decided by the bands at the paper's friction ratios: both edges, and the stuck fraction at the resonator's
 frequency. With friction the band has no upper edge up to η_r = 3. Its width is therefore the share of a stated range
@@ -7,13 +7,14 @@ that it covers, which is always finite.
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.edges import DEPTH_DB, refined
-from multibody_xval.scenarios.model import REFERENCE, Case
+from multibody_xval.scenarios.model import REFERENCE, Case, Config
 from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, claim_frequency_ratios, resonances
 from multibody_xval.scenarios.result_tables import CONFIG, CURVE, coarsest, is_exact, rows_of
 
@@ -22,6 +23,8 @@ UP_TO, BEYOND, WIDEST = (0.1, 0.3, 0.6), (1.0, 5.0), 0.3
 
 RANGE = (0.3, 1.6)
 """Frequency ratios of which the band covers a share: those over which errors are stated too."""
+
+WIDTH = RANGE[1] - RANGE[0]
 
 RESONATOR = 1.0
 """Frequency ratio at which locking is read: there, an inner mass that is free moves most."""
@@ -46,6 +49,9 @@ HOLDS, READING, FAILS, OPEN = "holds", "holds as read here", "does not hold", "n
 Answer = tuple[str, str, str]
 """One of these; what decides it, or is missing; what one would conclude."""
 
+TITLES = {"default": "default options", "recommended": "recipe", "tuned": "tuned to the chain"}
+"""Presets in words."""
+
 KEY = ["configuration", *CONFIG, "version"]
 
 
@@ -69,16 +75,23 @@ def bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     absent = (edges.before < 0) & ((edges.edge == "upper") | (edges.lost == 0))
     places = edges.assign(place=edges.frequency_ratio.where(refined(edges)))[~absent]
     known = {own[:-1]: own[-1] for own in rows_of(places, *CURVE, "edge", "place")}
-    rows = []
-    own = coarsest(of_paper(points[~is_exact(points)]))
-    for key, curve in own.groupby(CURVE, sort=False):
+    needed, rows = set(claim_frequency_ratios()), []
+    for key, curve in coarsest(of_paper(points[~is_exact(points)])).groupby(CURVE, sort=False):
         ends = [known.get((*key, edge), side) for edge, side in (("lower", -math.inf), ("upper", math.inf))]
-        if (band := _band(curve, *ends)) is not None:
-            rows.append((*curve.iloc[0][KEY], curve.friction_ratio.iloc[0], *band))
+        steady = curve[curve.status == "periodic"]
+        deep = bool((steady.transmittance_db < DEPTH_DB).any())
+        ran = needed <= set(curve.frequency_ratio) and not curve.status.isin(["failed", "unsupported"]).any()
+        if not ran or np.isnan(ends).any() or (not deep and len(steady) < len(curve)):
+            continue
+        at = next(iter(steady.stuck[steady.frequency_ratio == RESONATOR]), ())
+        ends = ends if deep else [math.inf, math.inf]
+        stuck = float(np.mean(at)) if at else math.nan
+        rows.append((*curve.iloc[0][[*KEY, "friction_ratio"]], *ends, float(curve.frequency_ratio.max()), stuck))
     names = [*KEY, "friction_ratio", "lower", "upper", "last", "stuck"]
-    table = pd.DataFrame(rows, columns=names).drop_duplicates([*KEY, "friction_ratio"])
+    table = pd.DataFrame(rows, columns=names).astype(dict.fromkeys(names[-5:], float))
+    table = table.drop_duplicates([*KEY, "friction_ratio"])
     covered = table.upper.clip(upper=RANGE[1]) - table.lower.clip(lower=RANGE[0])
-    return table.assign(share=covered.clip(lower=0.0) / (RANGE[1] - RANGE[0]))
+    return table.assign(share=covered.clip(lower=0.0) / WIDTH)
 
 
 def curve_cases() -> list[Case]:
@@ -92,20 +105,6 @@ def of_paper(points: pd.DataFrame) -> pd.DataFrame:
     """Give the points of the paper's chain, at the friction ratios of its figure."""
     curves = [Case(friction_ratio=own, frequency_ratio=1.0) for own in FRICTION_RATIOS]
     return points[points.curve.isin(curves)]
-
-
-def _band(curve: pd.DataFrame, lower: float, upper: float) -> tuple[float, float, float, float] | None:
-    """Give lower and upper edge, last frequency and stuck fraction of a curve; ``None`` where points are missing."""
-    complete = set(claim_frequency_ratios()) <= set(curve.frequency_ratio)
-    if not complete or curve.status.isin(["failed", "unsupported"]).any() or math.isnan(lower) or math.isnan(upper):
-        return None
-    steady = curve[curve.status == "periodic"]
-    deep = bool((steady.transmittance_db < DEPTH_DB).any())
-    if not deep and len(steady) < len(curve):
-        return None
-    at = steady.stuck[steady.frequency_ratio == RESONATOR]
-    stuck = float(np.mean(at.iloc[0])) if len(at) and at.iloc[0] else math.nan
-    return (lower if deep else math.inf), (upper if deep else math.inf), float(curve.frequency_ratio.max()), stuck
 
 
 def claims(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
@@ -124,14 +123,41 @@ def claims(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*KEY, "claim", "answer", "numbers", "concluded"])
 
 
-def _by_configuration(points: pd.DataFrame, edges: pd.DataFrame) -> dict[tuple[object, ...], pd.DataFrame]:
+def conclusions(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
+    """Give a row a configuration, the reference first: answers, lower edges [η_r] by friction ratio, and a sentence.
+
+    Columns: those of `KEY`, a column a claim, a column a friction ratio (NaN where the band is not known),
+    ``farthest`` (how far a lower edge is off from the reference's at most; 0 where none is known) and ``sentence``.
+    """
+    known = _by_configuration(points, edges)
+    reference = next(
+        (own for key, own in known.items() if key[1] == REFERENCE.engine), next(iter(known.values()), None)
+    )
+    rows = []
+    for key, own in known.items():
+        assert reference is not None
+        off = _off(own, reference).max()
+        found = answers(own), own.lower.reindex([*FRICTION_RATIOS])
+        rows.append(
+            (*key, *(answer for answer, *_ in found[0]), *found[1], np.nan_to_num(off), _sentence(key, own, reference))
+        )
+    return pd.DataFrame(rows, columns=[*KEY, *STATED, *FRICTION_RATIOS, "farthest", "sentence"])
+
+
+def shown(table: pd.DataFrame) -> pd.DataFrame:
+    """Give the answers and edges of `conclusions` as people read them: a dash where a band is not known."""
+    texts = {f"{f:g}": ["–" if math.isnan(own) else edge_text(own) for own in table[f]] for f in FRICTION_RATIOS}
+    return table[["configuration", *STATED]].assign(**texts)
+
+
+def _by_configuration(points: pd.DataFrame, edges: pd.DataFrame) -> dict[tuple[str, ...], pd.DataFrame]:
     """Give the known bands of every configuration by friction ratio, the reference's first."""
     asked = of_paper(points[(points.frequency_ratio == RESONATOR) & ~is_exact(points)])
     keys = list(asked[KEY].drop_duplicates().itertuples(index=False, name=None))
     keys.sort(key=lambda key: key[1:4] != (REFERENCE.engine, str(REFERENCE.formulation), REFERENCE.preset_name))
-    known = bands(points, edges)
+    known = bands(points, edges).set_index("friction_ratio")
     groups = dict(iter(known.groupby(KEY, sort=False)))
-    return {key: groups.get(key, known.iloc[:0]).set_index("friction_ratio") for key in keys}
+    return {key: groups.get(key, known.iloc[:0]) for key in keys}
 
 
 def answers(own: pd.DataFrame) -> tuple[Answer, Answer, Answer]:
@@ -143,13 +169,16 @@ def _wider(own: pd.DataFrame) -> Answer:
     needed = (0.0, *UP_TO)
     if lacking := _lacking(own, needed):
         return OPEN, lacking, ""
-    low = [f for f in UP_TO if own.lower[f] < own.lower[0.0] - MOVED]
-    wide = [f for f in UP_TO if own.share[f] > own.share[0.0] + _share(MOVED)]
-    numbers = f"lower edge {_listed(own, needed)}; {_uppers(own, needed)}; {_shares(own, needed)}"
+    low = all(own.lower[f] < own.lower[0.0] - MOVED for f in UP_TO)
+    narrow = [f for f in UP_TO if not own.share[f] > own.share[0.0] + MOVED / WIDTH]
+    without = [f for f in needed if math.isinf(own.upper[f])]
+    uppers = _listed(own.upper, [f for f in needed if f not in without])
+    if without:
+        uppers += f"{', ' * bool(uppers)}none up to {own['last'][without].min():g} at {_numbers(without)}"
+    numbers = f"lower edge {_listed(own.lower, needed)}; upper edge {uppers}; {_shares(own, needed)}"
     holds = "the band is wider than without friction up to a friction ratio of 0.6"
-    narrow = _numbers(f for f in UP_TO if f not in wide)
-    fails = f"the band is not wider than without friction at {narrow}"
-    return _by_both(low == [*UP_TO], wide == [*UP_TO], numbers, holds, fails)
+    fails = f"the band is not wider than without friction at {_numbers(narrow)}"
+    return _by_both(low, not narrow, numbers, holds, fails)
 
 
 def _locked(own: pd.DataFrame) -> Answer:
@@ -158,8 +187,8 @@ def _locked(own: pd.DataFrame) -> Answer:
         return OPEN, lacking, ""
     rises = all(after > before + MOVED for before, after in itertools.pairwise(own.lower[f] for f in needed))
     slides = [f for f in BEYOND if own.stuck[f] < LOCKED]
-    stuck = ", ".join(f"{own.stuck[f]:.2f} at {f:g}" for f in BEYOND)
-    numbers = f"stuck fraction at η_r = {RESONATOR:g}: {stuck}; lower edge {_listed(own, needed)}"
+    stuck = _listed(own.stuck, BEYOND, "{:.2f}".format)
+    numbers = f"stuck fraction at η_r = {RESONATOR:g}: {stuck}; lower edge {_listed(own.lower, needed)}"
     if rises and not slides:
         return READING, numbers, "beyond, each cell behaves like one mass while the first cut-off moves up"
     wrong = [f"cells do not lock at {_numbers(slides)}"] if slides else []
@@ -172,8 +201,8 @@ def _widest(own: pd.DataFrame) -> Answer:
         return OPEN, lacking, ""
     others = own.drop(index=WIDEST)
     lowest = bool((own.lower[WIDEST] < others.lower - MOVED).all())
-    largest = bool((own.share[WIDEST] > others.share + _share(MOVED)).all())
-    numbers = f"lower edge {_listed(own, FRICTION_RATIOS)}; {_shares(own, FRICTION_RATIOS)}"
+    largest = bool((own.share[WIDEST] > others.share + MOVED / WIDTH).all())
+    numbers = f"lower edge {_listed(own.lower, FRICTION_RATIOS)}; {_shares(own, FRICTION_RATIOS)}"
     best = max(FRICTION_RATIOS, key=lambda f: own.share[f])
     where = f"widest at {best:g}" if best != WIDEST else f"no wider at {WIDEST:g} than elsewhere"
     return _by_both(lowest, largest, numbers, "the band is widest at 0.3", f"the band is {where}")
@@ -187,10 +216,6 @@ def _by_both(by_edge: bool, by_share: bool, numbers: str, holds: str, fails: str
         reading = "by the lower edge alone" if by_edge else "by the covered share alone"
         return READING, f"{reading}: {numbers}", f"{holds} ({reading})"
     return FAILS, numbers, fails
-
-
-def _share(width: float) -> float:
-    return width / (RANGE[1] - RANGE[0])
 
 
 def _lacking(own: pd.DataFrame, needed: Sequence[float], stuck: Sequence[float] = ()) -> str:
@@ -213,19 +238,53 @@ def edge_text(eta: float) -> str:
     return f"{eta:.4f}"
 
 
-def _listed(own: pd.DataFrame, needed: Sequence[float]) -> str:
-    return ", ".join(f"{edge_text(own.lower[f])} at {f:g}" for f in needed)
-
-
-def _uppers(own: pd.DataFrame, needed: Sequence[float]) -> str:
-    """Give the upper edges, and up to where the other bands have none."""
-    edges = [f"{edge_text(own.upper[f])} at {f:g}" for f in needed if math.isfinite(own.upper[f])]
-    without = [f for f in needed if math.isinf(own.upper[f])]
-    if without:
-        edges.append(f"none up to {min(own['last'][f] for f in without):g} at {_numbers(without)}")
-    return f"upper edge {', '.join(edges)}"
+def _listed(values: pd.Series, needed: Sequence[float], text: Callable[[float], str] = edge_text) -> str:
+    return ", ".join(f"{text(values[f])} at {f:g}" for f in needed)
 
 
 def _shares(own: pd.DataFrame, needed: Sequence[float]) -> str:
-    shares = ", ".join(f"{own.share[f]:.0%} at {f:g}" for f in needed).replace("%", " %")
+    shares = _listed(own.share, needed, "{:.0%}".format).replace("%", " %")
     return f"share of η_r {RANGE[0]:g} to {RANGE[1]:g}: {shares}"
+
+
+def _sentence(key: tuple[str, ...], own: pd.DataFrame, reference: pd.DataFrame) -> str:
+    """Say what one would conclude with a configuration, and how far that is from what the reference says."""
+    _, engine, formulation, whole, _ = key
+    preset, *settings = whole.split(":")
+    title = Config(engine, formulation, ":".join(["tuned", *settings])).title
+    name = "the reference" if engine == REFERENCE.engine else f"{title} ({TITLES.get(preset, preset)})"
+    found = [*zip(STATED, answers(own), answers(reference), strict=True)]
+    decided = [(mine, right) for _, mine, right in found if OPEN not in (mine[0], right[0])]
+    if not decided:
+        return f"With {name} nothing can be concluded: {found[0][1][1]}."
+    apart = [mine for mine, right in decided if mine[0] != right[0]]
+    if own is reference:
+        text = f"that {_joined([mine[2] for mine, _ in decided])}"
+    elif apart:
+        text = (
+            f"that {_joined([mine[2] for mine in apart])}, otherwise than with the reference{_farthest(own, reference)}"
+        )
+    else:
+        text = f"the same as with the reference{_farthest(own, reference)}"
+    rest = [f"Claim {claim} is not decided; {mine[1]}" for claim, mine, _ in found if mine[0] == OPEN]
+    return ". ".join([f"With {name} one would conclude {text}", *rest]) + "."
+
+
+def _joined(parts: list[str]) -> str:
+    *first, last = parts
+    return f"{', that '.join(first)}, and that {last}" if first else last
+
+
+def _off(own: pd.DataFrame, reference: pd.DataFrame) -> "pd.Series[float]":
+    """Give how far the lower edges are off from those of the reference, by friction ratio."""
+    return (own.lower[np.isfinite(own.lower)] - reference.lower).abs()
+
+
+def _farthest(own: pd.DataFrame, reference: pd.DataFrame) -> str:
+    """Say how far the lower edge is off at most; nothing where it is by less than `MOVED`."""
+    off = _off(own, reference)
+    if not off.max() >= MOVED:
+        return ""
+    worst: Any = off.idxmax()
+    size = f"{own.lower[worst]:.4f} instead of {edge_text(reference.lower[worst])}"
+    return f"; its lower edge is off by up to {off[worst]:.2g} (friction ratio {worst:g}: {size})"

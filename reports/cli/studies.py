@@ -98,8 +98,7 @@ def figure3_parts(
 ) -> dict[str, pd.DataFrame | list[str]]:
     """Give what `run figure3` shows: claims and sentences, verdicts on points, edges, and the finding."""
     from multibody_xval.reports.page.tables import edge_table, verdict_counts
-    from multibody_xval.scenarios.claims import STATED, claims
-    from multibody_xval.scenarios.conclusions import conclusions, shown
+    from multibody_xval.scenarios.claims import STATED, claims, conclusions, shown
     from multibody_xval.scenarios.judge import conclusion
 
     concluded = conclusions(every, found)

@@ -6,7 +6,7 @@ import pandas as pd
 
 from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.page.tables import at_headline
-from multibody_xval.scenarios.conclusions import TITLES
+from multibody_xval.scenarios.claims import TITLES
 from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures
 
 NAMED_AT_MOST = 4

@@ -7,8 +7,7 @@ import pandas as pd
 
 from multibody_xval.reports.figures.panels import FREQUENCY
 from multibody_xval.reports.formatting import significant
-from multibody_xval.scenarios.claims import OPEN, STATED
-from multibody_xval.scenarios.conclusions import TITLES, conclusions
+from multibody_xval.scenarios.claims import OPEN, STATED, TITLES, conclusions
 from multibody_xval.scenarios.exact_values import has_ruler
 from multibody_xval.scenarios.judge import VERDICTS
 from multibody_xval.scenarios.model import Case, Config, Status

@@ -10,9 +10,20 @@ import pytest
 from scipy.optimize import brentq
 
 from multibody_xval.scenarios import claims as module
-from multibody_xval.scenarios.claims import FAILS, HOLDS, MOVED, OPEN, READING, answers, bands, claim_cases, claims
+from multibody_xval.scenarios.claims import (
+    FAILS,
+    HOLDS,
+    MOVED,
+    OPEN,
+    READING,
+    answers,
+    bands,
+    claim_cases,
+    claims,
+    conclusions,
+    shown,
+)
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.conclusions import conclusions, shown
 from multibody_xval.scenarios.edges import edges, propose
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed, linear_limits
 from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, grid
