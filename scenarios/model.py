@@ -13,9 +13,9 @@ from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.chain_ratios import ChainRatios
-from multibody_xval.scenarios.motions import BlockMotion, ChainMotion, motion_of
-from multibody_xval.scenarios.scene_motion import SceneMotion, scene_motion_of
+from multibody_xval.scenarios.cases.chain_ratios import ChainRatios
+from multibody_xval.scenarios.cases.motions import BlockMotion, ChainMotion, motion_of
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion, scene_motion_of
 from reference_lcp import defaults
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response

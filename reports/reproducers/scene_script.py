@@ -16,11 +16,11 @@ from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, JointS
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import Number, Reproduction
 from multibody_xval.reports.reproducers.script import WIDTH, beside, header
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import REST
 from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_axes, scene_of, unsupported_reason
 from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.errors import ParameterError, checked_choice
 
 TEMPLATE = "scene.py.jinja"

@@ -9,8 +9,8 @@ import pandas as pd
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
+from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.store import Stored, identity
 from reference_lcp.errors import ParameterError, checked_choice
 

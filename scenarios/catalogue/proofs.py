@@ -12,12 +12,12 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.exact_values import MOST_EXACT_CELLS
-from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, Case
-from multibody_xval.scenarios.proven import DIGITS, RATIOS, ProvenLevel, in_table, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import CLOSED
+from multibody_xval.scenarios.ruler.exact_values import MOST_EXACT_CELLS
+from multibody_xval.scenarios.ruler.judge import FLOOR_DB
+from multibody_xval.scenarios.ruler.proven import DIGITS, RATIOS, ProvenLevel, in_table, proven_levels
 from multibody_xval.scenarios.studies.accuracy_map import MAP, SIX
 from reference_lcp.chain.preload import Preload
 from reference_lcp.deadline import NotProven

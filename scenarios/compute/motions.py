@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation, NormalForce
+from multibody_xval.scenarios.cases.motions import BlockMotion, ChainMotion
 from multibody_xval.scenarios.compute.checked import CheckedSimulation
 from multibody_xval.scenarios.model import Result, Run, Status
-from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory

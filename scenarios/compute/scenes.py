@@ -17,8 +17,8 @@ from multibody_xval.engines.interface.scene import (
     formulation_of,
 )
 from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion, swinging
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed
-from multibody_xval.scenarios.scene_motion import SceneMotion, swinging
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 

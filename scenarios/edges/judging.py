@@ -9,8 +9,9 @@ import pandas as pd
 
 from multibody_xval.scenarios.edges.exact_place import exact_levels, exact_place
 from multibody_xval.scenarios.edges.finding import edges, refined
-from multibody_xval.scenarios.exact_values import MARGIN
-from multibody_xval.scenarios.judge import (
+from multibody_xval.scenarios.result_tables import CONFIG, CURVE, is_reference
+from multibody_xval.scenarios.ruler.exact_values import MARGIN
+from multibody_xval.scenarios.ruler.judge import (
     AGREES,
     COARSE_SHARE,
     DB,
@@ -21,7 +22,6 @@ from multibody_xval.scenarios.judge import (
     judged,
     resolution,
 )
-from multibody_xval.scenarios.result_tables import CONFIG, CURVE, is_reference
 
 NOT_REFINED = "not refined"
 """Verdict on an edge whose bracket is still too wide."""

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import CONFIG, full_name
+from multibody_xval.scenarios.ruler.exact_values import ruler
 from reference_lcp.defaults import STICK_SLIP_POINTS
 
 MAP_STEPS = 800

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import pandas as pd
 
-from multibody_xval.scenarios.exact_values import ruler
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import CONFIG
+from multibody_xval.scenarios.ruler.exact_values import ruler
+from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.studies.accuracy_map import SIX, first_failure, number_text
 
 USUAL_STEPS = (50, 100, 200, 400, 800)

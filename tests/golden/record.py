@@ -29,15 +29,15 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.scenarios import edges
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status
-from multibody_xval.scenarios.proven import in_table, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import points as table_of
-from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.ruler.proven import in_table, proven_levels
+from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.one_call import steady_state
 from reference_lcp.steady.richardson import amplitude_in_db

@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, braking
 from multibody_xval.scenarios.compute.scenes import followed, scene_of
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
 
 CONTACT, JOINT = Config("mujoco", "contact", "default"), Config("mujoco", "joint", "default")

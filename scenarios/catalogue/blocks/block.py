@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import Block, BlockMotion
 from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, round_off
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import AnyCase, Result, Run
-from multibody_xval.scenarios.motions import Block, BlockMotion
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 
 STANDARD_GRAVITY = 9.80665

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, block_motion, rounded
 from multibody_xval.scenarios.catalogue.blocks.thrown import SPRING_LENGTH
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import GrowingAcceleration
 from reference_lcp.validation import FloatArray
 

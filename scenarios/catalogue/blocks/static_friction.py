@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import CARRIER_MASSES, BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     STEPS_A_ROW,
@@ -26,7 +27,6 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import ShakingForce
 
 STATIC_RATIOS = (1.2, 1.5)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     STEPS_A_ROW,
@@ -14,7 +15,6 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 )
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, at_rest, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import BlockMotion
 from reference_lcp.chain.drives import StillBase
 
 SPRING_LENGTH = 1e4

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.scenario import Exact, Number, Quantity, Scenario, largest, steps_a_row
 from multibody_xval.scenarios.model import AnyCase, Case, Result, Run
-from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import HarmonicBase, MovingBase
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.transient import QUIET, FilteredNoise, RickerPulse, SweptSine

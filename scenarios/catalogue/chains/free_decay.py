@@ -5,10 +5,10 @@ from functools import partial
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, largest, steps_a_row
 from multibody_xval.scenarios.model import EXACT, Case, Result, Run
-from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.validation import FloatArray
 

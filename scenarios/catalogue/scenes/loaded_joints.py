@@ -4,10 +4,10 @@ from dataclasses import replace
 from functools import partial
 
 from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.scene import HOLDING, NONE, SOURCE, no_drift, scene_motion, watched
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 
 
 def is_slide(case: SceneMotion) -> bool:

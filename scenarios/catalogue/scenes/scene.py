@@ -6,9 +6,9 @@ There is no chain, and nothing is chosen for one: a preset may only have options
 from typing import Any
 
 from multibody_xval.engines.interface.scene import ContactScene, Scene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, round_off
 from multibody_xval.scenarios.model import AnyCase, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 
 SETTLING = 1.0
 """How long bodies are left alone before they are measured [s]."""

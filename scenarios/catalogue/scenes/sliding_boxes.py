@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Vector
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, at_rest, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import on_slope
 from multibody_xval.scenarios.catalogue.scenes.scene import (
@@ -18,7 +19,6 @@ from multibody_xval.scenarios.catalogue.scenes.scene import (
     watched,
 )
 from multibody_xval.scenarios.model import AnyCase, Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray
 
 SLIDING = 2.0

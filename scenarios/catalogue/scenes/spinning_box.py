@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.scene import NONE, SOURCE, box_scene, scene_motion, time_step, watched
 from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import REST, in_percent, in_quarters
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 
 CORNERS = math.sqrt(0.5)
 """Lever of friction over the side of the box, if its corners carry it: a torque of μ m g times that."""

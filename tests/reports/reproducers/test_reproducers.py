@@ -27,8 +27,8 @@ from multibody_xval.reports.reproducers.questions import SHOWN, Number, Reproduc
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, header, script
 from multibody_xval.scenarios.catalogue.scenario import largest
 from multibody_xval.scenarios.compute.motions import motion
-from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import REFERENCE, Config, failed
+from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 

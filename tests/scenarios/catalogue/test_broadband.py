@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.chains.broadband import (
     BANDS,
@@ -19,9 +20,8 @@ from multibody_xval.scenarios.catalogue.chains.broadband import (
     linear_limits,
 )
 from multibody_xval.scenarios.edges.finding import brackets
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
-from multibody_xval.scenarios.motions import ChainMotion
+from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp import HarmonicBase, decibel, frictionless_transmittance
 from tests.scenarios.in_this_process import OTHER, SHARES, deviating, judged, judged_copy, result_of
 

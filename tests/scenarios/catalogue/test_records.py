@@ -10,8 +10,8 @@ import pytest
 from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import Run
+from multibody_xval.scenarios.ruler.judge import AGREES
 from multibody_xval.scenarios.store import Stored
 from reference_lcp import ParameterError, RecordedBase
 from tests.scenarios.catalogue.example_record import PEAK, example_samples, write_example

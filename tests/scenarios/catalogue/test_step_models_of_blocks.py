@@ -8,6 +8,7 @@ import pytest
 from multibody_xval.engines.contract.lanes import modulated_lane
 from multibody_xval.engines.interface.law import Law
 from multibody_xval.engines.interface.registry import law_of
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP, block_motion
 from multibody_xval.scenarios.catalogue.blocks.breakaway import BREAKAWAY
 from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION
@@ -15,7 +16,6 @@ from multibody_xval.scenarios.catalogue.blocks.held import STATIC_HOLD
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.motions import BlockMotion
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import Trajectory
 
