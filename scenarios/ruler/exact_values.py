@@ -3,17 +3,15 @@
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Run
 from multibody_xval.scenarios.result_tables import is_exact, is_reference, rows_of
 from multibody_xval.scenarios.ruler.proven import in_table, proven
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.steady.richardson import ROUND_OFF, Estimate, richardson
+from reference_lcp.steady.richardson import ROUND_OFF, richardson
 
 PROVEN_BAR = 1e-13
 """Error bar of a proven amplitude over U0: what a double leaves of 20 decimals."""
@@ -27,6 +25,10 @@ LADDER = (1, 2, 4, 8)
 MARGIN = 2.0
 """On the amplification of residuals that the reference gives: contacts of an engine may stick for another part of the
 period."""
+
+
+Numbers = tuple[complex, float, float]
+"""T, amplification and residual of the reference."""
 
 
 def ruler(places: Iterable[tuple[Case, int]]) -> list[Run]:
@@ -67,7 +69,7 @@ def exact_values(table: pd.DataFrame) -> pd.DataFrame:
     growth = table[is_reference(table)].groupby("case", sort=False).amplification.max()
     exact = table[is_exact(table) & (table.status == "periodic")].drop_duplicates("case")
     motions = {case: (ratio, residual) for case, ratio, residual in rows_of(exact, "case", "ratio", "residual")}
-    finest = {ladder.case: ladder for ladder in _ladders(table)}
+    finest = {case: (counts, own) for case, counts, own in _ladders(table)}
     rows = []
     for case in dict.fromkeys(table.case):
         if in_table(case) in proven():
@@ -76,7 +78,7 @@ def exact_values(table: pd.DataFrame) -> pd.DataFrame:
             ratio, residual = motions[case]
             rows.append((case, ratio, residual * MARGIN * growth.get(case, math.nan) + ROUND_OFF, "exact"))
         elif case in finest:
-            rows.append((case, *finest[case].limit, "extrapolated"))
+            rows.append((case, *_extrapolated(*finest[case], at=-1), "extrapolated"))
     known = pd.DataFrame(rows, columns=["case", "exact", "exact_bar", "exact_kind"])
     return known.astype({"exact": complex, "exact_bar": float})
 
@@ -87,46 +89,29 @@ def scheme_errors(table: pd.DataFrame) -> pd.DataFrame:
     Columns: ``case``, ``steps``, ``scheme_error`` over U0, ``growth`` of residuals, ``reference`` (complex) and
     ``reference_residual`` of the scheme itself.
     """
-    rows = [(own.case, own.steps[0], own.error, *own.coarsest) for own in _ladders(table)]
+    rows = []
+    for case, counts, own in _ladders(table):
+        ratio, growth, residual = own[0]
+        rows.append((case, counts[0], _extrapolated(counts, own, at=0)[1], growth, ratio, residual))
     numbers = {"steps": int, "scheme_error": float, "growth": float, "reference": complex, "reference_residual": float}
     return pd.DataFrame(rows, columns=["case", *numbers]).astype(numbers)
 
 
-class Ladder(NamedTuple):
-    """What the reference gives at one case with N, 2N, 4N and 8N steps."""
-
-    case: Case
-    steps: list[int]
-    ratios: NDArray[np.complex128]
-    coarsest: tuple[float, complex, float]
-    """Amplification, T and residual with N steps."""
-
-    def _estimate(self, at: int) -> Estimate:
-        return richardson(self.steps, np.column_stack([self.ratios.real, self.ratios.imag]), at=at)
-
-    @property
-    def error(self) -> float:
-        """Error of the scheme with N steps, over U0."""
-        return float(np.hypot(*self._estimate(self.steps[0]).error))
-
-    @property
-    def limit(self) -> tuple[complex, float]:
-        """What the scheme tends to for ever finer steps, and the error of the finest as its bar."""
-        estimate = self._estimate(self.steps[-1])
-        return complex(*estimate.extrapolated), float(np.hypot(*estimate.error))
+def _extrapolated(counts: list[int], own: list[Numbers], at: int) -> tuple[complex, float]:
+    """Give what a ladder tends to for ever finer steps, and the error of one of its numbers of steps, over U0."""
+    parts = np.array([(ratio.real, ratio.imag) for ratio, *_ in own])
+    estimate = richardson(counts, parts, at=counts[at])
+    return complex(*estimate.extrapolated), float(np.hypot(*estimate.error))
 
 
-def _ladders(table: pd.DataFrame) -> Iterator[Ladder]:
-    """Give every ladder of the reference, by case and ascending N."""
+def _ladders(table: pd.DataFrame) -> Iterator[tuple[Case, list[int], list[Numbers]]]:
+    """Give what the reference gives at one case with N, 2N, 4N and 8N steps, by case and ascending N."""
     steady = table[is_reference(table) & (table.status == "periodic")]
-    by_case: dict[Case, dict[int, Any]] = defaultdict(dict)
+    by_case: dict[Case, dict[int, Numbers]] = defaultdict(dict)
     for case, steps, *numbers in rows_of(steady, "case", "steps", "ratio", "amplification", "residual"):
-        by_case[case][steps] = numbers
+        by_case[case][steps] = tuple(numbers)
     for case, by_steps in by_case.items():
         for n in sorted(by_steps):
             counts = [n * factor for factor in LADDER]
             if all(count in by_steps for count in counts):
-                ratio, growth, residual = by_steps[n]
-                yield Ladder(
-                    case, counts, np.array([by_steps[count][0] for count in counts]), (growth, ratio, residual)
-                )
+                yield case, counts, [by_steps[count] for count in counts]

@@ -1,7 +1,7 @@
 """The results of planned runs: from a store, and of what it lacks from worker processes."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from multibody_xval.scenarios.running.dask_pool import dask
 from multibody_xval.scenarios.running.pool import run_missing
 from multibody_xval.scenarios.running.processes import local, without_processes
 from multibody_xval.scenarios.running.progress import shown
-from multibody_xval.scenarios.store import Stored, existing_store, opened
+from multibody_xval.scenarios.store import Stored, existing_store, identity, opened
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
 
@@ -120,3 +120,12 @@ def stored_results(*stores: Path) -> list[Stored]:
         with opened(existing_store(path)) as store:
             found |= {(row.run, row.version): row for row in store.rows()}
     return list(found.values())
+
+
+def newest(stored: Iterable[Stored]) -> dict[Run, Stored]:
+    """Give one result a run: of the installed version of its engine, or else the last."""
+    kept: dict[Run, Stored] = {}
+    for row in stored:
+        if row.run not in kept or kept[row.run].version != identity(row.run.config)[0]:
+            kept[row.run] = row
+    return kept

@@ -8,8 +8,8 @@ import xarray as xr
 from multibody_xval.scenarios.model import Run
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.ruler.judge import judged
-from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
-from multibody_xval.scenarios.store import Stored, identity
+from multibody_xval.scenarios.running.evaluate import Means, computed, newest, stored_results
+from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.sweeps.dataset import by_tolerance, dataset
 from multibody_xval.scenarios.sweeps.plan import Sweep
 
@@ -24,10 +24,7 @@ def stored_sweep(sweep: Sweep, store: Path) -> xr.Dataset:
 
     Where it holds several versions of an engine, those of the installed one are given, or else the last.
     """
-    kept: dict[Run, Stored] = {}
-    for own in stored_results(store):
-        if own.run not in kept or kept[own.run].version != identity(own.run.config)[0]:
-            kept[own.run] = own
+    kept = newest(stored_results(store))
     found: dict[Run, Stored] = {}
     new = sweep.runs()
     while new := [run for run in new if run in kept and run not in found]:
