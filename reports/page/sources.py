@@ -10,7 +10,7 @@ import pandas as pd
 from multibody_xval.reports.page.files import check_folder, check_loses_nothing
 from multibody_xval.reports.page.write import Written, write_dataset_page, write_page
 from multibody_xval.scenarios import edges
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Config
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config
 from multibody_xval.scenarios.report_plan import left_out, report_configs, report_runs
 from multibody_xval.scenarios.result_tables import curve_of, steady_ones
 from multibody_xval.scenarios.ruler.judge import judged
@@ -94,7 +94,7 @@ def _of_sweep(stored: Sequence[Stored], sweep: "Sweep") -> list[Stored]:
     configs = {*sweep.configs, REFERENCE, EXACT}
     curves = {place.case for place in sweep.places}
     own = (row for row in steady_ones(stored) if row.run.config in configs)
-    return [row for row in own if curve_of(row.run.steady) in curves]
+    return [row for row in own if curve_of(row.run.of(Case)) in curves]
 
 
 def dataset_page(file: Path, folder: Path, command: str) -> Written:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.compute.sources import digest
-from multibody_xval.scenarios.model import REFERENCE, Result, Run, Status
+from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, Status
 from multibody_xval.scenarios.result_tables import CONFIG, is_exact, points, rows_of
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.judge import UNKNOWN
@@ -72,7 +72,7 @@ def _runs(table: pd.DataFrame) -> list[Run]:
 def _first_runs(table: pd.DataFrame) -> list[Run]:
     """Give the runs of points, and those of the ruler there."""
     own = _runs(table)
-    return list(dict.fromkeys([*own, *ruler((run.steady, run.steps) for run in own)]))
+    return list(dict.fromkeys([*own, *ruler((run.of(Case), run.steps) for run in own)]))
 
 
 def _known(table: pd.DataFrame, identities: str) -> dict[Run, Result]:

@@ -205,8 +205,8 @@ def reference_rows() -> Iterator[Row]:
     for name, point in points().items():
         if not point["modulation"]:
             run = run_at(REFERENCE, name)
-            state = steady_state(*run.steady.setting, steps_per_period=run.steps, with_exact_value=True)
-            proven = proven_levels().get(in_table(run.steady))
+            state = steady_state(*run.of(Case).setting, steps_per_period=run.steps, with_exact_value=True)
+            proven = proven_levels().get(in_table(run.of(Case)))
             yield {
                 "point": name,
                 "level_db": f"{state.transmittance_db:.12g}",

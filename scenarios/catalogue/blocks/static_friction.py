@@ -19,7 +19,6 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
     STEPS_A_ROW,
     TIME_STEP,
     Scale,
-    block_motion,
     on_free_carrier,
     rounded,
     slips,
@@ -74,7 +73,7 @@ def released(scale: Scale, static_ratio: float) -> BlockMotion:
 
 def breakaway_load(result: Result, run: Run) -> float:
     """Give the load at which a slip becomes fast, over μ_s λ_N; NaN if none does."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     fastest = case.scale / 2 * math.pi / JUMP_TIME
     return load(first_fast(case, np.array(result.series["slip_velocity"]), FAST * fastest))
 
@@ -91,7 +90,7 @@ def above(case: BlockMotion, _exact: Number = 1.0) -> float:
 
 def farther(run: Run) -> float:
     """Give by how much farther a block jumps that breaks away two steps late, and with the roundings of its way."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     phase = FOLLOWED * FREQUENCY
     travel = PEAK * case.static_ratio * case.block.bound / case.block.mass * (phase - math.sin(phase)) / FREQUENCY**2
     return TWO_STEPS / above(case) + rounded(run) * travel / case.scale**2

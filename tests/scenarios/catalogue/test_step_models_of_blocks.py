@@ -9,7 +9,7 @@ from multibody_xval.engines.contract.lanes import modulated_lane
 from multibody_xval.engines.interface.law import Law
 from multibody_xval.engines.interface.registry import law_of
 from multibody_xval.scenarios.cases.motions import BlockMotion
-from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP, block_motion
+from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP
 from multibody_xval.scenarios.catalogue.blocks.breakaway import BREAKAWAY
 from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION
 from multibody_xval.scenarios.catalogue.blocks.held import STATIC_HOLD
@@ -28,9 +28,7 @@ STOPPED_SHORT = 1e-6
 """The same where it stops at its tolerance of 1e-8 in some steps: a few of 5e-4 m/s² last 2 ms each."""
 
 BLOCKS = {
-    name: block_motion(case)
-    for own in (STATIC_HOLD, BREAKAWAY, STOPPING_DISTANCE, DIRECTION)
-    for name, case in own.cases.items()
+    name: case for own in (STATIC_HOLD, BREAKAWAY, STOPPING_DISTANCE, DIRECTION) for name, case in own.cases.items()
 }
 HELD = BLOCKS["1 kg, load 0.5"]
 
