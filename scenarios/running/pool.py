@@ -100,12 +100,16 @@ class Attempt(NamedTuple):
     config: Config
     last: bool = False
 
+    @property
+    def serves(self) -> str:
+        """Give what its process serves."""
+        return self.config.capabilities.package
+
     def job(self, seconds_a_run: float) -> Job:
         """Give what a pool is to do."""
-        serves = self.config.capabilities.package
         if self.batch:
-            return run_batch, [self.batch], seconds_a_run * sum(map(length, self.batch)), serves
-        return prepare, [self.config], preparation_seconds(self.config), serves
+            return run_batch, [self.batch], seconds_a_run * sum(map(length, self.batch)), self.serves
+        return prepare, [self.config], preparation_seconds(self.config), self.serves
 
     def again(self, problem: BaseException) -> "list[Attempt]":
         """Give what is tried after a problem: every run alone; what has crashed alone, once more."""
@@ -119,12 +123,8 @@ def length(run: Run) -> float:
     return 1.0 if isinstance(run.case, Case) else max(1.0, run.steps / STEPS_OF_A_SEARCH)
 
 
-class Running(NamedTuple):
-    """An attempt that has begun."""
-
-    attempt: Attempt
-    serves: str
-    deadline: float
+Running = dict["Future[Any]", tuple[Attempt, float]]
+"""Attempts that have begun, with their deadlines."""
 
 
 def completed(todo: Iterable[list[Run]], pool: Pool, seconds_a_run: float) -> Iterator[dict[Run, Result]]:
@@ -136,13 +136,13 @@ def completed(todo: Iterable[list[Run]], pool: Pool, seconds_a_run: float) -> It
     for batch in todo:
         waiting[batch[0].config].append(Attempt(batch, batch[0].config))
     ready = deque(Attempt([], config) for config in waiting)
-    running: dict[Future[Any], Running] = {}
+    running: Running = {}
     while ready or running:
         while ready and _may_begin(ready[0], running, pool.slots):
             attempt = ready.popleft()
             job = attempt.job(seconds_a_run)
-            running[pool.submit(job)] = Running(attempt, job[3], time.monotonic() + job[2] + GRACE)
-        for (attempt, _, _), outcome in _ended(running, pool):
+            running[pool.submit(job)] = attempt, time.monotonic() + job[2] + GRACE
+        for attempt, outcome in _ended(running, pool):
             if isinstance(outcome, BaseException):
                 again, results = _after(attempt, outcome, waiting)
                 ready.extendleft(reversed(again))
@@ -153,9 +153,9 @@ def completed(todo: Iterable[list[Run]], pool: Pool, seconds_a_run: float) -> It
                 ready.extendleft(reversed(waiting.pop(attempt.config)))
 
 
-def _may_begin(attempt: Attempt, running: dict[Future[Any], Running], slots: int) -> bool:
+def _may_begin(attempt: Attempt, running: Running, slots: int) -> bool:
     """Whether an attempt may begin: a last one when nothing else runs, so that what it breaks is its own."""
-    alone = attempt.last or any(own.attempt.last for own in running.values())
+    alone = attempt.last or any(own.last for own, _ in running.values())
     return not running if alone else len(running) < slots
 
 
@@ -171,7 +171,7 @@ def _after(
     return [], {attempt.batch[0]: failed(reason_of(problem), circumstance=was_killed(problem))}
 
 
-def _ended(running: dict[Future[Any], Running], pool: Pool) -> Iterator[tuple[Running, Any]]:
+def _ended(running: Running, pool: Pool) -> Iterator[tuple[Attempt, Any]]:
     """Wait until something has ended; gives that with what it returned or raised.
 
     Pools end what passes its limit themselves: one that does not is given up.
@@ -180,17 +180,17 @@ def _ended(running: dict[Future[Any], Running], pool: Pool) -> Iterator[tuple[Ru
     while not done and not lost:
         done = wait(running, timeout=LOOK_SECONDS, return_when=FIRST_COMPLETED).done
         now = time.monotonic()
-        lost = {own.serves for own in running.values() if own.deadline <= now or pool.is_lost(own.serves)}
+        lost = {own.serves for own, end in running.values() if end <= now or pool.is_lost(own.serves)}
     for future in done:
         if future.cancelled():
-            lost.add(running[future].serves)
+            lost.add(running[future][0].serves)
             continue
         problem = future.exception()
-        yield running.pop(future), future.result() if problem is None else problem
+        yield running.pop(future)[0], future.result() if problem is None else problem
     for serves in lost:
         pool.give_up(serves)
-        for future in [future for future, own in running.items() if own.serves == serves]:
-            yield running.pop(future), BrokenExecutor()
+        for future in [future for future, (own, _) in running.items() if own.serves == serves]:
+            yield running.pop(future)[0], BrokenExecutor()
 
 
 def preparation_seconds(config: Config) -> float:

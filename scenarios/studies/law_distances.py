@@ -21,6 +21,7 @@ from multibody_xval.scenarios.result_tables import CONFIG, full_name
 from multibody_xval.scenarios.running.pool import preparation_seconds, reason_of
 from multibody_xval.scenarios.running.processes import GRACE, Pool, local
 from multibody_xval.scenarios.store import identity
+from multibody_xval.scenarios.table_text import number_texts
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 
 LEGEND = f"""\
@@ -95,10 +96,8 @@ def period_distances(config: Config) -> list[float]:
 
 def shown(table: pd.DataFrame) -> pd.DataFrame:
     """Give the table for people."""
-    texts = table[list(HEADINGS)].rename(columns=HEADINGS)
-    for name, pattern in (("largest [U0]", "{:.1e}"), ("median", "{:.1e}"), ("allowed", "{:.0e}")):
-        texts[name] = ["–" if pd.isna(value) else pattern.format(value) for value in texts[name]]
-    return texts
+    texts = number_texts(table, {"largest": "{:.1e}", "median": "{:.1e}", "allowed": "{:.0e}"})
+    return texts[[*HEADINGS]].rename(columns=HEADINGS)
 
 
 def formulas(table: pd.DataFrame) -> list[str]:
