@@ -239,7 +239,8 @@ class Sweep(Table):
 
     def with_config(self, config: Config) -> "Sweep":
         """Give the sweep with one more configuration in front, unless it has it."""
-        return Sweep(**{**dict(self), "engines": list(dict.fromkeys([str(config), *self.engines]))})
+        engines = list(dict.fromkeys([str(config), *self.engines]))
+        return Sweep.model_validate(self.model_dump(exclude_none=True) | {"engines": engines})
 
     def own_points(self, table: pd.DataFrame) -> pd.DataFrame:
         """Give the rows of a table that are points of this sweep, with a column ``steps_per_period``.

@@ -42,6 +42,15 @@ def test_runs_are_those_of_the_engines_and_of_the_ruler() -> None:
     assert {run.case for run in runs if run.config == EXACT} <= set(cases)
 
 
+def test_with_one_more_configuration_all_else_stays_and_the_order_too() -> None:
+    sweep = sweep_of(tomllib.loads(EXAMPLE) | {"engines": ["mujoco"]})
+    assert sweep.configs == (Config("mujoco"),)
+    more = sweep.with_config(REFERENCE)
+    assert more.configs == (REFERENCE, Config("mujoco"))
+    assert (more.axes, more.places) == (sweep.axes, sweep.places)
+    assert more.with_config(REFERENCE) == more
+
+
 def test_the_amplitude_of_a_force_is_said_in_newton() -> None:
     force = swept(drive={"kind": "force", "amplitude": 3.0})
     assert force.places[0].case.displacement == 3.0 / CHAIN_STIFFNESS
