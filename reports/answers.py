@@ -8,9 +8,9 @@ import pandas as pd
 from multibody_xval.reports.formatting import number_text, numbered, significant, size_text
 from multibody_xval.scenarios.catalogue.finding import WORST_FIRST, counts, over_allowed, worst_cases
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.judge import AGREES, AT_EQUAL_STEPS
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import rows_of
+from multibody_xval.scenarios.ruler.judge import AGREES, AT_EQUAL_STEPS
 
 MOST_CONFIGURATIONS = 3
 """Configurations that have a table each; more of them have a row each."""

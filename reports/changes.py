@@ -7,8 +7,8 @@ from typing import NamedTuple
 import pandas as pd
 
 from multibody_xval.reports.formatting import flat, number_text, numbered, size_text
-from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
-from multibody_xval.scenarios.compare import conclusion, fails, summary
+from multibody_xval.scenarios.compare.points import CHANGES, LEAST_STUCK, NEW
+from multibody_xval.scenarios.compare.stores import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
 from multibody_xval.scenarios.result_tables import rows_of, with_amplitude
 from multibody_xval.scenarios.table_text import csv_text, json_text, markdown_lines, markdown_list, records

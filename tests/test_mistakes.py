@@ -159,8 +159,8 @@ SWEEP_FILES = [
     ("engines = " + "[" * 3000 + "]" * 3000, r"is no TOML: arrays and tables in one another"),
     (SWEEP.replace("[0.9]", "[nan]"), r"grid.frequency_ratio = nan .*allowed: > 0, 1e-12 to"),
     (SWEEP.replace("[0.9]", "[1e-320]"), r"grid.frequency_ratio = .*e-321.*allowed: 1e-12 to 1e\+12"),
-    (SWEEP.replace("[0.9]", "{ first = 1, last = 2, points = 1" + "0" * 30 + " }"), r"points = 10*; .*1000000"),
-    (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*up to 1e\+24"),
+    (SWEEP.replace("[0.9]", "{ first = 1, last = 2, points = 1" + "0" * 30 + " }"), r"points = 10*; .*1e\+06"),
+    (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*<= 1e\+24"),
     (SWEEP + "[chain]\ncells = 1" + "0" * 30 + "\n", r"chain.cells = 10{9}.*100000"),
     (SWEEP + "[tolerances]\ntransmittance_db = 1e5\n", r"tolerances.transmittance_db = 100000.0; .*1000"),
 ]

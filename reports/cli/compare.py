@@ -103,8 +103,8 @@ def _changes(
     names: Sequence[str], stores: Sequence[Path], store: Path | None, workers: int | None, decibel: float
 ) -> pd.DataFrame:
     """Compare two stores, or compute two configurations."""
-    from multibody_xval.scenarios.compare import changes_between, compare
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.compare.stores import changes_between, compare
+    from multibody_xval.scenarios.running.evaluate import Means
 
     if stores:
         return compare(*stores, db=decibel)

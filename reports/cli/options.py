@@ -21,7 +21,7 @@ from reference_lcp.process import announce_interrupt
 
 if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.running.evaluate import Means
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
@@ -145,7 +145,7 @@ class Computing:
 
     def means(self, store: Path | None) -> Means:
         """Give what computes, and where results are kept."""
-        from multibody_xval.scenarios.evaluate import Means
+        from multibody_xval.scenarios.running.evaluate import Means
 
         return Means(
             store=store, workers=self.workers, scheduler=self.scheduler, seconds_a_run=self.time_limit,

@@ -53,7 +53,7 @@ def reproduce(
     from multibody_xval.reports.reproducers.questions import SHOWN
     from multibody_xval.reports.reproducers.scene_script import SCENES, checked_scene, scene_script
     from multibody_xval.reports.reproducers.script import checked, script
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.running.evaluate import Means
 
     check, write = {
         **dict.fromkeys(SHOWN, (checked, script)),

@@ -174,7 +174,7 @@ def _rows(
 def _write_motions(answer: Answer, output: Output) -> None:
     """Write the rows of motions and the transitions of steady states of what was asked, as far as that is wanted."""
     from multibody_xval.scenarios.catalogue.motion_tables import series, transitions
-    from multibody_xval.scenarios.evaluate import stored_results
+    from multibody_xval.scenarios.running.evaluate import stored_results
     from multibody_xval.scenarios.table_text import csv_text
 
     for table, file in ((series, output.series), (transitions, output.transitions)):

@@ -9,9 +9,9 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.isolated.process import EngineProcessError
 from multibody_xval.engines.siconos import Siconos
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.recipes import named_recipes
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.recipes import named_recipes
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -10,7 +10,7 @@ import pytest
 
 from multibody_xval.reports.changes import Comparison, markdown
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.compare import compare
+from multibody_xval.scenarios.compare.stores import compare
 from multibody_xval.scenarios.model import REFERENCE, Run, failed
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ExitCode

@@ -12,8 +12,8 @@ from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.run import STUDIES
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
-from multibody_xval.scenarios.evaluate import stored_results
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed, unsupported
+from multibody_xval.scenarios.running.evaluate import stored_results
 from multibody_xval.scenarios.store import opened
 from reference_lcp.process import run_command
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
@@ -226,7 +226,9 @@ def test_many_configurations_and_several_scenarios_have_a_row_each(capsys) -> No
     ],
 )
 def test_wrong_input_is_one_line_before_any_work(capsys, monkeypatch, words, message) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.running.evaluate.run_missing", lambda *_, **__: pytest.fail("computed")
+    )
     write_store(Path("s.sqlite"), SOUND)
     Path("old.sqlite").write_bytes(Path("s.sqlite").read_bytes())
     with sqlite3.connect("old.sqlite") as old:
@@ -246,7 +248,7 @@ def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", interrupted)
+    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", interrupted)
     code, printed = shown(capsys, "--engine=mujoco", *options)
     assert code == 130
     assert f"interrupted: {kept}" in printed
@@ -267,5 +269,5 @@ def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
     assert code == 0
     assert printed.endswith("mujoco:joint:tuned agrees with what is expected in all 2 numbers.")
     assert {row.run.config.engine for row in stored_results(Path("k.sqlite"))} == {"mujoco", "reference"}
-    monkeypatch.setattr("multibody_xval.scenarios.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
     assert shown(capsys, "--engine=mujoco", "--workers=1", "--store=k.sqlite")[0] == 0
