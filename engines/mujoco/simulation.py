@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multibody_xval.engines.mujoco.joint import CompiledLane
-from multibody_xval.engines.shared.coordinates import joint_coordinates
+from multibody_xval.engines.shared.coordinates import JointCoordinates
 from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints
 from reference_lcp.chain.simulation import common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -85,7 +85,7 @@ class MuJoCoSimulation(LanesOfJoints):
 
     def _check(self, name: str, values: FloatArray, units: FloatArray) -> None:
         """Refuse a state at which MuJoCo would stop without a message."""
-        excess = np.abs(joint_coordinates(values / units, self._joints)) / LARGEST_NUMBER
+        excess = np.abs(JointCoordinates(self._joints).of(values / units)) / LARGEST_NUMBER
         if np.any(excess > 1):
             largest = float(np.max(np.abs(values)))
             raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.coordinates import JointCoordinates
 from multibody_xval.engines.shared.units import Units
 from multibody_xval.engines.shared.warp_worlds import CHUNK, Rows, WarpWorlds
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -53,25 +53,22 @@ class LanesOfJoints(LanesInUnits):
     _joints: int
     _opens: bool = False
 
-    def _set_heights(self, state: State, positions: FloatArray, velocities: FloatArray) -> None:
-        """Set the heights of spheres in joint coordinates, shape (lanes, nq), and their rates, from a state."""
-        if self._opens:
-            gap, speed = state.normal_state(self.lanes[0].chain.cells)
-            for rows, across in ((positions, gap / self._length), (velocities, speed / self._velocity)):
-                for row, given in zip(rows, across, strict=True):
-                    row[3 :: self._joints] = given
-
     def _coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
         """Give the joint coordinates of a state, and their rates, shape (lanes, nq) each."""
-        positions = joint_coordinates(state.positions / self._length, self._joints)
-        velocities = joint_coordinates(state.velocities / self._velocity, self._joints)
-        self._set_heights(state, positions, velocities)
+        own = JointCoordinates(self._joints)
+        positions = own.of(state.positions / self._length)
+        velocities = own.of(state.velocities / self._velocity)
+        if self._opens:
+            gap, speed = state.normal_state(self.lanes[0].chain.cells)
+            self._gaps(positions)[:] = gap / self._length
+            self._gaps(velocities)[:] = speed / self._velocity
         return positions, velocities
 
     def _state_at(self, positions: FloatArray, velocities: FloatArray) -> State:
         """Give the state of all lanes at joint coordinates, shape (lanes, nq), and their rates."""
-        position = absolute_coordinates(positions, self._joints) * self._length
-        velocity = absolute_coordinates(velocities, self._joints) * self._velocity
+        own = JointCoordinates(self._joints)
+        position = own.absolute(positions) * self._length
+        velocity = own.absolute(velocities) * self._velocity
         if not self._opens:
             return State(position, velocity)
         gap, speed = (self._gaps(rows) for rows in (positions, velocities))
@@ -88,12 +85,12 @@ class LanesOfJoints(LanesInUnits):
 
         `forces` gives friction and normal force [N] of a lane, shape (steps, n), by its index.
         """
-        end = self._state_at(positions[:, -1], velocities[:, -1]).internal_state
+        own, end = JointCoordinates(self._joints), self._state_at(positions[:, -1], velocities[:, -1]).internal_state
         return [
             Trajectory(
                 lane.times(start, positions.shape[1]),
-                absolute_coordinates(positions[index], self._joints) * units.length,
-                absolute_coordinates(velocities[index], self._joints) * units.velocity,
+                own.absolute(positions[index]) * units.length,
+                own.absolute(velocities[index]) * units.velocity,
                 *forces(index),
                 None if end is None else end[index],
                 self._gaps(positions[index]) * units.length if self._opens else None,
@@ -102,7 +99,7 @@ class LanesOfJoints(LanesInUnits):
         ]
 
     def _gaps(self, coordinates: FloatArray) -> FloatArray:
-        """Give the gaps of joint coordinates, shape (..., nq); rates likewise."""
+        """Give the part of joint coordinates, shape (..., nq), that are gaps; rates likewise."""
         return coordinates[..., 3 :: self._joints]
 
 
