@@ -55,7 +55,8 @@ def joined(before: pd.DataFrame, now: pd.DataFrame, on: list[str]) -> pd.DataFra
     rows = pd.concat([rows, new.rename(columns={name: f"{name}_now" for name in now if name not in on})])
     texts = {"status": NOT_RUN, "engine": "", "version": "", "options": "", "reason": ""}
     filled = {f"{name}{side}": text for name, text in texts.items() for side in ("_before", "_now")}
-    return rows.reset_index(drop=True).astype(dict.fromkeys(filled, object)).fillna(filled)
+    whole = rows.reset_index(drop=True).astype(dict.fromkeys(filled, object)).fillna(filled)
+    return whole.infer_objects()  # numbers of an empty table are objects
 
 
 def _measured(table: pd.DataFrame, ruler: pd.DataFrame) -> pd.DataFrame:

@@ -1,5 +1,6 @@
 """What two stores or two configurations have in common, and where the second is closer to the exact motion."""
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from multibody_xval.scenarios.changes import (
     MISSING,
     NEW,
     NOT_RUN,
+    POINT,
     REGRESSED,
     UNKNOWN,
     compared,
@@ -27,12 +29,17 @@ from reference_lcp.validation import LARGEST_DECIBEL, checked_scalar
 
 RUN = ["config", "case", "steps"]
 
+MOST_NAMED = 6
+"""Configurations of a store that a message names."""
+
 
 def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> pd.DataFrame:
     """Compare the results of two stores point by point, by their errors to the exact motion.
 
     Points are matched by configuration, case and steps per period; versions and options of engines may differ, and of
-    several versions in one store the last counts. The reference and the exact motion of either store judge both.
+    several versions in one store the last counts. Where each store has one configuration of an engine, formulation and
+    preset, the two are matched though other options are changed in them, and named ``before -> now``. The reference and
+    the exact motion of either store judge both.
     Numbers of scenarios about motions and scenes are matched by their case and name, and count as points.
 
     Parameters
@@ -58,9 +65,10 @@ def compare(first: Path | str, second: Path | str, *, db: float = LEAST_DB) -> p
     """
     checked_db(db)
     old, new = map(_results_of, [existing_store(file) for file in (first, second)])
-    before, now = _points_of(*old), _points_of(*new)
-    numbers = number_changes(old, new, db)
-    _check_common(before, now, numbers, f"{first} and {second}")
+    matched = _matched(old[0], new[0])
+    before, now = _points_of(*old, matched), _points_of(*new, matched)
+    numbers = number_changes(old, new, db, matched)
+    _check_common(before, now, numbers, " and ".join(_named(*own) for own in ((first, old[0]), (second, new[0]))))
     rows = pd.concat([*_points_compared(before, now, db), numbers], ignore_index=True)
     return rows.sort_values("configuration", key=_is_reference, kind="stable", ignore_index=True)
 
@@ -114,35 +122,69 @@ def _results_of(file: Path) -> tuple[list[Stored], dict[str, str]]:
         return list(found.values()), store.options()
 
 
-def _points_of(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
-    """Give the points of a store, with options."""
+def _points_of(stored: Sequence[Stored], options: Mapping[str, str], matched: Mapping[str, str]) -> pd.DataFrame:
+    """Give the points of a store, with options, and names by which configurations are matched."""
     table = points(stored)
-    return table.assign(options=[options[str(config)] for config in table.config])
+    return table.assign(
+        options=[options[str(config)] for config in table.config], configuration=table.configuration.replace(matched)
+    )
+
+
+def _matched(before: Sequence[Stored], now: Sequence[Stored]) -> dict[str, str]:
+    """Name two configurations alike where each store has one of a preset, and other options are changed in them."""
+    sides = [_by_preset(own) for own in (before, now)]
+    alone = [
+        [side[preset][0] for side in sides] for preset in sides[0] if all(len(side[preset]) == 1 for side in sides)
+    ]
+    return {name: " -> ".join(names) for names in alone if names[0] != names[1] for name in names}
+
+
+def _by_preset(stored: Sequence[Stored]) -> defaultdict[Config, list[str]]:
+    """Give the names of configurations by the presets that they change options of."""
+    found = defaultdict(list)
+    for config in _configs(stored):
+        found[config.unchanged].append(full_name(config))
+    return found
+
+
+def _configs(stored: Sequence[Stored]) -> list[Config]:
+    """Give the configurations of engines, each once."""
+    return [own for own in dict.fromkeys(row.run.config for row in stored) if own.engine != REFERENCE.engine]
+
+
+def _named(file: Path | str, stored: Sequence[Stored]) -> str:
+    """Name a store with the configurations of engines that it has."""
+    names = list(map(full_name, _configs(stored)))
+    more = [f"and {len(names) - MOST_NAMED} more"] if len(names) > MOST_NAMED else []
+    return f"{file} ({', '.join([*names[:MOST_NAMED], *more]) or 'of no engine'})"
 
 
 def _check_common(before: pd.DataFrame, now: pd.DataFrame, numbers: pd.DataFrame, stores: str) -> None:
     """Refuse stores that have neither a point nor a number in common; those of the reference are in every store."""
     if ((numbers.status_before != NOT_RUN) & (numbers.status_now != NOT_RUN)).any():
         return
-    sets = [set(zip(*(table[name] for name in RUN), strict=True)) for table in (before, now)]
-    engines = [{run for run in own if run[0].engine != REFERENCE.engine} for own in sets]
+    sets = [set(zip(*(table[name] for name in POINT), strict=True)) for table in (before, now)]
+    of_engines = [table[table.engine != REFERENCE.engine] for table in (before, now)]
+    engines = [set(zip(*(table[name] for name in POINT), strict=True)) for table in of_engines]
     if not set.intersection(*(engines if any(engines) else sets)):
         raise ParameterError(
-            f"{stores} have no point in common; allowed: stores with the same configurations, cases and steps per "
-            "period (two configurations are compared by compare --engine A --engine B)"
+            f"{stores} have no point in common; allowed: stores with the same configurations, or one of each preset "
+            "with other options, the same cases and steps per period (any two configurations: compare --engine A "
+            "--engine B)"
         )
 
 
 def summary(changes: pd.DataFrame) -> pd.DataFrame:
     """Count what has become of points, a row a configuration, with the largest error before and now [%].
 
-    Columns of what has become of none are left out, but ``regressed``.
+    Columns of what has become of none are left out, but ``regressed``, and errors where nothing has any.
     """
     own = changes.groupby("configuration", sort=False)
     counts = own.change.value_counts().unstack(fill_value=0).reindex(columns=list(CHANGES), fill_value=0)
     counts = counts.loc[:, counts.any() | (counts.columns == REGRESSED)]
     worst = own[["error_percent_before", "error_percent_now"]].max()
     worst.columns = ["error before [%]", "error now [%]"]
+    worst = worst.dropna(axis="columns", how="all")
     return pd.concat([own.size().rename("points"), counts, worst], axis=1).reset_index()
 
 

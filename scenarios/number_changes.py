@@ -15,14 +15,17 @@ from multibody_xval.scenarios.store import Stored
 NUMBER = ["scenario", "configuration", "scenario_case", "steps", "quantity", "unit"]
 """Columns that numbers are joined on."""
 
-TWICE = ["engine", "version", "options", "status", "reason", "value", "error", "resolution"]
+TWICE = ["engine", "version", "options", "status", "reason", "verdict", "value", "error", "allowed", "resolution"]
 """Columns of a number that a comparison has twice."""
+
+SIZES = TWICE[6:]
+"""Those in the unit of the number."""
 
 Store = tuple[Sequence[Stored], Mapping[str, str]]
 """Results of a store, one a run, and options by configuration."""
 
 
-def number_changes(before: Store, now: Store, db: float) -> pd.DataFrame:
+def number_changes(before: Store, now: Store, db: float, matched: Mapping[str, str]) -> pd.DataFrame:
     """Compare the numbers of motions and scenes that either store holds; those of steady states are points.
 
     The reference and the exact motions of either store judge both, those of the first where both have them.
@@ -33,28 +36,32 @@ def number_changes(before: Store, now: Store, db: float) -> pd.DataFrame:
         Results of both stores.
     db
         Largest change that does not count, as a part of the number [dB].
+    matched
+        Names by which configurations are matched that have other names of their own.
     """
     ruler = {row.run: row for row in (*now[0], *before[0]) if row.run.config in (REFERENCE, EXACT)}
     one, other = (
-        _side([*ruler.values(), *(row for row in rows if row.run not in ruler)], own) for rows, own in (before, now)
+        _side([*ruler.values(), *(row for row in rows if row.run not in ruler)], own, matched)
+        for rows, own in (before, now)
     )
     rows = _changes(joined(one, other, NUMBER).sort_values(NUMBER, ignore_index=True), 10 ** (db / 20) - 1)
     named = rows.scenario + ", " + rows.scenario_case + ": " + rows.quantity
     return rows.assign(case=named, error_percent_before=np.nan, error_percent_now=np.nan)
 
 
-def _side(stored: Sequence[Stored], options: Mapping[str, str]) -> pd.DataFrame:
+def _side(stored: Sequence[Stored], options: Mapping[str, str], matched: Mapping[str, str]) -> pd.DataFrame:
     """Give the numbers of one store."""
     cases: set[AnyCase] = {row.run.case for row in stored if not isinstance(row.run.case, Case)}
     found = [numbers(own, stored) for own in SCENARIOS.values() if not cases.isdisjoint(own.cases.values())]
     if not found:
-        return pd.DataFrame(columns=[*NUMBER, *TWICE]).astype({"steps": int, **dict.fromkeys(TWICE[5:], float)})
+        return pd.DataFrame(columns=[*NUMBER, *TWICE]).astype({"steps": int, **dict.fromkeys(SIZES, float)})
     rows = pd.concat(found, ignore_index=True).rename(columns={"case": "scenario_case"})
     rows = rows[rows.engine != REFERENCE.engine]
     rows = rows.assign(
         options=[options.get(str(Config(*own)), "{}") for own in rows_of(rows, *CONFIG)],
         status=rows.verdict.where(rows.verdict.isin(list(RANKS)), "finished"),
-        **{name: rows[name].astype(float) for name in ("value", "error", "resolution")},
+        configuration=rows.configuration.replace(matched),
+        **{name: rows[name].astype(float) for name in SIZES},
     )
     return rows[[*NUMBER, *TWICE]]
 

@@ -19,7 +19,10 @@ def reproduce(
     configuration: Annotated[
         str,
         typer.Argument(
-            metavar=NAME_METAVAR, help="The configuration whose number is shown.", autocompletion=complete_variant
+            metavar=NAME_METAVAR,
+            help="The configuration whose number is shown; without FORMULATION and PRESET, the engine's joint with the "
+            "preset tuned, and in scenes its recipe.",
+            autocompletion=complete_variant,
         ),
     ],
     scenario: Annotated[

@@ -43,8 +43,9 @@ SCENES = MappingProxyType({
 
 
 def checked_scene(name: str, scenario: str, case: str | None = None) -> Reproduction:
-    """Check what is to be shown, before any work."""
-    config, shown = Config.parse(name), SCENARIOS[scenario]
+    """Check what is to be shown, before any work; a bare engine stands for its recipe, or else its default options."""
+    shown = SCENARIOS[scenario]
+    config = [Config.parse(name), *(shown.configs([name]) if name in engine_names() else ())][-1]
     allowed = [each for each, own in shown.cases.items() if isinstance(own, SceneMotion) and not own.sleeping]
     chosen = SCENES[scenario] if case is None else checked_choice("case", case, allowed)
     run = Run(config, shown.cases[chosen], next(iter(shown.steps(config, shown.cases[chosen]).values())))

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from multibody_xval import compare
+from multibody_xval.reports.changes import identities
 from multibody_xval.scenarios.compare import conclusion, fails, pairs, summary
 from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed, unsupported
@@ -160,6 +161,37 @@ def test_stores_that_have_the_reference_alone_in_common_are_refused(written) -> 
         store.add({row.run: row.result for row in rows} | {Run(Config("pybullet"), CASE, STEPS): SOUND})
     with pytest.raises(ParameterError, match="no point in common"):
         compare(now, other)
+
+
+def stored_as(file: Path, factor: float, *names: str) -> Path:
+    """Write a result of configurations, and the ruler."""
+    with opened(file) as store:
+        store.add({run: of(run) for run in ruler([(CASE, STEPS)])})
+        store.add({Run(Config.parse(name), CASE, STEPS): with_bound(factor) for name in names})
+    return file
+
+
+PRESET = "mujoco:joint:default"
+CHANGED, OTHERWISE = f"{PRESET}:iterations=50", f"{PRESET}:iterations=9"
+
+
+def test_a_preset_and_the_same_with_an_option_are_compared_where_each_store_has_one(tmp_path: Path) -> None:
+    before = stored_as(tmp_path / "before.sqlite", 1.01, PRESET, "mujoco")
+    now = stored_as(tmp_path / "now.sqlite", 1.05, CHANGED, "mujoco")
+    rows = own(compare(before, now)).set_index("configuration")
+    assert rows.change.to_dict() == {f"{PRESET} -> {CHANGED}": "regressed", "mujoco:joint:tuned": "regressed"}
+    assert f"{PRESET} -> {CHANGED}: options iterations 100 → 50" in identities(compare(before, now))
+
+
+def test_of_several_with_other_options_the_same_alone_are_compared(tmp_path: Path) -> None:
+    before = stored_as(tmp_path / "before.sqlite", 1.01, PRESET)
+    now = stored_as(tmp_path / "now.sqlite", 1.05, CHANGED, PRESET)
+    rows = own(compare(before, now)).set_index("configuration")
+    assert rows.change.to_dict() == {PRESET: "regressed", CHANGED: "new"}
+    several = stored_as(tmp_path / "several.sqlite", 1.05, CHANGED, OTHERWISE)
+    with pytest.raises(ParameterError, match="have no point in common; allowed: ") as refused:
+        compare(before, several)
+    assert f"before.sqlite ({PRESET}) and {several} ({CHANGED}, {OTHERWISE})" in str(refused.value)
 
 
 MATCHED = {

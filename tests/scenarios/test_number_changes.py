@@ -1,5 +1,6 @@
 """Numbers of scenarios of two stores: what a block does is compared by its error to the exact motion."""
 
+import warnings
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -7,7 +8,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from multibody_xval.reports.changes import WRITTEN, Comparison, changed_points
+from multibody_xval.reports.changes import WRITTEN, Comparison, changed_numbers, changed_points, markdown
+from multibody_xval.reports.formatting import flat
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare import compare, conclusion, fails
 from multibody_xval.scenarios.compute.batch import run_batch
@@ -15,8 +17,10 @@ from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, faile
 from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ParameterError
+from tests.scenarios.stores import CASE, with_bound, write_store
 
 SCENARIO, ENGINE = SCENARIOS["stopping-distance"], Config("mujoco")
+ENGINE_NAME = "mujoco:joint:tuned"
 NAME, (OWN, *_) = next(iter(SCENARIO.cases)), SCENARIO.own_runs(ENGINE).values()
 RULER = [run for run in SCENARIO.runs([ENGINE]) if run.case == OWN.case and run.config != ENGINE]
 
@@ -65,7 +69,37 @@ def test_what_has_changed_is_said_with_both_errors(changes) -> None:
     value = f"{rows.value_before['distance']:.5g} → {rows.value_now['distance']:.5g}"
     assert rows.what["distance"].startswith(f"{value}, error ")
     assert "regressed, " in conclusion(rows, "before", "now")
-    assert changed_points(rows.reset_index()).point.tolist() == [rows.case["distance"]]
+
+
+def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_and_its_verdict(changes) -> None:
+    rows = changes(thrown(1.01), thrown(1.05))
+    own, table = rows.loc["distance"], changed_numbers(rows.reset_index())
+    assert own.value_before > own.value_now > 0, "more friction stops it earlier"
+    (shown,) = flat(table).to_numpy().tolist()
+    numbers = [f"{own.value_before:.5g}", f"{own.value_now:.5g}", "<1e−9"]
+    assert shown == [ENGINE_NAME, f"distance; stopping-distance, {NAME}", *numbers, "regressed; deviates"]
+    assert changed_points(rows.reset_index()).empty
+    text = markdown(Comparison(rows.reset_index(), "before", "now", 0.001, strict=False))
+    assert f"; stopping-distance, {NAME} | {own.value_before:.5g} | {own.value_now:.5g} |" in text
+
+
+def test_steady_states_that_the_second_store_alone_has_are_new_without_a_warning(tmp_path: Path) -> None:
+    before, now = tmp_path / "before.sqlite", write_store(tmp_path / "now.sqlite", {CASE: with_bound(1.01)})
+    for file in (before, now):
+        with opened(file) as store:
+            store.add({run: of(run) for run in RULER} | {OWN: thrown(1.01)})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rows = compare(before, now)
+    assert set(rows[rows.scenario.isna()].change) == {"new"}
+    assert set(rows[rows.scenario.notna()].change) == {"unchanged"}
+
+
+def test_columns_of_steady_states_are_not_written_where_there_are_none(changes) -> None:
+    rows = changes(thrown(1.01), thrown(1.05)).reset_index()
+    header = WRITTEN[".csv"](Comparison(rows, "before", "now", 0.001, strict=False)).splitlines()[0].split(",")
+    assert {"quantity", "value_before", "value_now", "error_now", "allowed_now"} <= set(header)
+    assert not {"friction_ratio", "transmittance_db_now", "error_percent_before"} & set(header)
 
 
 @pytest.mark.parametrize("ending", sorted(WRITTEN))

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.run import STUDIES
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.evaluate import stored_results
@@ -54,6 +55,16 @@ def test_every_scenario_is_listed_with_its_question(capsys) -> None:
     printed = " ".join(capsys.readouterr().out.split())
     assert all(own.name in printed for own in SCENARIOS.values())
     assert "Does it move as it should?" in printed
+
+
+@pytest.mark.parametrize("line", ["run", "run --help"])
+def test_a_measurement_is_listed_once_with_one_question(capsys, monkeypatch, line) -> None:
+    """Of Figure 3 a scenario has a few points, under the same name."""
+    monkeypatch.setenv("COLUMNS", "300")
+    assert run_command(app, line.split()) == 0
+    rows = [row.strip("│ ").split("  ", 1) for row in capsys.readouterr().out.splitlines()]
+    for name, (_, question) in STUDIES.items():
+        assert [row[1].strip() for row in rows if row[0] == name] == [question]
 
 
 def test_a_sound_engine_agrees_in_one_sentence_at_the_end(capsys) -> None:
@@ -193,6 +204,10 @@ def test_many_configurations_and_several_scenarios_have_a_row_each(capsys) -> No
     ("words", "message"),
     [
         ("unit-sell", "No such command 'unit-sell'. Did you mean 'unit-cell'"),
+        ("two-points accuracy", "two-points with accuracy; allowed: scenarios together, or accuracy alone"),
+        ("two-points two-points laws --out a.md", "two-points with laws; allowed: scenarios together, or laws alone"),
+        ("accuracy two-points", "accuracy with two-points; allowed: scenarios together, or accuracy alone"),
+        ("figure3 proofs", "figure3 with proofs; allowed: scenarios together, or figure3 alone"),
         ("two-points unit-sell", "scenario = 'unit-sell' is unknown; allowed: .* did you mean unit-cell?"),
         ("two-points --engine mujocko", "engine = 'mujocko' is unknown"),
         ("two-points --out numbers.txt", "allowed: .md or .json or .csv"),
@@ -243,6 +258,8 @@ def test_a_scenario_may_follow_the_record_of_a_user(capsys, monkeypatch) -> None
     write_store(Path("s.sqlite"), SOUND)
     _, printed = shown(capsys, "--no-run", "--store=s.sqlite", "--record=quake.csv", of="follows")
     assert "two-points: Along quake.csv?" in printed
+    code, printed = shown(capsys, NAME, "--no-run", "--store=s.sqlite", "--record=quake.csv", of="follows")
+    assert (code, "agrees with what is expected in all 4 numbers" in printed) == (0, True)
 
 
 def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
