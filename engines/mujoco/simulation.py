@@ -2,14 +2,14 @@
 
 import contextlib
 import importlib.util
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from multibody_xval.engines.mujoco.joint import CompiledLane
-from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.coordinates import joint_coordinates
 from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints
 from reference_lcp.chain.simulation import common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -38,24 +38,19 @@ class MuJoCoSimulation(LanesOfJoints):
         A lane that diverges stops about 1e10 displacement scales away, and its last row is repeated.
         """
         record = self._rollout(state, start, steps, self._recorded)
-        end = self._state(lambda name: record[name][:, -1]).internal_state
-        return [
-            Trajectory(
-                lane.times(start, steps),
-                absolute_coordinates(record["qpos"][index], self._joints) * units.length,
-                absolute_coordinates(record["qvel"][index], self._joints) * units.velocity,
-                self._friction(index, record),
-                self._normal_force(index, record, start, steps),
-                None if end is None else end[index],
-                self._gaps(record["qpos"][index]) * units.length if self._opens else None,
-            )
-            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
-        ]
+
+        def forces(index: int) -> tuple[FloatArray, FloatArray]:
+            given, force = self.lanes[index].preloads(start, steps), self._units[index].force
+            if "sensordata" in record:
+                given = self._compiled[index].measured(record["sensordata"][index], given)
+            return record["qfrc_constraint"][index][:, 1 :: self._joints] * force, given
+
+        return self._trajectories(start, record["qpos"], record["qvel"], forces)
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        return self._state(self._batch.bind)
+        return self._state_at(self._batch.bind("qpos"), self._batch.bind("qvel"))
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
@@ -65,10 +60,9 @@ class MuJoCoSimulation(LanesOfJoints):
         """Set the state and take `steps` steps, with the load of each step as its control."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
-        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
-        qpos[:] = self._checked("positions", state.positions, self._length)
-        qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        self._set_heights(state, qpos, qvel)
+        self._check("positions", state.positions, self._length)
+        self._check("velocities", state.velocities, self._velocity)
+        self._batch.bind("qpos")[:], self._batch.bind("qvel")[:] = self._coordinates(state)
         self._batch.bind("qacc_warmstart")[:] = 0
         with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
@@ -89,27 +83,12 @@ class MuJoCoSimulation(LanesOfJoints):
             controls.append(forces / units.force)
         return np.stack(controls)
 
-    def _state(self, part: Callable[[str], FloatArray]) -> State:
-        """Give the state of all lanes, whose parts, shape (lanes, size), are given by their names in MuJoCo."""
-        return self._state_at(part("qpos"), part("qvel"))
-
-    def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
-        """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
-        coordinates = joint_coordinates(values / units, self._joints)
-        excess = np.abs(coordinates) / LARGEST_NUMBER
+    def _check(self, name: str, values: FloatArray, units: FloatArray) -> None:
+        """Refuse a state at which MuJoCo would stop without a message."""
+        excess = np.abs(joint_coordinates(values / units, self._joints)) / LARGEST_NUMBER
         if np.any(excess > 1):
             largest = float(np.max(np.abs(values)))
             raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")
-        return coordinates
-
-    def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
-        """λ_T on the inner masses, shape (steps, n), from the forces of joints."""
-        return record["qfrc_constraint"][index][:, 1 :: self._joints] * self._units[index].force
-
-    def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
-        """λ_N as the sensors of the contacts measured it, if there are any."""
-        given = self.lanes[index].preloads(start, steps)
-        return self._compiled[index].measured(record["sensordata"][index], given) if "sensordata" in record else given
 
 
 class ModulatedJointSimulation(MuJoCoSimulation):

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.box_geometry import PressedBoxes
 from multibody_xval.engines.shared.units import Units
-from multibody_xval.engines.shared.warp_worlds import WarpWorlds, import_warp
-from multibody_xval.engines.shared.worlds import Rows
+from multibody_xval.engines.shared.warp_worlds import Rows, WarpWorlds, import_warp
 from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -147,10 +146,9 @@ class NewtonSimulation(WorldsSimulation):
     def _pressing(self, start: int, steps: int) -> FloatArray:
         return self._preloads(start, steps) if self._kind.pressed else self._bounds(start, steps)
 
-    def _friction(self, index: int, rows: FloatArray) -> FloatArray:
-        """λ_T as the solver found it; a drive without a bound to speak of has none."""
-        return np.where(self.lanes[index].chain.friction_bound > 0, rows * self._units[index].force, 0.0)
-
-    def _normal_force(self, index: int, rows: FloatArray, given: FloatArray) -> FloatArray:
-        """λ_N as the solver found it in contacts."""
-        return rows * self._units[index].force if self._kind.pressed else given
+    def _contact_forces(
+        self, index: int, friction: FloatArray, normal_force: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Give forces as the solver found them; a drive without a bound to speak of has no friction."""
+        rubs, force = self.lanes[index].chain.friction_bound > 0, self._units[index].force
+        return np.where(rubs, friction * force, 0.0), normal_force * force if self._kind.pressed else given
