@@ -26,12 +26,12 @@ class Site:
         self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])}
 
     def run(self, *arguments: str, code: int = 0) -> str:
-        """Run a module of Python; gives what it prints."""
+        """Run a module of Python; gives what it prints, with its errors where it is to fail."""
         done = subprocess.run(
             [sys.executable, *arguments], env=self.environment, cwd=ROOT, capture_output=True, text=True, check=False
         )
         assert done.returncode == code, done.stdout + done.stderr
-        return done.stdout
+        return done.stdout + done.stderr if code else done.stdout
 
     @contextlib.contextmanager
     def visible(self) -> Iterator[None]:

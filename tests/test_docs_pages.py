@@ -23,6 +23,12 @@ def program(name: str) -> ModuleType:
     return module
 
 
+@pytest.mark.parametrize("file", ["tiny_engine/__init__.py", "pyproject.toml"])
+def test_engine_that_is_shown_is_the_one_that_passes_the_contract(file: str) -> None:
+    page = (DOCS / "tutorials/own_engine.md").read_text(encoding="utf-8")
+    assert f"\n{(DOCS.parent / 'tests/plugin' / file).read_text(encoding='utf-8')}```\n" in page
+
+
 def test_table_of_engines_has_the_licence_of_each() -> None:
     rows = [line for line in (DOCS / "engines/index.md").read_text(encoding="utf-8").splitlines() if "](" in line]
     cells = [line.split("|") for line in rows if line.count("|") == 7]

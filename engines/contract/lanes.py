@@ -34,6 +34,16 @@ def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -
     return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, BASE_AMPLITUDE), steps)
 
 
+FINER = 32
+"""Steps of the reference to one of an engine that does not share its scheme, which is of first order: at 400 steps a
+period its error reaches 0.2 dB on the steepest flanks of Figure 3, at 32 times as many 0.006 dB."""
+
+
+def finer(lane: Lane, part: int = FINER) -> Lane:
+    """Give a lane with so many steps to one."""
+    return dataclasses.replace(lane, time_step=lane.time_step / part)
+
+
 def modulated_lane(modulation: float, multiple: int = 1, steps: int = STEPS) -> Lane:
     """Give the canonical chain in its pass band, its preload modulated at a multiple of the drive's frequency."""
     lane = lane_of(0.3, 0.6, steps)

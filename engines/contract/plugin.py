@@ -5,24 +5,34 @@ projects have options too, and nothing of the suite is imported before it is use
 """
 
 import re
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from collections.abc import Generator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
-if TYPE_CHECKING:
-    from multibody_xval.engines.interface.variant import Variant
-
 OPTION = "--xval-engine"
 """Names an engine that is held to the contract."""
+
+XFAILS = "--xfails-file"
+"""Names a file of clauses that are known to fail."""
+
+CONTRACT = "multibody_xval.engines.contract"
 
 CASE = re.compile(r"engines/contract/.*\[(.+?)(?:-joint|-contact|\])")
 """The engine in a test's name: everything that a clause is run for begins with it."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add ``--xval-engine``."""
-    parser.getgroup("multibody-xval").addoption(
+    """Add ``--xval-engine`` and ``--xfails-file``."""
+    group = parser.getgroup("multibody-xval")
+    group.addoption(
+        XFAILS,
+        default="",
+        metavar="FILE",
+        help="with --xval-engine: tests of the contract that are known to fail, a line each, NODE  # reason",
+    )
+    group.addoption(
         OPTION,
         action="append",
         default=[],
@@ -62,52 +72,47 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Run a test of the contract once for everything that its argument stands for.
-
-    ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
-    ``sharing`` those that share the reference's scheme, ``modelled`` those whose law is a model, ``following`` those
-    whose normal force may change in time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose
-    row may have any direction, ``holding`` the tuned ones with static friction of its own,
-    ``installed`` the name of an engine.
-    """
-    if metafunc.module.__package__ != "multibody_xval.engines.contract":
+    """Run a clause once for everything that its argument stands for; see `cases.cases`."""
+    if metafunc.module.__package__ != CONTRACT:
         return
-    for argument, chosen in _cases(tuple(metafunc.config.getoption(OPTION))).items():
+    from multibody_xval.engines.contract.cases import cases, label
+
+    for argument, chosen in cases(tuple(metafunc.config.getoption(OPTION))).items():
         if argument in metafunc.fixturenames:
-            metafunc.parametrize(argument, chosen, ids=None if argument == "installed" else _label)
+            metafunc.parametrize(argument, chosen, ids=None if argument == "installed" else label)
 
 
-@cache
-def _cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
-    """Give what each argument stands for, of these engines or, without any, of all that are installed."""
-    from multibody_xval.engines.interface.law import law_of
-    from multibody_xval.engines.interface.presets import NormalForce
-    from multibody_xval.engines.interface.registry import engine, engine_names
-    from multibody_xval.engines.interface.variant import variants_of
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out clauses that an engine says nothing about, and mark what is known to fail."""
+    asked = [item for item in items if not _is_of_nothing(item)]
+    if len(asked) < len(items):
+        items[:] = asked
+    if file := config.getoption(XFAILS):
+        from multibody_xval.engines.contract.failures import known_failures, mark_known
 
-    names = named or [name for name in engine_names() if engine(name).unavailable_reason() is None]
-    every = [variant for name in names for variant in variants_of(name, optional=True)]
-    variants = [variant for variant in every if variant.unavailable_reason is None]
-    tuned = [variant for variant in variants if variant.preset_name == "tuned"]
-    cases = {
-        "tested": variants,
-        "tuned": tuned,
-        "default": [variant for variant in variants if variant.preset_name == "default"],
-        "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
-        "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
-        "modelled": [each for each in variants if law_of(engine(each.engine), each.formulation, each.preset_name) is not None],
-        "turning": [variant for variant in variants if variant.preset.turns],
-        "holding": [variant for variant in tuned if variant.preset.static_friction],
-        "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],
-    }
-    later = {argument: [_later_if_optional(variant, named) for variant in chosen] for argument, chosen in cases.items()}
-    return {**later, "installed": list(names)}
+        mark_known(items, known_failures(Path(file)))
 
 
-def _later_if_optional(variant: "Variant", named: tuple[str, ...]) -> Any:
-    """Let presets that take part where they are named be slow, unless their engine is named."""
-    return pytest.param(variant, marks=pytest.mark.slow) if variant.preset.optional and not named else variant
+def _is_of_nothing(item: pytest.Item) -> bool:
+    """Whether a clause is run for no preset: pytest makes one test of it that is skipped."""
+    return _is_of_the_contract(item) and any(
+        mark.kwargs.get("reason", "").startswith("got empty parameter set") for mark in item.iter_markers("skip")
+    )
 
 
-def _label(variant: "Variant") -> str:
-    return f"{variant.engine}-{variant.formulation}-{variant.preset_name}"
+def _is_of_the_contract(item: pytest.Item) -> bool:
+    return isinstance(item, pytest.Function) and item.module.__package__ == CONTRACT
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, Any, Any]:
+    """Print a line for a clause that fails; ``--tb=long`` or ``short`` print how it came to that."""
+    report = yield
+    problem = call.excinfo and call.excinfo.value
+    failed = report.failed and isinstance(problem, AssertionError) and item.config.option.tbstyle == "auto"
+    if failed and _is_of_the_contract(item):
+        from multibody_xval.engines.contract.failures import in_a_line
+
+        report.longrepr = in_a_line(item.nodeid, problem)
+    return report

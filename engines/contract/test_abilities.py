@@ -50,7 +50,7 @@ def test_row_along_the_other_tangent_moves_alike(turning: Variant) -> None:
     """Nothing distinguishes the two tangents of a contact, whatever its cone."""
     (*_, along), (*_, aside) = (slide(turning, direction) for direction in (0.0, math.pi / 2))
     difference = np.max(np.abs(along.positions - aside.positions)) / BASE_AMPLITUDE
-    assert difference <= tolerance_of(turning, SAME_MOTION), f"off by {difference:.2g} U0"
+    assert difference <= tolerance_of(turning, SAME_MOTION), "the row along the other tangent moves otherwise, by U0"
 
 
 def test_friction_of_a_turned_row_is_read_along_it(turning: Variant) -> None:
@@ -62,7 +62,7 @@ def test_friction_of_a_turned_row_is_read_along_it(turning: Variant) -> None:
     spring = -chain.inner_stiffness * slip - chain.inner_damping * rate
     lost = chain.inner_mass * np.diff(velocities[:, 1]) / lane.time_step - spring
     missing = np.abs(np.mean(run.friction[:, 0] - lost)) / float(chain.friction_bound[0])
-    assert missing <= MOMENTUM, f"{missing:.2g} of the bound is missing"
+    assert missing <= MOMENTUM, "a part of the friction is missing along the row, over the bound"
 
 
 STATIC_RATIO = 1.5
@@ -116,19 +116,21 @@ def slips(run: Trajectory) -> np.ndarray:
 def test_contact_at_rest_holds_more_than_it_slides_with(holding: Variant) -> None:
     """A load between both bounds does not move the block."""
     run = pulled(holding, HELD)
-    assert slips(run)[-1] < CREEP, f"slips by {slips(run)[-1]:.2g} of a jump under {HELD} of what it should hold"
-    assert np.abs(run.friction[-1, 0]) == pytest.approx(HELD * STATIC_RATIO * BOUND, rel=CREEP)
+    assert slips(run)[-1] <= CREEP, f"slips under {HELD} of what it should hold, by a part of a jump"
+    off = np.abs(np.abs(run.friction[-1, 0]) / (HELD * STATIC_RATIO * BOUND) - 1)
+    assert off <= CREEP, "the friction is not the load, by a part of it"
 
 
 def test_contact_that_lets_go_jumps_under_kinetic_friction(holding: Variant) -> None:
     """The friction that is reported passes μ_k λ_N up to μ_s λ_N before, and is μ_k λ_N while the block is fast."""
     run = pulled(holding, BREAKS)
-    assert slips(run)[-1] > 1, f"jumps by {slips(run)[-1]:.2g} of 2 (μ_s − μ_k) λ_N / k"
+    assert slips(run)[-1] >= 1, "jumps less than 2 (μ_s − μ_k) λ_N / k, by a part of it"
     friction = np.abs(run.friction[:, 0]) / BOUND
-    assert HOLDS_LEAST * STATIC_RATIO < np.max(friction) < STATIC_RATIO * (1 + SLIDES)
+    assert np.max(friction) >= HOLDS_LEAST * STATIC_RATIO, "lets go too early, over μ_k λ_N"
+    assert np.max(friction) <= STATIC_RATIO * (1 + SLIDES), "holds too much, over μ_k λ_N"
     speed = np.abs(run.relative_velocity[:, 0])
     sliding = friction[speed > np.max(speed) / 2]
-    assert sliding == pytest.approx(np.ones_like(sliding), abs=SLIDES), "slides with another friction"
+    assert np.max(np.abs(sliding - 1)) <= SLIDES, "slides with another friction than μ_k λ_N, by a part of it"
 
 
 LACKING: dict[str, tuple[str, Callable[[], Lane]]] = {

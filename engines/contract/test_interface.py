@@ -24,8 +24,8 @@ def test_split_run_equals_whole_run(tested: Variant) -> None:
     first = simulation.run(random_state(1), 0, 100)[0]
     second = simulation.run(first.end, 100, 100)[0]
     allowed = tested.preset.split_tolerance * BASE_AMPLITUDE
-    assert np.max(np.abs(whole.positions[100:] - second.positions)) <= allowed, "the second half starts elsewhere"
-    assert whole.time[100:] == pytest.approx(second.time)
+    assert np.max(np.abs(whole.positions[100:] - second.positions)) <= allowed, "the second half starts elsewhere [m]"
+    assert np.allclose(whole.time[100:], second.time), "the second half has other times"
 
 
 def test_repeated_run_is_bitwise_equal(tested: Variant) -> None:
@@ -67,9 +67,9 @@ def test_trajectory_has_one_finite_row_a_step_in_si_units(tested: Variant) -> No
     """Rows are at the ends of the steps."""
     lane = lane_of(0.3, 0.6)
     run = tested.build([lane]).run(random_state(1), 3, 25)[0]
-    assert run.time == pytest.approx(lane.time_step * np.arange(4, 29))
-    assert run.positions.shape == run.velocities.shape == (25, 14)
-    assert run.friction.shape == run.normal_force.shape == (25, 7)
+    shapes = [rows.shape for rows in (run.positions, run.velocities, run.friction, run.normal_force)]
+    assert shapes == [(25, 14), (25, 14), (25, 7), (25, 7)], f"shapes of the rows are {shapes}"
+    assert np.allclose(run.time, lane.time_step * np.arange(4, 29)), "rows are not at the ends of the steps"
     assert np.all(run.normal_force >= 0), "a contact pulls"
     for rows in (run.positions, run.velocities, run.friction, run.normal_force):
         assert np.all(np.isfinite(rows)), "the trajectory has numbers that are not finite"
@@ -94,15 +94,15 @@ def test_many_runs_from_one_state_end_alike(tested: Variant) -> None:
 def test_capabilities_name_the_engine_and_every_option_has_a_reason(installed: str) -> None:
     """Reports print them."""
     abilities = engine(installed).capabilities
-    assert abilities.title
-    assert abilities.package
-    assert abilities.licence
-    assert engine(installed).version()
-    assert abilities.precision in ROUND_OFF
+    for name in ("title", "package", "licence"):
+        assert getattr(abilities, name), f"capabilities have no {name}"
+    assert engine(installed).version(), "the version is empty"
+    assert abilities.precision in ROUND_OFF, f"precision = {abilities.precision!r}; allowed: {', '.join(ROUND_OFF)}"
     presets = [preset for named in abilities.presets.values() for preset in named.values()]
-    assert all(option.reason for preset in presets for option in preset.options.values())
-    assert all(preset.description for preset in presets)
-    assert all("tuned" in named for named in abilities.presets.values())
+    unsaid = [name for preset in presets for name, option in preset.options.items() if not option.reason]
+    assert not unsaid, f"options have no reason: {', '.join(unsaid)}"
+    assert all(preset.description for preset in presets), "a preset has no description"
+    assert all("tuned" in named for named in abilities.presets.values()), "a formulation has no preset tuned"
 
 
 def test_unknown_formulation_and_preset_are_refused(installed: str) -> None:

@@ -50,7 +50,7 @@ def assert_same_motion(tested: Variant, positions: FloatArray, expected: FloatAr
     """Compare positions, in the same unit; a solver of an engine's own rounds more than the step of the scheme."""
     difference = np.max(np.abs(positions - expected)) / np.max(np.abs(expected))
     allowed = tolerance_of(tested, SAME_MOTION) * (1 if tested.preset.shares_scheme else OWN_SOLVER)
-    assert difference <= allowed, f"{what}: off by {difference:.2g} of the largest position"
+    assert difference <= allowed, f"{what}: the motion is off, over its largest position"
 
 
 @pytest.mark.parametrize(
@@ -81,20 +81,18 @@ def test_only_the_bound_enters_whatever_the_coefficient(
     run, expected = run_or_skip(sharing, lane, random_state(1)), run_of(sharing, usual, random_state(1), STEPS)
     assert_same_motion(sharing, run.positions, expected.positions, "the coefficient matters")
     pressed = np.max(np.abs(run.normal_force / normal_force - 1))
-    assert pressed <= tolerance_of(sharing, ROUND_OFF), f"the normal force is off by {pressed:.2g}"
+    assert pressed <= tolerance_of(sharing, ROUND_OFF), "the normal force is off, as a part"
 
 
-def test_motion_far_above_the_displacement_scale_is_not_cut_off(sharing: Variant) -> None:
+def test_motion_far_above_the_displacement_scale_is_not_cut_off(exact: Variant) -> None:
     """Largest velocities, and what else an engine bounds, are no part of the chain."""
-    if sharing.preset_name != "tuned":
-        pytest.skip("how far a default is off is a finding of reports")
     state = random_state(1)
-    far = FAR[sharing.formulation]
+    far = FAR[exact.formulation]
     fast = State(far * state.positions, far * state.velocities)
     run, expected = (
-        run_or_skip(variant, lane_of(0.3, 0.6), fast, STEPS // 8) for variant in (sharing, Variant("reference"))
+        run_or_skip(variant, lane_of(0.3, 0.6), fast, STEPS // 8) for variant in (exact, Variant("reference"))
     )
-    assert_same_motion(sharing, run.positions, expected.positions, "a large motion is cut off")
+    assert_same_motion(exact, run.positions, expected.positions, "a large motion is cut off")
 
 
 def test_chain_at_rest_without_a_drive_stays_there(tested: Variant) -> None:
@@ -102,8 +100,9 @@ def test_chain_at_rest_without_a_drive_stays_there(tested: Variant) -> None:
     lane = dataclasses.replace(lane_of(0.3, 0.6), drive=StillBase(BASE_AMPLITUDE))
     end = tested.build([lane]).advance(State.at_rest(1, 7), 0, STEPS)
     moved = np.max(np.abs(end.positions)) / BASE_AMPLITUDE
-    assert moved <= STILL, f"a chain at rest has moved by {moved:.2g} U0"
-    assert np.max(np.abs(end.velocities)) * lane.time_step * STEPS / BASE_AMPLITUDE <= STILL, "a chain at rest moves"
+    assert moved <= STILL, "a chain at rest has moved [U0]"
+    speed = np.max(np.abs(end.velocities)) * lane.time_step * STEPS / BASE_AMPLITUDE
+    assert speed <= STILL, "a chain at rest moves, over U0 a period"
 
 
 def test_stuck_contact_does_not_creep(sharing: Variant) -> None:
@@ -112,7 +111,7 @@ def test_stuck_contact_does_not_creep(sharing: Variant) -> None:
     run = run_of(sharing, lane, State.at_rest(1, 7), 3 * STEPS)
     creep = np.max(np.abs(run.relative_velocity)) / (BASE_AMPLITUDE * drive_of(lane).angular_frequency)
     allowed = CREEPS[sharing.capabilities.precision] + sharing.preset.residual_slip_compliance
-    assert creep <= allowed, f"a stuck contact creeps with {creep:.2g} of the drive's velocity"
+    assert creep <= allowed, "a stuck contact creeps, over the velocity of the drive"
 
 
 def test_state_is_rounded_once_and_not_with_every_run(tested: Variant) -> None:
@@ -126,4 +125,4 @@ def test_state_is_rounded_once_and_not_with_every_run(tested: Variant) -> None:
         state = simulation.advance(state, part * STEPS // PARTS, STEPS // PARTS)
     off = np.max(np.abs(state.positions - whole.positions)) / BASE_AMPLITUDE
     stated = tested.preset.split_tolerance
-    assert off <= stated * (1 if stated <= ROUND_OFF_SPLIT else PARTS), f"off by {off:.2g} U0 after {PARTS} runs"
+    assert off <= stated * (1 if stated <= ROUND_OFF_SPLIT else PARTS), f"another motion after {PARTS} runs [U0]"

@@ -49,7 +49,7 @@ def test_momentum_changes_by_the_impulse_of_the_reported_forces(tuned: Variant) 
     lane = lane_of(0.3, 0.9, 4 * STEPS)
     run = run_of(tuned, lane, random_state(1), 4 * STEPS)
     missing = np.max(np.abs(unexplained_impulse(lane, run)))
-    assert missing < MOMENTUM_TOLERANCE, "the forces do not explain the motion"
+    assert missing <= MOMENTUM_TOLERANCE, "the forces do not explain the motion: momentum is missing, as a part"
 
 
 def test_energy_of_a_free_motion_is_never_created(tuned: Variant) -> None:
@@ -58,8 +58,8 @@ def test_energy_of_a_free_motion_is_never_created(tuned: Variant) -> None:
     lane = Lane(driven.chain, StillBase(driven.drive.displacement_scale(driven.chain)), driven.time_step)
     run = run_of(tuned, lane, random_state(1), 4 * STEPS)
     rows = mechanical_energy(lane.chain, run.positions, run.velocities)
-    assert largest_growth(rows) < 2 * DISTANCE_GROWTH, "energy is created"
-    assert rows[-1] < 0.5 * rows[0], "friction and dashpots take no energy"
+    assert largest_growth(rows) <= 2 * DISTANCE_GROWTH, "energy is created, as a part"
+    assert rows[-1] <= 0.5 * rows[0], "friction and dashpots take no energy [J]"
 
 
 def test_frictionless_limit_is_the_linear_response(tuned: Variant) -> None:
@@ -75,7 +75,8 @@ def _steady_levels_are(tuned: Variant, lanes: Sequence[Lane], exact: Sequence[fl
     simulation.close()
     assert all(orbit.converged for orbit in orbits), "no steady state"
     levels = [float(decibel(transmittance(orbit))) for orbit in orbits]
-    assert levels == pytest.approx([float(decibel(value)) for value in exact], abs=LINEAR_TOLERANCE_DB)
+    off = np.max(np.abs(np.array(levels) - [float(decibel(value)) for value in exact]))
+    assert off <= LINEAR_TOLERANCE_DB, "the linear transmittance is off [dB]"
 
 
 @pytest.mark.parametrize("friction", [1e-3, 1e-6])
@@ -108,16 +109,16 @@ def test_two_motions_under_one_drive_never_drift_apart(tuned: Variant) -> None:
     first, second = tuned.build([lane, lane]).run(random_state(2), 0, 4 * STEPS)
     apart, faster = first.positions - second.positions, first.velocities - second.velocities
     distance = np.sqrt(mechanical_energy(lane.chain, apart, faster))
-    assert largest_growth(distance) < DISTANCE_GROWTH, "two motions drift apart"
-    assert distance[-1] < distance[0], "two motions do not come closer"
+    assert largest_growth(distance) <= DISTANCE_GROWTH, "two motions drift apart, as a part"
+    assert distance[-1] <= distance[0], "two motions do not come closer"
 
 
 def test_normal_force_is_the_one_that_is_given(tuned: Variant) -> None:
     """A measured one as well: nothing may press harder while a contact slides."""
     lane = lane_of(0.3, 0.6)
     run = run_of(tuned, lane, random_state(1), 50)
-    given = np.broadcast_to(lane.chain.normal_force, (50, 7))
-    assert run.normal_force == pytest.approx(given, rel=tolerance_of(tuned, ROUND_OFF))
+    off = np.max(np.abs(run.normal_force / lane.chain.normal_force - 1))
+    assert off <= tolerance_of(tuned, ROUND_OFF), "the normal force is not the one that is given, as a part"
 
 
 def test_cells_without_friction_feel_none(tested: Variant) -> None:

@@ -14,7 +14,7 @@ from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, checked_choice, shown
+from reference_lcp.errors import ParameterError, checked_choice
 
 if TYPE_CHECKING:
     from reference_lcp.one_call import SteadyState

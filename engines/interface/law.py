@@ -92,5 +92,5 @@ def law_of(engine: Engine, formulation: str, preset: str) -> Law | None:
     if not package or find_spec(f"{package}.law") is None:
         return None
     laws: Mapping[str, Callable[[Preset], Law]] = import_module(f"{package}.law").LAWS
-    name = f"{formulation}:{preset.split(':')[0]}"
+    name = f"{formulation}:{preset.partition(':')[0]}"
     return laws[name](engine.preset(formulation, preset)) if name in laws else None

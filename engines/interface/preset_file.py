@@ -115,6 +115,8 @@ class _Formulation:
         claims = {"optional": name not in ("tuned", "default"), **self._claims}
         claims |= {key: value for key, value in table.items() if key in CLAIMS}
         given = {key: self._claim(where, key, value) for key, value in claims.items()}
+        if "base" in table:
+            checked_choice(f"base of {where}", table["base"], list(before))
         base = before[table["base"]].options if "base" in table else self._own
         own = {key: option for key, option in base.items() if key not in table.get("without", [])}
         own |= self._options(f"{name}.own", table.get("own", {}))
@@ -124,7 +126,10 @@ class _Formulation:
             modulated[key] = option
         changed = dict(self._changed(f"{where}.set", own, changes))
         options = {**changed, **own, **changed}
-        return Preset(table.get("about", ""), options, modulated_options=modulated, **given)
+        try:
+            return Preset(table.get("about", ""), options, modulated_options=modulated, **given)
+        except ParameterError as problem:
+            raise ParameterError(f"{where}: {problem}") from None
 
     def _claim(self, where: str, key: str, value: Any) -> Any:
         """Check a key of a preset by the type of its field."""

@@ -105,10 +105,6 @@ def _check_versions(registered: Engine) -> None:
         text.encode()
 
 
-GONE = {"mjx": "mujoco-warp", "ovphysx": "sapien, which has PhysX too"}
-"""Engines of before, and what to use instead."""
-
-
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
@@ -118,7 +114,7 @@ def engine(name: str) -> Engine:
         If no engine of this name is registered, or the one that is registered is broken.
     """
     if name not in _entry_points():
-        checked_choice("engine", name, registered_names(), GONE)
+        checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
     if reason is not None:
         raise ParameterError(f"engine = {name!r} cannot be used: {reason}")

@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from multibody_xval.engines.interface.changed_options import value_text
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preset
-from multibody_xval.engines.interface.registry import default_engine_names, engine, engine_names
+from multibody_xval.engines.interface.registry import engine, engine_names
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError, checked_choice
 
@@ -205,21 +205,3 @@ def check_installed(name: str, missing: str | None) -> None:
     """Refuse an engine that is named, if something is missing."""
     if missing is not None:
         raise ParameterError(f"engine = {name} is not installed: {missing}; allowed: one that is")
-
-
-def default_variants() -> list[Variant]:
-    """Give the variants that are compared where none is named: every formulation, tuned and as the engine comes.
-
-    Those of the engines that come with the suite.
-    """
-    return _with_presets("tuned", "default")
-
-
-def recommended_variants() -> list[Variant]:
-    """Give the presets of the same engines whose options can be copied into any model."""
-    return _with_presets("recommended")
-
-
-def _with_presets(*presets: str) -> list[Variant]:
-    every = (variant for name in default_engine_names() for variant in variants_of(name, optional=True))
-    return [variant for variant in every if variant.preset_name in presets]

@@ -1,6 +1,5 @@
 """The laws of Bullet's damping, which slows every mass down against the ground."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from multibody_xval.engines.interface.law import Constant, Law, Step

@@ -1,7 +1,7 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
 from multibody_xval.engines.interface.engine import Engine
-from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
+from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Preset
 from multibody_xval.engines.shared.pip_engine import installed_version
 from reference_lcp.chain.simulation import Lane, Simulation
 
@@ -11,13 +11,6 @@ EXACT = "exact"
 SERIES_ROUND_OFF = 1e-12
 """Split tolerance of the exact motion: a run that is split begins another power series there, with sums of some thirty
 terms in another order: thirty roundings a step, of a motion of a few displacement scales, over 100 steps."""
-
-CONVERGED_SUBSTEPS = 32
-"""Euler steps to one step of the lane in the preset ``converged``.
-
-The scheme is of first order: at 400 steps a period its error reaches 0.2 dB on the steepest flanks
-of figure 3, at 32 times as many 0.006 dB, far below every tolerance that is compared with it.
-"""
 
 
 class Reference(Engine):
@@ -37,16 +30,6 @@ class Reference(Engine):
                     normal_force=NormalForce.LIFTING,
                     turns=True,
                     static_friction=True,
-                ),
-                "converged": Preset(
-                    "The same scheme with a finer Euler step: the baseline for every engine.",
-                    {
-                        "substeps": Option(
-                            CONVERGED_SUBSTEPS, 1, "brings the scheme's own first-order error below 0.01 dB"
-                        )
-                    },
-                    normal_force=NormalForce.LIFTING,
-                    turns=True,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",
@@ -71,11 +54,9 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        from multibody_xval.engines.reference.simulations import RefinedSimulation, exact_simulation
+        from multibody_xval.engines.reference.simulations import exact_simulation
         from reference_lcp.schemes.euler import euler_simulation
 
         if preset is self.capabilities.presets[formulation][EXACT]:
             return exact_simulation(lanes)
-        if "substeps" not in preset.options:
-            return euler_simulation(lanes)
-        return RefinedSimulation(lanes, preset["substeps"])
+        return euler_simulation(lanes)

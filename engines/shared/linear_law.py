@@ -117,7 +117,7 @@ class LinearStep:
 
 
 def soft_coulomb(compliance: FloatArray | float) -> Friction:
-    """Give −p = w / ε up to the bound, and the bound beyond; ε [m/s / (N s)], zero of Coulomb's law, may be per cell."""
+    """Give −p = w / ε up to the bound, and the bound beyond; ε [m/s / (N s)] may be per cell, Coulomb has zero."""
     of_cell = np.atleast_1d(compliance)
 
     def impulse(cell: int, slip: float, coupling: float, bound: float) -> float:
@@ -132,15 +132,17 @@ def smooth_friction(speeds: FloatArray) -> Friction:
 
     def impulse(cell: int, slip: float, coupling: float, bound: float) -> float:
         speed, most, zone = abs(slip), coupling * bound, speeds[cell]
-        end = brentq(lambda w: w + most * w / np.hypot(w, zone) - speed, 0.0, speed, xtol=ROUND_OFF * speed) if speed else 0.0
+        if speed == 0:
+            return 0.0
+        end = brentq(lambda w: w + most * w / np.hypot(w, zone) - speed, 0.0, speed, xtol=ROUND_OFF * speed)
         return -float(np.copysign(bound * end / np.hypot(end, zone), slip))
 
     return impulse
 
 
-def linear_law(lane: Lane, step: LinearStep, friction: Friction = soft_coulomb(0.0)) -> Step:
-    """Give the step of a lane: the linear part, and friction solved by sweeps over the cells."""
-    count, cells = 2 * lane.chain.cells, lane.chain.cells
+def linear_law(lane: Lane, step: LinearStep, friction: Friction | None = None) -> Step:
+    """Give the step of a lane: the linear part, and friction solved by sweeps, Coulomb's unless another is given."""
+    count, cells, friction = 2 * lane.chain.cells, lane.chain.cells, friction or soft_coulomb(0.0)
     directions, impulses = lane.chain.contact_directions, np.zeros(cells)
 
     def take(
@@ -156,7 +158,9 @@ def linear_law(lane: Lane, step: LinearStep, friction: Friction = soft_coulomb(0
     return take
 
 
-def _sweep(slips: FloatArray, coupling: FloatArray, bounds: FloatArray, friction: Friction, impulses: FloatArray) -> None:
+def _sweep(
+    slips: FloatArray, coupling: FloatArray, bounds: FloatArray, friction: Friction, impulses: FloatArray
+) -> None:
     """Solve all contacts by Gauss–Seidel sweeps, in place; sweeps start from the impulses of the step before."""
     own = coupling.diagonal()
     for _ in range(MOST_SWEEPS):

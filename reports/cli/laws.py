@@ -17,7 +17,7 @@ def laws(engines: Engines, *, out: TableFile = None) -> None:
     """
     configs = engines.variants()
     outs = check_outs([out], TABLE_ENDINGS)
-    from multibody_xval.scenarios.studies import law_distances as study
+    from multibody_xval.scenarios.studies import laws as study
     from reference_lcp.terminal import announce_compilation
 
     announce_compilation()

@@ -1,19 +1,62 @@
 """How small a fault may be and still be found: engines with a fault of any size, and the bisection for it."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 from unittest.mock import patch
 
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.scenarios.catalogue.finding import reasons_to_fail
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.model import Config
-from reference_lcp.chain.simulation import Lane
-from tests.mutations.altered import AlteredSimulation
-from tests.mutations.errors import AlteredDrive
+from reference_lcp.chain.drives import Drive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray
 from tests.scenarios.in_this_process import judged
+
+
+@dataclass(frozen=True)
+class AlteredDrive:
+    """A drive whose load is that of the time (1 + `drift`) t − `delay` [s]."""
+
+    drive: Drive
+    delay: float = 0.0
+    drift: float = 0.0
+
+    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
+        return self.drive.load(chain, (1 + self.drift) * time - self.delay)
+
+    def displacement_scale(self, chain: Chain) -> float:
+        return self.drive.displacement_scale(chain)
+
+    def parameters(self) -> dict[str, Any]:
+        return self.drive.parameters()
+
+
+@dataclass
+class OfOtherLanes:
+    """A simulation of other lanes than those that were given, and that says that it is of these."""
+
+    simulation: Simulation
+    lanes: tuple[Lane, ...]
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        runs = self.simulation.run(state, start, steps)
+        return [replace(run, time=lane.times(start, steps)) for lane, run in zip(self.lanes, runs, strict=True)]
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        return self.simulation.advance(state, start, steps)
+
+    def subset(self, lanes: Sequence[int]) -> "OfOtherLanes":
+        return OfOtherLanes(self.simulation.subset(lanes), tuple(self.lanes[lane] for lane in lanes))
+
+    def close(self) -> None:
+        self.simulation.close()
+
 
 Change = Callable[[Lane, float], Lane]
 """Gives a lane with a fault of a size."""
@@ -61,7 +104,7 @@ def wrong_by(config: Config, fault: str, size: float) -> Iterator[None]:
 
     def wrong(self, lanes, formulation, preset):
         spoilt = tuple(SIZED[fault](lane, size) for lane in lanes)
-        return AlteredSimulation(build(self, spoilt, formulation, preset), lanes)
+        return OfOtherLanes(build(self, spoilt, formulation, preset), lanes)
 
     with patch.object(kind, "_build", wrong):
         yield

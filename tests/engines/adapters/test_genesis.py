@@ -9,13 +9,13 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from multibody_xval.engines.mujoco.step_model import LEAST_COEFFICIENT as MUJOCOS_LEAST
 
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.law import Law
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import ArmScene, ContactScene, JointScene, Scene
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.engines.mujoco.step_model import LEAST_COEFFICIENT as MUJOCOS_LEAST
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane

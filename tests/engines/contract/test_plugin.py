@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from xdist.remote import Producer
 
-from multibody_xval.engines.contract import plugin
+from multibody_xval.engines.contract import cases, plugin
 from multibody_xval.engines.interface.variant import Variant
 
 
@@ -83,10 +83,10 @@ def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> 
 
 def test_presets_that_take_part_where_they_are_named_are_slow_unless_their_engine_is_named() -> None:
     recommended, tuned = Variant("mujoco", "joint", "recommended"), Variant("mujoco")
-    (mark,) = plugin._later_if_optional(recommended, []).marks
+    (mark,) = cases.later_if_optional(recommended, []).marks
     assert mark.name == "slow"
-    assert plugin._later_if_optional(recommended, ["mujoco"]) is recommended
-    assert plugin._later_if_optional(tuned, []) is tuned
+    assert cases.later_if_optional(recommended, ["mujoco"]) is recommended
+    assert cases.later_if_optional(tuned, []) is tuned
 
 
 @pytest.mark.parametrize(

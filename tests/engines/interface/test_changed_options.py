@@ -1,14 +1,13 @@
-"""Options of presets that are changed by name: what they are called, what is refused, and which law is left."""
+"""Options of presets that are changed by name: what they are called, and what is refused."""
 
+from collections import UserDict
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.changed_options import _ReadOptions, changed_preset
 from multibody_xval.engines.interface.engine import sample_lane
-from multibody_xval.engines.interface.law import Law, NotModelled
-from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option, Preset
+from multibody_xval.engines.interface.presets import ACROSS, ADAPTERS_UNITS, Formulation, Option
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import Variant, variants_named
 from multibody_xval.scenarios.model import Case, Run
@@ -17,9 +16,21 @@ from reference_lcp.errors import ParameterError
 from tests.installed import each_variant
 
 
+class ReadOptions(UserDict[str, Option]):
+    """Options that note which of them are read."""
+
+    def __init__(self, options):
+        self.read: set[str] = set()
+        super().__init__(options)
+
+    def __getitem__(self, name: str) -> Option:
+        self.read.add(name)
+        return super().__getitem__(name)
+
+
 @pytest.mark.parametrize("variant", each_variant(variants_named(["all:all:all"])))
 def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None:
-    own, options = engine(variant.engine), _ReadOptions(variant.preset.options)
+    own, options = engine(variant.engine), ReadOptions(variant.preset.options)
     preset = replace(variant.preset, options=options)
     simulation = own._build((preset.pressed(sample_lane(2)),), Formulation(variant.formulation), preset)
     try:
@@ -110,33 +121,6 @@ def test_a_changed_option_is_another_run() -> None:
     assert runs[1].config.preset["noslip_iterations"] == 3
 
 
-def test_a_law_is_that_of_the_changed_options() -> None:
-    changed = Variant.parse("mujoco:joint:default:solref_friction=0.01,1")
-    law = changed.preset.stated_law()
-    assert isinstance(law, Law)
-    assert law.constants["τ"].value == 0.01
-    assert str(changed.law) == "mujoco@law:joint:default:solref_friction=0.01,1.0"
-    assert changed.law is not None
-    assert changed.law.preset["solref_friction"] == (0.01, 1.0)
-
-
-@pytest.mark.parametrize("name", ["mujoco", "mujoco-warp", "genesis"])
-def test_a_contact_that_is_held_has_its_law_too(name: str) -> None:
-    """It is another one than that of a free contact, and runs although the preset itself may have none."""
-    free, held = (Variant.parse(f"{name}:contact:default{own}") for own in ("", ":across=held"))
-    stated = held.preset.stated_law()
-    assert isinstance(stated, Law)
-    assert stated.formula != getattr(free.preset.stated_law(), "formula", "")
-    assert held.law is not None
-    held.law.build([sample_lane(2)]).advance(State.at_rest(1, 2), 0, 1)
-
-
-def test_a_law_of_a_time_constant_is_not_that_of_a_rate() -> None:
-    for value in ("-0.95/h,-0.95/h", "-475,-475"):
-        preset = Variant.parse(f"mujoco:joint:default:solref_friction={value}").preset
-        assert isinstance(preset.stated_law(), NotModelled)
-
-
 @pytest.mark.parametrize(
     "name", ["mujoco:solref_friction", "mujoco:contact:solreffriction", "mujoco:joint:default:solref_friction"]
 )
@@ -152,26 +136,9 @@ def test_a_formula_of_the_step_is_the_number_that_the_engine_takes(name: str) ->
     assert np.any(ends[0])
 
 
-def test_a_law_that_does_not_know_a_changed_option_is_none() -> None:
-    law = Variant.parse("mujoco:joint:default:iterations=2").preset.stated_law()
-    assert law == NotModelled("its law does not say what iterations changes")
-    with pytest.raises(ParameterError, match="mujoco@law:joint:default:iterations=2 has no model of its steps"):
-        Variant.parse("mujoco@law:joint:default:iterations=2")
-
-
 def test_a_changed_preset_does_not_claim_to_be_the_scheme() -> None:
     preset = Variant.parse("mujoco:noslip_iterations=0").preset
     assert not preset.shares_scheme
-    assert preset.stated_law() == NotModelled("no model says what noslip_iterations changes")
-
-
-def test_a_law_that_cannot_be_computed_from_a_value_refuses_it() -> None:
-    def law(preset: Preset) -> Law | NotModelled:
-        return NotModelled(f"{1 / preset['width']}")
-
-    soft = Preset("Soft.", {"width": Option(1.0, 1.0, "As it is.")}, law=law)
-    with pytest.raises(ParameterError, match=r"width=0\.0 of soft is not what its law takes: ZeroDivisionError"):
-        changed_preset(soft, ["width=0"], [soft], soft, "soft")
 
 
 def test_what_is_set_also_holds_where_the_normal_force_changes() -> None:

@@ -8,7 +8,6 @@ import pytest
 
 from multibody_xval.engines import engine, engine_names
 from multibody_xval.engines.interface.registry import default_engine_names
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.isolated import out_of_process
 from reference_lcp import ParameterError
 
@@ -44,8 +43,3 @@ def test_further_engine_that_is_missing_says_how_to_install_it(name, monkeypatch
 def test_unknown_engine_is_refused_with_the_known_ones() -> None:
     with pytest.raises(ParameterError, match="engine = 'bullet' is unknown; allowed: reference"):
         engine("bullet")
-
-
-def test_law_of_a_formulation_without_any_is_refused_with_those_that_have_one() -> None:
-    with pytest.raises(ParameterError, match=r"formulation of newton@law = 'joint' is unknown; allowed: contact$"):
-        Variant.parse("newton@law")

@@ -1,20 +1,16 @@
-"""An engine in a package of its own: the semi-implicit Euler step with the friction of each cell clipped, in NumPy.
-
-A worked example of what an engine's developer writes: options and presets, a class with capabilities, a model that
-takes a state in and gives a trajectory out, and one line in `pyproject.toml`.
-"""
+"""An engine in a package of its own: the step of equation (5) in NumPy, with the friction of each cell clipped."""
 
 import numpy as np
 
 import multibody_xval as xval
 
-OPTIONS = {"compliance": xval.Option.own(1e-3, "part of the slip velocity that a stuck contact keeps in each step [-]")}
-
+OPTIONS = {"compliance": xval.Option.own(1e-3, "part of the slip velocity that a stuck contact keeps per step [-]")}
 TUNED = xval.Preset(
     "Contacts stick without any creep.",
     OPTIONS,
     changes={"compliance": (0.0, "a contact that its friction can hold does not move")},
-    shares_scheme=True,  # it is the reference's own step: the reference predicts it
+    shares_scheme=True,  # its step is the reference's own
+    judged=("chain", "blocks"),  # its errors fail a report
 )
 DEFAULT = xval.Preset(
     "As the engine comes.",
@@ -25,8 +21,6 @@ DEFAULT = xval.Preset(
 
 
 class Tiny(xval.Engine):
-    """The example's engine."""
-
     name = "tiny"
     capabilities = xval.Capabilities(
         title="Tiny",
@@ -36,47 +30,40 @@ class Tiny(xval.Engine):
         presets={xval.Formulation.JOINT: {"tuned": TUNED, "default": DEFAULT}},
     )
 
-    def version(self) -> str:
-        """Version of the package."""
+    def version(self):
         return "1.2.3"
 
-    def unavailable_reason(self) -> str | None:
-        """It needs nothing but NumPy."""
-        return None
+    def unavailable_reason(self):
+        return None  # or why it cannot be used here
 
-    def _build(
-        self, lanes: tuple[xval.Lane, ...], formulation: xval.Formulation, preset: xval.Preset
-    ) -> xval.SequentialSimulation:
+    def _build(self, lanes, formulation, preset):
         return xval.SequentialSimulation([TinyLane(lane, preset) for lane in lanes])
 
 
 class TinyLane(xval.LaneModel):
-    """One chain."""
+    """One chain under one drive."""
 
-    def __init__(self, lane: xval.Lane, preset: xval.Preset) -> None:
-        self.lane = lane
-        self._held = 1 - preset["compliance"]
-        self._reduced_mass = 1 / (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
+    def __init__(self, lane, preset):
+        self.lane, self.sticks = lane, 1 - preset["compliance"]
 
-    def run(self, state: xval.State, start: int, steps: int) -> xval.Trajectory:
-        """Advance from `state`."""
-        rows = []
-        x, v = state.positions[0].copy(), state.velocities[0].copy()
+    def run(self, state, start, steps):
+        """Advance from a state at the step `start`; gives a row per step."""
+        x, v, rows = state.positions[0].copy(), state.velocities[0].copy(), []
         for load in self.lane.loads(start, steps):
-            v, friction = self._velocity_after(x, v, load)
+            v, friction = self.end_velocity(x, v, load)
             x = x + self.lane.time_step * v
             rows.append((x, v, friction))
-        positions, velocities, forces = (np.array(column) for column in zip(*rows, strict=True))
-        normal = self.lane.preloads(start, steps)
-        return xval.Trajectory(self.lane.times(start, steps), positions, velocities, forces, normal)
+        positions, velocities, friction = (np.array(column) for column in zip(*rows, strict=True))
+        normal_force = self.lane.preloads(start, steps)
+        return xval.Trajectory(self.lane.times(start, steps), positions, velocities, friction, normal_force)
 
-    def _velocity_after(self, x: np.ndarray, v: np.ndarray, load: float) -> tuple[np.ndarray, np.ndarray]:
-        """Equation (5), with the closed solution of each cell's contact."""
-        chain, dt = self.lane.chain, self.lane.time_step
+    def end_velocity(self, x, v, load):
+        """Give the velocities after a step, and the friction on the inner masses [N]."""
+        chain, dt, mass = self.lane.chain, self.lane.time_step, np.diag(self.lane.chain.mass_matrix)
         force = -chain.stiffness_matrix @ x - chain.damping_matrix @ v
         force[0] += load
-        mass = np.diag(chain.mass_matrix)
         free = v + dt * force / mass
-        stop = -self._held * self._reduced_mass * (chain.contact_directions.T @ free) / dt
-        friction = np.clip(stop, -chain.friction_bound, chain.friction_bound)
+        reduced_mass = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
+        sticking = -self.sticks * reduced_mass * (chain.contact_directions.T @ free) / dt
+        friction = np.clip(sticking, -chain.friction_bound, chain.friction_bound)
         return free + dt * (chain.contact_directions @ friction) / mass, friction

@@ -1,11 +1,9 @@
 """``multibody-xval engines``: capabilities as data."""
 
 import json
-import re
 
 import pytest
 
-from multibody_xval.engines.interface.law import Law
 from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.engines.pybullet import PyBullet
@@ -55,55 +53,6 @@ def test_each_formulation_has_a_line_of_its_own(
 def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_command(app, ["--all"]) == 2
     assert capsys.readouterr().err.startswith("error: ")
-
-
-def test_law_is_printed_with_its_constants_and_how_near_the_engine_is(capsys: pytest.CaptureFixture[str]) -> None:
-    printed = printed_by(capsys, "law", "mujoco:joint:default")
-    assert "mujoco:joint:default: forces at the start of the step" in printed
-    assert "d_max 0.95" in printed
-    assert re.search(r"at 18 points: at most \S+ U0 from its law, 0\.1\d U0 from the reference", printed)
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("mujoco", r"mujoco: the step of the reference, equation \(5\)"),
-        ("exudyn-bristle:joint:default", "is not modelled: .* round-off decides"),
-    ],
-)
-def test_preset_without_a_model_says_what_it_is_instead(
-    capsys: pytest.CaptureFixture[str], name: str, said: str
-) -> None:
-    assert re.search(said, printed_by(capsys, "law", name))
-
-
-def test_law_that_holds_at_no_point_is_not_measured(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Law, "unclaimed_reason", lambda _, lane: f"{lane.chain.cells} cells")
-    printed = printed_by(capsys, "law", "mujoco:joint:default")
-    assert "not measured: it does not claim to hold at any of 18 points: 7 cells" in printed
-
-
-@pytest.mark.needs("mujoco-warp")
-@pytest.mark.parametrize(
-    ("setting", "said"),
-    [
-        ("normal time constant=0.0", "not measured: engine or law fails with ZeroDivisionError: float division"),
-        ("normal time constant=1e-9", "the engine's positions are not finite"),
-    ],
-)
-def test_law_of_an_engine_that_fails_is_not_measured(
-    capsys: pytest.CaptureFixture[str], setting: str, said: str
-) -> None:
-    assert said in printed_by(capsys, "law", f"mujoco-warp:contact:default:across=held:{setting}")
-
-
-def test_law_of_an_engine_that_is_missing_is_not_measured(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
-    assert "not measured here, no wheel for this Python" in printed_by(capsys, "law", "pybullet:joint:default")
 
 
 def test_texts_of_a_plugin_neither_colour_nor_move_the_table(

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
 
 from multibody_xval.engines.interface.scene import JointScene, SceneSetting
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
 from multibody_xval.engines.mujoco.scene import contact_model, joint_model
 from multibody_xval.reports.cli.probe import app
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import SLOPE_HOLD, on_slope

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from multibody_xval.engines.shared.claims import tangents_of_the_world
 from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION, PART
 from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import EXACT, Config, Run
@@ -52,8 +51,7 @@ def test_a_bound_a_tangent_lets_friction_grow_to_the_root_of_two_as_stated(name)
         assert isinstance(case, BlockMotion)
         expected = math.cos(math.radians(angle)) + math.sin(math.radians(angle))
         assert table.value[angle] == pytest.approx(expected, abs=1e-4)
-        assert config.preset.turned_bound is not None
-        assert config.preset.turned_bound(case.lane(case.rows), case.slip_velocity) == pytest.approx(expected)
+        assert config.preset.pyramid
         assert table.verdict[angle] == (AGREES if angle in TANGENTS else DEVIATES)
     assert table.index[~table.judged.astype(bool)].tolist() == [15, 30, 45, 60, 75, 90]
 
@@ -66,7 +64,9 @@ def test_a_bound_that_is_too_large_along_the_tangents_deviates_and_counts() -> N
 
 
 @pytest.mark.parametrize(
-    "bound", [tangents_of_the_world, lambda lane: max(map(abs, lane.axis))], ids=["circumscribed", "inscribed"]
+    "bound",
+    [lambda lane: sum(map(abs, lane.axis)), lambda lane: max(map(abs, lane.axis))],
+    ids=["circumscribed", "inscribed"],
 )
 def test_a_pyramid_where_a_cone_is_claimed_is_wrong_between_its_tangents(bound) -> None:
     """Friction is larger or smaller there, as that of a pyramid whose tangents are those of the world."""

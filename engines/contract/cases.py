@@ -1,0 +1,67 @@
+"""What the clauses of the contract are run for: the presets of an engine, by what they say that they can do."""
+
+from functools import cache
+from typing import Any
+
+import pytest
+
+from multibody_xval.engines.interface.law import law_of
+from multibody_xval.engines.interface.presets import NormalForce
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.variant import Variant, variants_of
+
+
+@cache
+def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
+    """Give what each argument of a clause stands for, of these engines or, without any, of all that are installed.
+
+    ``tested`` is every preset, ``tuned`` the best known options, ``default`` what a newcomer gets, ``sharing`` those
+    that share the reference's scheme, ``exact`` those of them that are tuned, ``modelled`` those that have a law,
+    ``following`` those whose normal force may change in time, ``following_tuned`` those of them that are tuned,
+    ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose row may have any direction, ``holding``
+    the tuned ones with static friction of its own, ``installed`` the name of an engine.
+    """
+    names = named or tuple(name for name in engine_names() if engine(name).unavailable_reason() is None)
+    every = [variant for name in names for variant in variants_of(name, optional=True)]
+    presets = [(variant, variant.preset) for variant in every if variant.unavailable_reason is None]
+    follows = [own for own, preset in presets if preset.represents(NormalForce.MODULATED)]
+    shares = [own for own, preset in presets if preset.shares_scheme and own.engine != "reference"]
+    chosen = {
+        "tested": [own for own, _ in presets],
+        "tuned": [own for own, _ in presets if is_tuned(own)],
+        "default": [own for own, _ in presets if own.preset_name == "default"],
+        "sharing": shares,
+        "exact": [own for own in shares if is_tuned(own)],
+        "modelled": [own for own, _ in presets if is_modelled(own)],
+        "following": follows,
+        "following_tuned": [own for own in follows if is_tuned(own)],
+        "lifting": [own for own, preset in presets if is_tuned(own) and preset.represents(NormalForce.LIFTING)],
+        "turning": [own for own, preset in presets if preset.turns],
+        "holding": [own for own, preset in presets if is_tuned(own) and preset.static_friction],
+    }
+    return {name: [later_if_optional(own, named) for own in own] for name, own in chosen.items()} | {
+        "installed": list(names)
+    }
+
+
+def is_tuned(variant: Variant) -> bool:
+    """Whether its options are the best known ones for the chain."""
+    return variant.preset_name == "tuned"
+
+
+def is_modelled(variant: Variant) -> bool:
+    """Whether it has a law, or one that cannot be made: then it is the law's clause that fails."""
+    try:
+        return law_of(engine(variant.engine), variant.formulation, variant.preset_name) is not None
+    except Exception:  # a law may be a stranger's
+        return True
+
+
+def later_if_optional(variant: Variant, named: tuple[str, ...]) -> Any:
+    """Let presets that take part where they are named be slow, unless their engine is named."""
+    return pytest.param(variant, marks=pytest.mark.slow) if variant.preset.optional and not named else variant
+
+
+def label(variant: Variant) -> str:
+    """Give the part of a test's name that says what it is run for."""
+    return f"{variant.engine}-{variant.formulation}-{variant.preset_name}"
