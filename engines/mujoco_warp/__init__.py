@@ -12,9 +12,8 @@ from multibody_xval.engines.mujoco.reproducer import contact_numbers, joint_numb
 from multibody_xval.engines.mujoco.scene import STEP
 from multibody_xval.engines.mujoco_warp.scene import contacts, joints
 from multibody_xval.engines.mujoco_warp.worlds import TOUCH_IN_SINGLE, MuJoCoWarpSimulation, light_units
-from multibody_xval.engines.shared.claims import check_mass_ratio
 from multibody_xval.engines.shared.pip_engine import PipEngine
-from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.units import Units, check_mass_ratio
 from multibody_xval.engines.shared.worlds_simulation import LaneAlone, rub_alike
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation

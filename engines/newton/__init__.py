@@ -10,10 +10,9 @@ from multibody_xval.engines.newton.contact import ContactWorlds
 from multibody_xval.engines.newton.joint import JointWorlds
 from multibody_xval.engines.newton.scene import STEP, contacts, joints
 from multibody_xval.engines.newton.worlds import NewtonSimulation
-from multibody_xval.engines.shared.claims import check_mass_ratio
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_units
-from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.units import Units, check_mass_ratio
 from multibody_xval.engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation

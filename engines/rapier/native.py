@@ -7,9 +7,9 @@ import numpy as np
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.rapier.joint import new_world, parameters_of
-from multibody_xval.engines.shared.claims import check_mass_ratio
 from multibody_xval.engines.shared.coordinates import JointCoordinates
 from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.shared.units import check_mass_ratio
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
 
 from multibody_xval.engines.interface.scene import JointScene, SceneSetting
 from multibody_xval.engines.interface.variant import Variant
