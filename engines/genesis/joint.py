@@ -72,8 +72,8 @@ class GenesisSimulation(LanesOfJoints, ABC):
         """
         motions: list[FloatArray] = []
         rows: list[FloatArray] = []
-        for motion, forces, live in self._steps(state, start, steps):
-            contacts = self._contacts(forces)
+        for motion, acting, live in self._steps(state, start, steps):
+            contacts = self._contacts(acting)
             if rows:
                 contacts[~live] = rows[-1][~live]
             motions.append(motion)
