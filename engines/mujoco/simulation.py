@@ -50,7 +50,7 @@ class MuJoCoSimulation(LanesOfJoints):
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        return self._state_at(self._batch.bind("qpos"), self._batch.bind("qvel"))
+        return self._state_at(*self._batch.motion())
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
@@ -62,8 +62,7 @@ class MuJoCoSimulation(LanesOfJoints):
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
         self._check("positions", state.positions, self._length)
         self._check("velocities", state.velocities, self._velocity)
-        self._batch.bind("qpos")[:], self._batch.bind("qvel")[:] = self._coordinates(state)
-        self._batch.bind("qacc_warmstart")[:] = 0
+        self._batch.set_motion(*self._coordinates(state))
         with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
 
@@ -111,10 +110,18 @@ class _Batch:
 
         self._batch = Batch(models[0], nsim=len(models), nthread=1)
         self._batch.set_models(models)
-        self.bind = self._batch.bind
+
+    def set_motion(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Set where steps begin, shape (simulations, size) each, and forget the last solution."""
+        bind = self._batch.bind
+        bind("qpos")[:], bind("qvel")[:], bind("qacc_warmstart")[:] = positions, velocities, 0
+
+    def motion(self) -> tuple[FloatArray, FloatArray]:
+        """Give positions and velocities after the last step."""
+        return self._batch.bind("qpos"), self._batch.bind("qvel")
 
     def rollout(self, control: FloatArray, record: Sequence[str]) -> dict[str, FloatArray]:
-        """Take a step for each control; see `SteppedModels.rollout`."""
+        """Take a step for each control, shape (lanes, steps, controls); gives records, shape (lanes, steps, size)."""
         import mujoco
 
         kind = mujoco.mjtState.mjSTATE_CTRL
@@ -143,31 +150,26 @@ class SteppedModels:
     def __init__(self, models: Sequence[Any]):
         import mujoco
 
-        self._models = models
-        self._data = [mujoco.MjData(model) for model in models]
-        self._bound: dict[str, FloatArray] = {}
+        self._models, self._data = models, [mujoco.MjData(model) for model in models]
 
-    def bind(self, name: str) -> FloatArray:
-        """Give a part of the state, shape (simulations, size): what is written into it is where steps begin."""
-        if name not in self._bound:
-            self._bound[name] = np.stack([getattr(data, name) for data in self._data])
-        return self._bound[name]
+    def set_motion(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Set where steps begin; see `_Batch.set_motion`."""
+        for data, position, velocity in zip(self._data, positions, velocities, strict=True):
+            data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = position, velocity, 0
+
+    def motion(self) -> tuple[FloatArray, FloatArray]:
+        """Give positions and velocities after the last step."""
+        return np.stack([data.qpos for data in self._data]), np.stack([data.qvel for data in self._data])
 
     def rollout(self, control: FloatArray, record: Sequence[str]) -> dict[str, FloatArray]:
-        """Take a step for each control, shape (lanes, steps, controls); gives records, shape (lanes, steps, size).
+        """Take a step for each control; see `_Batch.rollout`.
 
         A simulation that diverges stops, and its last row is repeated.
         """
-        rows = {
-            name: np.stack([np.tile(getattr(data, name), (control.shape[1], 1)) for data in self._data])
-            for name in record
-        }
-        for index, data in enumerate(self._data):
-            for name, bound in self._bound.items():
-                getattr(data, name)[:] = bound[index]
-            self._step(index, control[index], {name: row[index] for name, row in rows.items()})
-            for name, bound in self._bound.items():
-                bound[index] = getattr(data, name)
+        steps = control.shape[1]
+        rows = {name: np.stack([np.tile(getattr(data, name), (steps, 1)) for data in self._data]) for name in record}
+        for index, forces in enumerate(control):
+            self._step(index, forces, {name: row[index] for name, row in rows.items()})
         return rows
 
     def _step(self, index: int, control: FloatArray, rows: dict[str, FloatArray]) -> None:
