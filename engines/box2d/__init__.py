@@ -1,18 +1,12 @@
 """Box2D: the motor of a joint, a friction joint, or a box pressed on a plate."""
 
+from pathlib import Path
 from typing import ClassVar
 
 from multibody_xval.engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane
 from multibody_xval.engines.box2d.joint import SPRING_LENGTH, Box2DJointLane
-from multibody_xval.engines.box2d.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.box2d.scene import STEP, contacts, joints
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
 from multibody_xval.engines.shared.pip_engine import PipEngine
@@ -30,14 +24,7 @@ class Box2D(PipEngine):
         package="Box2D",
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "Box2D"),
         precision="single",
         residual=SINGLE_RESIDUAL,
         notes=(

@@ -1,20 +1,12 @@
 """DART: the Coulomb friction of a joint, or a body pressed on a plate."""
 
+from pathlib import Path
 from typing import ClassVar
 
 from multibody_xval.engines.dart.contact import DEPTH, DartContactLane
 from multibody_xval.engines.dart.joint import DartJointLane
-from multibody_xval.engines.dart.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_SPHERE,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_MIXING,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.dart.scene import STEP, contacts, joints
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_si
@@ -31,18 +23,10 @@ class Dart(PipEngine):
         package="dartpy",
         licence="BSD-2-Clause",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-                "sphere": CONTACT_SPHERE,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "DART"),
         notes=(
             "Coulomb's law as a boxed LCP, solved by pivoting, whose diagonal is enlarged by a part that cannot be set "
-            f"to less than {JOINT_MIXING:g} in joints, and not at all in contacts, "
+            "to less than 1e-9 in joints, and not at all in contacts, "
             "where normal forces err by 2.5e-6 at first. By default joints have their own springs and dashpots, "
             "implicit ones, which damp the motion by as much as the time step is long."
         ),

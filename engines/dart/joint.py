@@ -11,16 +11,16 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
 
-def new_world(time_step: float, deactivation: bool) -> Any:
-    """Make an empty world without gravity, where bodies that move slowly may be put to sleep, or not."""
+def new_world(time_step: float, sleeping: bool, gravity: float = 0.0) -> Any:
+    """Make an empty world, where bodies that move slowly may be put to sleep, or not."""
     import dartpy
 
     world = dartpy.simulation.World()
     options = world.getDeactivationOptions()
-    options.mEnabled = deactivation
+    options.mEnabled = sleeping
     world.setDeactivationOptions(options)
     world.setTimeStep(time_step)
-    world.setGravity([0.0, 0.0, 0.0])
+    world.setGravity([0.0, 0.0, -gravity])
     return world
 
 

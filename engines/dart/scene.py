@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from multibody_xval.engines.dart.joint import new_world
 from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
@@ -29,18 +30,6 @@ STEP = 0.001
 
 BELT_MASS = 1e5
 """Of a belt that slides, whatever acts on it [kg]."""
-
-
-def _new_world(setting: SceneSetting, gravity: float) -> Any:
-    import dartpy
-
-    world = dartpy.simulation.World()
-    world.setTimeStep(setting.time_step)
-    world.setGravity([0, 0, -gravity])
-    sleeping = world.getDeactivationOptions()
-    sleeping.mEnabled = setting.sleeping
-    world.setDeactivationOptions(sleeping)
-    return world
 
 
 def _rotation(turned: Quaternion) -> Any:
@@ -81,7 +70,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
     import dartpy
 
-    world, rub = _new_world(setting, GRAVITY), scene.friction
+    world, rub = new_world(setting.time_step, setting.sleeping, GRAVITY), scene.friction
     new_skeleton = dartpy.dynamics.Skeleton
 
     def fixed(half: Sequence[float], place: Vector, turned: Quaternion = LEVEL) -> None:
@@ -149,7 +138,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     import dartpy
 
     single = isinstance(scene, JointScene)
-    world = _new_world(setting, 0.0 if single else GRAVITY)
+    world = new_world(setting.time_step, setting.sleeping, 0.0 if single else GRAVITY)
     skeleton = dartpy.dynamics.Skeleton()
     if isinstance(scene, JointScene):
         slides = scene.kind == "slide"

@@ -1,18 +1,12 @@
 """Genesis: MuJoCo's formulation, written again, in which the normal force of a contact need not feel its friction."""
 
+from pathlib import Path
 from typing import ClassVar
 
 from multibody_xval.engines.genesis.contact import ContactSimulation, FreeContactSimulation, share_a_scene
-from multibody_xval.engines.genesis.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
+from multibody_xval.engines.genesis.joint import JointSimulation
 from multibody_xval.engines.genesis.scene import STEP, contacts, joints
-from multibody_xval.engines.genesis.simulation import JointSimulation
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.worlds_simulation import LaneAlone
@@ -35,14 +29,7 @@ class Genesis(PipEngine):
         package="genesis-world",
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "Genesis"),
         batch_lanes=64,
         notes=(
             "MuJoCo's laws with half of its time constant: by default friction is a soft constraint, and a stuck "

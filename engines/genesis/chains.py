@@ -2,14 +2,14 @@
 
 import functools
 import importlib
+from collections.abc import Mapping
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from multibody_xval.engines.genesis.presets import CHOICES, OPTIONS
 from multibody_xval.engines.interface.presets import Preset
-from multibody_xval.engines.mujoco.step_model import WIDTH
+from multibody_xval.engines.mujoco.softness import WIDTH
 from reference_lcp.validation import FloatArray
 
 SOLVER_OPTIONS = (
@@ -17,6 +17,9 @@ SOLVER_OPTIONS = (
     "enable_adjacent_collision", "enable_neutral_collision",
 )  # fmt: skip
 """Options of presets that Genesis's rigid solver takes under the same name."""
+
+CHOICES = ("integrator", "friction_cone", "contact_resolution")
+"""Options of which the value is the name of a choice of Genesis's."""
 
 CANDIDATES = 150
 """Of contacts in a scene, Genesis's own; more where the chain has more cells."""
@@ -28,7 +31,7 @@ REST = (WIDTH, 0.5, 2.0)
 """Width [m], midpoint and power of Genesis's constraints, behind d_0 and d_max: MuJoCo's `solimp`."""
 
 
-class Scene:
+class Chains:
     """Environments that hold one chain each, with a time step that they share.
 
     In each cell, coordinates are those of the outer mass, of the inner one relative to it and, where that is free
@@ -39,16 +42,13 @@ class Scene:
     def __init__(self, model: ElementTree.Element, masses: FloatArray, time_step: float, preset: Preset):
         genesis = import_genesis()
         environments, self._bodies = masses.shape
-        options = {name: preset[name] for name in SOLVER_OPTIONS if name in preset.options}
-        for name in CHOICES:
-            if options.get(name) is not None:
-                options[name] = getattr(getattr(genesis, name), options[name])
         self._scene = genesis.Scene(
             show_viewer=False,
             sim_options=genesis.options.SimOptions(dt=time_step, substeps=1, gravity=(0, 0, 0)),
             rigid_options=genesis.options.RigidOptions(
                 batch_links_info=True, batch_joints_info=True, batch_dofs_info=True, enable_joint_limit=False,
-                max_collision_pairs=max(CANDIDATES, self._bodies), **options,
+                max_collision_pairs=max(CANDIDATES, self._bodies),
+                **as_choices({name: preset[name] for name in SOLVER_OPTIONS if name in preset.options}),
             ),
         )  # fmt: skip
         self._chain = self._scene.add_entity(genesis.morphs.MJCF(file=model))
@@ -62,10 +62,7 @@ class Scene:
         self._chain.set_dofs_armature(_tensor(np.zeros((environments, len(numbers)))))
         self._chain.set_links_mass(_tensor(masses), self._links)
         self._pressing = np.zeros((environments, self._bodies // 2))
-
-    def close(self) -> None:
-        """Free its memory."""
-        self._scene.destroy()
+        self.close = self._scene.destroy
 
     def set_joint_constraints(self, parameters: FloatArray) -> None:
         """Set the parameters of the constraints that the frictions of joints are, shape (environments, 7)."""
@@ -89,7 +86,7 @@ class Scene:
                 geometry.set_sol_params(_tensor(parameters[body // 2]))
 
     def set_coefficients(self, coefficients: FloatArray) -> None:
-        """Set the coefficient of friction of every contact, shape (environments, n); at least `LEAST_COEFFICIENT`."""
+        """Set the coefficient of friction of every contact, shape (environments, n)."""
         self._chain.set_friction_ratio(_tensor(np.repeat(coefficients, 2, axis=1)), self._links)
 
     def set_motion(self, coordinates: FloatArray, velocities: FloatArray) -> None:
@@ -97,18 +94,15 @@ class Scene:
         self._chain.set_dofs_position(_tensor(coordinates), zero_velocity=False)
         self._chain.set_dofs_velocity(_tensor(velocities))
 
-    def step(self, forces: FloatArray) -> FloatArray:
+    def step(self, forces: FloatArray | None = None) -> FloatArray:
         """Take a step under forces, shape (environments, coordinates); gives coordinates, then velocities."""
-        if self._stride == FREE_STRIDE:
-            forces = forces.copy()
-            forces[:, 3::FREE_STRIDE] = -self._pressing
-        self._chain.control_dofs_force(_tensor(forces))
+        if forces is not None:
+            if self._stride == FREE_STRIDE:
+                forces = forces.copy()
+                forces[:, 3::FREE_STRIDE] = -self._pressing
+            self._chain.control_dofs_force(_tensor(forces))
         self._scene.step()
         return np.concatenate([self._chain.get_dofs_position(), self._chain.get_dofs_velocity()], axis=1)
-
-    def step_freely(self) -> None:
-        """Take a step without new forces."""
-        self._scene.step()
 
     def friction(self, forces: FloatArray) -> FloatArray:
         """Give the friction on the inner masses in the step that was taken under these forces."""
@@ -125,38 +119,37 @@ def constraint_parameters(time_constant: float, ratio: float, impedance: tuple[f
 
 
 def chain_model(
-    cells: int, *, free: bool = False
-) -> tuple[ElementTree.Element, list[tuple[ElementTree.Element, ElementTree.Element]]]:
-    """Give an MJCF model of a chain of unit masses without springs, and the bodies of its cells.
+    cells: int, shapes: Mapping[int, tuple[str, str, float]] | None = None, *, free: bool = False
+) -> ElementTree.Element:
+    """Give an MJCF model of a chain of unit masses without springs.
 
-    If `free`, inner masses slide across the row too.
+    `shapes` are geoms of the outer and inner mass of a cell, and how far it is aside; if `free`, inner masses slide
+    across the row too.
     """
-    root = ElementTree.Element("mujoco")
-    world = ElementTree.SubElement(root, "worldbody")
+    mass = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
     bodies = []
     for cell in range(cells):
-        outer = _add_slider(world, f"outer {cell}")
-        inner = _add_slider(outer, f"inner {cell}")
-        if free:
-            _add_slide(inner, f"aside {cell}", "0 1 0")
-            _add_slide(inner, f"above {cell}", "0 0 1")
-        bodies.append((outer, inner))
-    return root, bodies
+        plate, sphere, aside = (shapes or {}).get(cell, ("", "", 0.0))
+        joints = {f"inner {cell}": "1 0 0"} | ({f"aside {cell}": "0 1 0", f"above {cell}": "0 0 1"} if free else {})
+        inner = f'<body name="inner {cell}">{mass}{_slides(joints)}{sphere}</body>'
+        outer = f'name="outer {cell}" pos="0 {aside!r} 0"'
+        bodies.append(f"<body {outer}>{mass}{_slides({f'outer {cell}': '1 0 0'})}{inner}{plate}</body>")
+    return ElementTree.fromstring(f"<mujoco><worldbody>{''.join(bodies)}</worldbody></mujoco>")
 
 
-def _add_slider(parent: ElementTree.Element, name: str) -> ElementTree.Element:
-    body = ElementTree.SubElement(parent, "body", name=name)
-    ElementTree.SubElement(body, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
-    _add_slide(body, name, "1 0 0")
-    return body
-
-
-def _add_slide(body: ElementTree.Element, name: str, axis: str) -> None:
-    ElementTree.SubElement(body, "joint", name=name, type="slide", axis=axis)
+def _slides(axes: Mapping[str, str]) -> str:
+    return "".join(f'<joint name="{name}" type="slide" axis="{axis}"/>' for name, axis in axes.items())
 
 
 def _tensor(values: FloatArray) -> Any:
     return importlib.import_module("torch").from_numpy(np.ascontiguousarray(values, np.float64))
+
+
+def as_choices(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Give options as Genesis takes them: choices are its own, of these names."""
+    genesis = import_genesis()
+    chosen = {name: getattr(getattr(genesis, name), options[name]) for name in CHOICES if options.get(name)}
+    return {**options, **chosen}
 
 
 @functools.cache
@@ -164,5 +157,5 @@ def import_genesis() -> Any:
     """Import Genesis, and start it once in this process: on the processor, one thread, in double precision."""
     importlib.import_module("torch").set_num_threads(1)
     genesis = importlib.import_module("genesis")
-    genesis.init(backend=genesis.cpu, precision=OPTIONS["precision"].value, logging_level="error")
+    genesis.init(backend=genesis.cpu, precision="64", logging_level="error")
     return genesis

@@ -12,14 +12,13 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from multibody_xval.engines.genesis.chains import FREE_STRIDE, Scene, chain_model, constraint_parameters
-from multibody_xval.engines.genesis.simulation import GenesisSimulation
+from multibody_xval.engines.genesis.chains import FREE_STRIDE, Chains, chain_model, constraint_parameters
+from multibody_xval.engines.genesis.joint import GenesisSimulation
 from multibody_xval.engines.interface.presets import OfStep, Preset
 from multibody_xval.engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
 from multibody_xval.engines.shared.units import Units, power_of_two
-from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints, rub_alike
+from multibody_xval.engines.shared.worlds_simulation import rub_alike
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
@@ -56,7 +55,7 @@ class ContactSimulation(GenesisSimulation):
         units = Units.in_steps(self._preset["units"], lane)
         return units if self._preset["units"] == "SI" else replace(units, length=units.length / FINENESS)
 
-    def _new_scene(self) -> Scene:
+    def _new_scene(self) -> Chains:
         lane, own = self.lanes[0], self._preset["units"] == "lane"
         self._rubs = lane.chain.friction_bound > 0
         # In units of their own, all lanes have the same sizes.
@@ -66,15 +65,15 @@ class ContactSimulation(GenesisSimulation):
             self._press(scene)
         return scene
 
-    def _scene_of(self, model: ElementTree.Element) -> Scene:
-        return Scene(model, self._masses(), self.lanes[0].time_step / self._units[0].time, self._preset)
+    def _scene_of(self, model: ElementTree.Element) -> Chains:
+        return Chains(model, self._masses(), self.lanes[0].time_step / self._units[0].time, self._preset)
 
-    def _press(self, scene: Scene) -> None:
+    def _press(self, scene: Chains) -> None:
         """Choose how hard contacts are: in SI units they press with λ_N, in others friction has its bound."""
         scene.set_contact_constraints(self._constraints(np.ones(self._rubs.size)))
         # The edges of a pyramid are the softer, the smaller the coefficient.
         scene.set_coefficients(self._of_chains("friction_coefficient"))
-        scene.step_freely()
+        scene.step()
         pressed, given = np.where(self._rubs, scene.normal_force(), 1.0), self._of_chains("normal_force")
         hardness, coefficients = self._hardness(pressed)
         _check_coefficients(coefficients[:, self._rubs])
@@ -102,9 +101,6 @@ class ContactSimulation(GenesisSimulation):
             [constraint_parameters(time_constant, float(each) ** -0.5, preset["solimp"]) for each in hardness]
         )
 
-    def _set_bounds(self, bounds: FloatArray) -> None:
-        raise NotImplementedError("contacts are pressed by a depth that is fixed")
-
     def _contacts(self, forces: FloatArray) -> FloatArray:
         return np.hstack([super()._contacts(forces), self._scene.normal_force()])
 
@@ -116,12 +112,12 @@ class ContactSimulation(GenesisSimulation):
         return friction, np.where(self._rubs, measured, given)
 
 
-class FreeContactSimulation(LanesOfJoints, ContactSimulation):
+class FreeContactSimulation(ContactSimulation):
     """Lanes with a sphere that rests on its plate in every cell that rubs, pressed by a force; in SI units."""
 
     _joints, _opens = FREE_STRIDE, True
 
-    def _new_scene(self) -> Scene:
+    def _new_scene(self) -> Chains:
         lane = self.lanes[0]
         self._rubs = lane.chain.friction_bound > 0
         coefficients = self._of_chains("friction_coefficient")
@@ -141,22 +137,6 @@ class FreeContactSimulation(LanesOfJoints, ContactSimulation):
     def _set_bounds(self, bounds: FloatArray) -> None:
         self._scene.press(bounds)
 
-    def _motion(self, state: State) -> FloatArray:
-        motion = super()._motion(state)
-        self._set_heights(state, *np.split(motion, 2, axis=1))
-        return motion
-
-    def _state(self, index: int, motions: FloatArray) -> State:
-        end, units = super()._state(index, motions), self._units[index]
-        gap, speed = (self._gaps(half) for half in np.split(motions[-1], 2))
-        return replace(end, internal_state=units.normal_state(gap, speed)[None])
-
-    def _trajectory(self, index: int, start: int, motions: FloatArray, read: FloatArray) -> Trajectory:
-        trajectory = super()._trajectory(index, start, motions, read)
-        gap = self._gaps(motions[:, : motions.shape[1] // 2]) * self._units[index].length
-        end = self._state(index, motions).internal_state
-        return replace(trajectory, internal_state=None if end is None else end[0], normal_gap=gap)
-
 
 def _check_coefficients(coefficients: FloatArray) -> None:
     least = np.min(coefficients, initial=np.inf)
@@ -167,12 +147,10 @@ def _check_coefficients(coefficients: FloatArray) -> None:
 
 def _model(rubs: NDArray[np.bool_], scale: float, *, free: bool = False) -> ElementTree.Element:
     """Give a chain with a sphere in a plate, or `free` to leave it, in every cell that rubs, side by side."""
-    root, bodies = chain_model(rubs.size, free=free)
-    radius = RADIUS * scale
+    radius, shapes = RADIUS * scale, {}
+    height = 2 * radius - (TOUCH if free else DEPTH) * scale
     for cell in np.flatnonzero(rubs).tolist():
-        outer, inner = bodies[cell]
-        outer.set("pos", f"0 {4 * radius * cell!r} 0")
-        ElementTree.SubElement(outer, "geom", type="box", size=f"{PLATE * scale!r} {radius!r} {radius!r}", friction="1")
-        height = 2 * radius - (TOUCH if free else DEPTH) * scale
-        ElementTree.SubElement(inner, "geom", type="sphere", size=f"{radius!r}", pos=f"0 0 {height!r}", friction="1")
-    return root
+        plate = f'<geom type="box" size="{PLATE * scale!r} {radius!r} {radius!r}" friction="1"/>'
+        sphere = f'<geom type="sphere" size="{radius!r}" pos="0 0 {height!r}" friction="1"/>'
+        shapes[cell] = (plate, sphere, 4 * radius * cell)
+    return chain_model(rubs.size, shapes, free=free)

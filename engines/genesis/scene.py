@@ -6,16 +6,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from multibody_xval.engines.genesis.chains import import_genesis
-from multibody_xval.engines.genesis.presets import CHOICES
+from multibody_xval.engines.genesis.chains import as_choices, import_genesis
 from multibody_xval.engines.interface.scene import (
     BELT,
     FINGER,
     FINGER_MASS,
     GRAVITY,
-    LINK_INERTIA,
-    LINK_LENGTH,
-    LINK_MASS,
     ArmScene,
     ContactScene,
     JointScene,
@@ -23,6 +19,7 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
+from multibody_xval.engines.mujoco.scene import joint_model
 
 STEP = 0.01
 """Genesis's own time step [s]."""
@@ -38,9 +35,7 @@ def _scene(setting: SceneSetting, gravity: float) -> Any:
     """Make an empty scene, with the options that the preset changes."""
     genesis = import_genesis()
     changed = {name: setting.changed(name) for name in RECIPE_OPTIONS}
-    options = {name: value for name, value in changed.items() if value is not None}
-    for name in set(CHOICES) & set(options):
-        options[name] = getattr(getattr(genesis, name), options[name])
+    options = as_choices({name: value for name, value in changed.items() if value is not None})
     return genesis.Scene(
         show_viewer=False,
         sim_options=genesis.options.SimOptions(dt=setting.time_step, gravity=(0, 0, -gravity)),
@@ -92,7 +87,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     single = isinstance(scene, JointScene)
     world = _scene(setting, 0.0 if single else GRAVITY)
-    model = _joint_model(scene)
+    model = ElementTree.fromstring(joint_model(scene, setting))
     hardness = setting.changed("solimplimit")
     for joint in model.iter("joint") if hardness else ():
         joint.set("solimplimit", _text(hardness))
@@ -103,38 +98,13 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     return SteppedWorld(world.step, lambda: (arm.get_dofs_position().numpy(),), close=world.destroy)
 
 
-def _joint_model(scene: JointScene | ArmScene) -> ElementTree.Element:
-    root = ElementTree.Element("mujoco")
-    world = ElementTree.SubElement(root, "worldbody")
-    if isinstance(scene, JointScene):
-        axis = "0 0 1" if scene.kind == "hinge" else "1 0 0"
-        _add_link(world, (0, 0, 0), (0, 0, 0), 1.0, (1, 1, 1)).append(_joint(scene.kind, axis, scene.friction))
-        return root
-    carrier = world
-    for link, bound in enumerate(scene.friction):
-        place = (LINK_LENGTH if link else 0, 0, 0)
-        carrier = _add_link(carrier, place, (LINK_LENGTH / 2, 0, 0), LINK_MASS, LINK_INERTIA)
-        carrier.append(_joint("hinge", "0 1 0", bound))
-    return root
-
-
-def _add_link(carrier: Any, place: Vector, centre: Vector, mass: float, inertia: Vector) -> ElementTree.Element:
-    body = ElementTree.SubElement(carrier, "body", pos=_text(place))
-    ElementTree.SubElement(body, "inertial", pos=_text(centre), mass=repr(mass), diaginertia=_text(inertia))
-    return body
-
-
-def _joint(kind: str, axis: str, friction: float) -> ElementTree.Element:
-    return ElementTree.Element("joint", type=kind, axis=axis, frictionloss=repr(friction))
-
-
 def _sliding_box(half: Vector, mass: float, place: Vector) -> ElementTree.Element:
     """Give an MJCF model of a box on a slide along x."""
-    root = ElementTree.Element("mujoco")
-    body = ElementTree.SubElement(ElementTree.SubElement(root, "worldbody"), "body", pos=_text(place))
-    body.append(_joint("slide", "1 0 0", 0.0))
-    ElementTree.SubElement(body, "geom", type="box", size=_text(half), mass=repr(mass))
-    return root
+    joint = '<joint type="slide" axis="1 0 0"/>'
+    box = f'<geom type="box" size="{_text(half)}" mass="{mass}"/>'
+    return ElementTree.fromstring(
+        f'<mujoco><worldbody><body pos="{_text(place)}">{joint}{box}</body></worldbody></mujoco>'
+    )
 
 
 def _text(numbers: Iterable[float]) -> str:

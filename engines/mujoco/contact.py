@@ -38,9 +38,6 @@ DEPTH = 1.0
 TOUCH = 2.0**-30
 """Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
 
-TOUCH_IN_SINGLE = 2.0**-18
-"""The same where coordinates are kept in single precision: four roundings of where a sphere is, 2 `RADIUS` high."""
-
 LEAST_COEFFICIENT = 1e-4
 """Smallest μ: MuJoCo cuts smaller ones off."""
 
@@ -181,15 +178,6 @@ def _set_normal_load(model: Any, chain: Chain) -> None:
     force: FloatArray = data.sensordata[::3]
     rubbing = chain.friction_bound > 0
     model.pair_solref[rubbing, 0] *= chain.normal_force[rubbing] / force[rubbing]
-
-
-def light_units(lane: Lane, preset: Preset) -> Units:
-    """Choose units in which the masses that contacts stop are near one: single precision takes small ones for none."""
-    units, chain = contact_units(lane, preset), lane.chain
-    if preset["units"] == "SI":
-        return units
-    stopped = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
-    return replace(units, mass=power_of_two(float(np.exp(np.mean(np.log(stopped))))))
 
 
 def pressed_harder(lane: Lane, preset: Preset) -> Lane:

@@ -2,14 +2,14 @@
 
 import contextlib
 import importlib.util
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from multibody_xval.engines.mujoco.joint import CompiledLane
-from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.coordinates import JointCoordinates
 from multibody_xval.engines.shared.worlds_simulation import LanesOfJoints
 from reference_lcp.chain.simulation import common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -38,24 +38,19 @@ class MuJoCoSimulation(LanesOfJoints):
         A lane that diverges stops about 1e10 displacement scales away, and its last row is repeated.
         """
         record = self._rollout(state, start, steps, self._recorded)
-        end = self._state(lambda name: record[name][:, -1]).internal_state
-        return [
-            Trajectory(
-                lane.times(start, steps),
-                absolute_coordinates(record["qpos"][index], self._joints) * units.length,
-                absolute_coordinates(record["qvel"][index], self._joints) * units.velocity,
-                self._friction(index, record),
-                self._normal_force(index, record, start, steps),
-                None if end is None else end[index],
-                self._gaps(record["qpos"][index]) * units.length if self._opens else None,
-            )
-            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
-        ]
+
+        def forces(index: int) -> tuple[FloatArray, FloatArray]:
+            given, force = self.lanes[index].preloads(start, steps), self._units[index].force
+            if "sensordata" in record:
+                given = self._compiled[index].measured(record["sensordata"][index], given)
+            return record["qfrc_constraint"][index][:, 1 :: self._joints] * force, given
+
+        return self._trajectories(start, record["qpos"], record["qvel"], forces)
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        return self._state(self._batch.bind)
+        return self._state_at(*self._batch.motion())
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
@@ -65,11 +60,9 @@ class MuJoCoSimulation(LanesOfJoints):
         """Set the state and take `steps` steps, with the load of each step as its control."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
-        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
-        qpos[:] = self._checked("positions", state.positions, self._length)
-        qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        self._set_heights(state, qpos, qvel)
-        self._batch.bind("qacc_warmstart")[:] = 0
+        self._check("positions", state.positions, self._length)
+        self._check("velocities", state.velocities, self._velocity)
+        self._batch.set_motion(*self._coordinates(state))
         with no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
 
@@ -89,27 +82,12 @@ class MuJoCoSimulation(LanesOfJoints):
             controls.append(forces / units.force)
         return np.stack(controls)
 
-    def _state(self, part: Callable[[str], FloatArray]) -> State:
-        """Give the state of all lanes, whose parts, shape (lanes, size), are given by their names in MuJoCo."""
-        return self._state_at(part("qpos"), part("qvel"))
-
-    def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
-        """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
-        coordinates = joint_coordinates(values / units, self._joints)
-        excess = np.abs(coordinates) / LARGEST_NUMBER
+    def _check(self, name: str, values: FloatArray, units: FloatArray) -> None:
+        """Refuse a state at which MuJoCo would stop without a message."""
+        excess = np.abs(JointCoordinates(self._joints).of(values / units)) / LARGEST_NUMBER
         if np.any(excess > 1):
             largest = float(np.max(np.abs(values)))
             raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")
-        return coordinates
-
-    def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
-        """λ_T on the inner masses, shape (steps, n), from the forces of joints."""
-        return record["qfrc_constraint"][index][:, 1 :: self._joints] * self._units[index].force
-
-    def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
-        """λ_N as the sensors of the contacts measured it, if there are any."""
-        given = self.lanes[index].preloads(start, steps)
-        return self._compiled[index].measured(record["sensordata"][index], given) if "sensordata" in record else given
 
 
 class ModulatedJointSimulation(MuJoCoSimulation):
@@ -132,10 +110,18 @@ class _Batch:
 
         self._batch = Batch(models[0], nsim=len(models), nthread=1)
         self._batch.set_models(models)
-        self.bind = self._batch.bind
+
+    def set_motion(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Set where steps begin, shape (simulations, size) each, and forget the last solution."""
+        bind = self._batch.bind
+        bind("qpos")[:], bind("qvel")[:], bind("qacc_warmstart")[:] = positions, velocities, 0
+
+    def motion(self) -> tuple[FloatArray, FloatArray]:
+        """Give positions and velocities after the last step."""
+        return self._batch.bind("qpos"), self._batch.bind("qvel")
 
     def rollout(self, control: FloatArray, record: Sequence[str]) -> dict[str, FloatArray]:
-        """Take a step for each control; see `SteppedModels.rollout`."""
+        """Take a step for each control, shape (lanes, steps, controls); gives records, shape (lanes, steps, size)."""
         import mujoco
 
         kind = mujoco.mjtState.mjSTATE_CTRL
@@ -164,31 +150,26 @@ class SteppedModels:
     def __init__(self, models: Sequence[Any]):
         import mujoco
 
-        self._models = models
-        self._data = [mujoco.MjData(model) for model in models]
-        self._bound: dict[str, FloatArray] = {}
+        self._models, self._data = models, [mujoco.MjData(model) for model in models]
 
-    def bind(self, name: str) -> FloatArray:
-        """Give a part of the state, shape (simulations, size): what is written into it is where steps begin."""
-        if name not in self._bound:
-            self._bound[name] = np.stack([getattr(data, name) for data in self._data])
-        return self._bound[name]
+    def set_motion(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Set where steps begin; see `_Batch.set_motion`."""
+        for data, position, velocity in zip(self._data, positions, velocities, strict=True):
+            data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = position, velocity, 0
+
+    def motion(self) -> tuple[FloatArray, FloatArray]:
+        """Give positions and velocities after the last step."""
+        return np.stack([data.qpos for data in self._data]), np.stack([data.qvel for data in self._data])
 
     def rollout(self, control: FloatArray, record: Sequence[str]) -> dict[str, FloatArray]:
-        """Take a step for each control, shape (lanes, steps, controls); gives records, shape (lanes, steps, size).
+        """Take a step for each control; see `_Batch.rollout`.
 
         A simulation that diverges stops, and its last row is repeated.
         """
-        rows = {
-            name: np.stack([np.tile(getattr(data, name), (control.shape[1], 1)) for data in self._data])
-            for name in record
-        }
-        for index, data in enumerate(self._data):
-            for name, bound in self._bound.items():
-                getattr(data, name)[:] = bound[index]
-            self._step(index, control[index], {name: row[index] for name, row in rows.items()})
-            for name, bound in self._bound.items():
-                bound[index] = getattr(data, name)
+        steps = control.shape[1]
+        rows = {name: np.stack([np.tile(getattr(data, name), (steps, 1)) for data in self._data]) for name in record}
+        for index, forces in enumerate(control):
+            self._step(index, forces, {name: row[index] for name, row in rows.items()})
         return rows
 
     def _step(self, index: int, control: FloatArray, rows: dict[str, FloatArray]) -> None:

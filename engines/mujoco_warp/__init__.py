@@ -1,27 +1,19 @@
 """MuJoCo Warp: MuJoCo's equations in single precision, all lanes of a batch as worlds of one model."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
-from multibody_xval.engines.mujoco.contact import TOUCH_IN_SINGLE, light_units, pressed_harder
+from multibody_xval.engines.mujoco.contact import pressed_harder
 from multibody_xval.engines.mujoco.reproducer import contact_numbers, joint_numbers
 from multibody_xval.engines.mujoco.scene import STEP
-from multibody_xval.engines.mujoco.worlds import ModelsSimulation
-from multibody_xval.engines.mujoco_warp.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.mujoco_warp.scene import contacts, joints
-from multibody_xval.engines.mujoco_warp.worlds import MuJoCoWarpWorlds
-from multibody_xval.engines.shared.claims import check_mass_ratio
+from multibody_xval.engines.mujoco_warp.worlds import TOUCH_IN_SINGLE, MuJoCoWarpSimulation, light_units
 from multibody_xval.engines.shared.pip_engine import PipEngine
-from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.units import Units, check_mass_ratio
 from multibody_xval.engines.shared.worlds_simulation import LaneAlone, rub_alike
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
@@ -48,14 +40,7 @@ class MuJoCoWarp(PipEngine):
         package="mujoco-warp",
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "MuJoCo Warp"),
         batch_lanes=64,
         precision="single",
         residual=SINGLE_RESIDUAL,
@@ -88,6 +73,6 @@ class MuJoCoWarp(PipEngine):
         check_mass_ratio(lanes, LARGEST_MASS_RATIO[formulation], self.capabilities.title)
         if formulation is Formulation.CONTACT and any(lane.preload for lane in lanes) and not rub_alike(lanes):
             # What does not rub has a contact of another kind, and worlds share these.
-            alone = [ModelsSimulation.of([lane], formulation, preset, MuJoCoWarpWorlds) for lane in lanes]
+            alone = [MuJoCoWarpSimulation.of([lane], formulation, preset) for lane in lanes]
             return SequentialSimulation([LaneAlone(each) for each in alone])
-        return ModelsSimulation.of(lanes, formulation, preset, MuJoCoWarpWorlds)
+        return MuJoCoWarpSimulation.of(lanes, formulation, preset)

@@ -1,15 +1,26 @@
-"""The worlds of one batch in MuJoCo Warp's memory."""
+"""Lanes of MuJoCo Warp as the worlds of one model: MuJoCo's, compiled by its adapter, in units for single precision."""
 
 import dataclasses
 import importlib
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from multibody_xval.engines.shared.warp_worlds import WarpWorlds, import_warp
-from multibody_xval.engines.shared.worlds import Rows
+from multibody_xval.engines.interface.presets import Formulation, Preset
+from multibody_xval.engines.mujoco.contact import compiled_contacts, contact_units
+from multibody_xval.engines.mujoco.joint import CompiledLane, compiled_joints
+from multibody_xval.engines.shared.units import Units, power_of_two
+from multibody_xval.engines.shared.warp_worlds import Rows, WarpWorlds, import_warp
+from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
+from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.validation import FloatArray
+
+TOUCH_IN_SINGLE = 2.0**-18
+"""Depth of a sphere that may leave its plate, over the displacement scale: four roundings of where a sphere is."""
 
 ROWS_OF_A_CONTACT = 4
 """Most constraints that a contact makes: the edges of its pyramid."""
@@ -80,3 +91,50 @@ def import_mujoco_warp() -> Any:
     """Import MuJoCo Warp, once Warp is silent."""
     import_warp()
     return importlib.import_module("mujoco_warp")
+
+
+class MuJoCoWarpSimulation(WorldsSimulation):
+    """Lanes as the worlds of one model, each with its own numbers, time step and units."""
+
+    def __init__(self, compiled: Sequence[CompiledLane]):
+        self._compiled, models = tuple(compiled), [each.model for each in compiled]
+        lanes = [each.lane for each in compiled]
+        worlds = MuJoCoWarpWorlds(models, any(lane.preload is not None for lane in lanes))
+        self._opens = models[0].nu > 1
+        super().__init__(lanes, [each.units for each in compiled], models[0].nq // common_cells(lanes), worlds)
+
+    @classmethod
+    def of(cls, lanes: Sequence[Lane], formulation: Formulation, preset: Preset) -> Self:
+        """Compile MuJoCo's models of the lanes, of one that is there several times once, and make worlds of them."""
+        compiled: Callable[[Lane, Preset], CompiledLane] = compiled_joints
+        if formulation is Formulation.CONTACT:
+            lifting = any(lane.preload is not None for lane in lanes)
+            preset = preset.modulated() if lifting else preset
+            compiled = partial(compiled_contacts, lifting=lifting, units_of=light_units, touch=TOUCH_IN_SINGLE)
+        once = {key: compiled(lane, preset) for key, lane in {id(lane): lane for lane in lanes}.items()}
+        return cls([once[id(lane)] for lane in lanes])
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
+        """Give the lanes of these indices; they share the models."""
+        return type(self)([self._compiled[lane] for lane in lanes])
+
+    def _pressing(self, start: int, steps: int) -> FloatArray:
+        """Give what presses spheres that may leave their plates, and what bounds friction elsewhere."""
+        return self._preloads(start, steps) if self._opens else super()._pressing(start, steps)
+
+    def _contact_forces(
+        self, index: int, friction: FloatArray, normal_force: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Give forces as joints and sensors have them; where nothing rubs, Newton leaves round-off of neighbours."""
+        normal = self._compiled[index].measured(normal_force, given) if normal_force.size else given
+        rubs = (self.lanes[index].chain.friction_bound > 0) & (normal > 0)
+        return np.where(rubs, friction[:, 1 :: self._joints] * self._units[index].force, 0.0), normal
+
+
+def light_units(lane: Lane, preset: Preset) -> Units:
+    """Choose units in which the masses that contacts stop are near one: single precision takes small ones for none."""
+    units, chain = contact_units(lane, preset), lane.chain
+    if preset["units"] == "SI":
+        return units
+    stopped = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
+    return replace(units, mass=power_of_two(float(np.exp(np.mean(np.log(stopped))))))

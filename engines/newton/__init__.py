@@ -1,23 +1,18 @@
 """Newton's SolverSteel: articulations in single precision, all lanes of a batch as worlds of one model."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
 from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
-from multibody_xval.engines.newton.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
+from multibody_xval.engines.newton.contact import ContactWorlds
+from multibody_xval.engines.newton.joint import JointWorlds
 from multibody_xval.engines.newton.scene import STEP, contacts, joints
-from multibody_xval.engines.newton.worlds import ContactWorlds, NewtonSimulation
-from multibody_xval.engines.shared.claims import check_mass_ratio
+from multibody_xval.engines.newton.worlds import NewtonSimulation
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_units
-from multibody_xval.engines.shared.units import Units
+from multibody_xval.engines.shared.units import Units, check_mass_ratio
 from multibody_xval.engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
@@ -45,14 +40,7 @@ class Newton(PipEngine):
         package="newton",
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "SolverSteel"),
         batch_lanes=64,
         precision="single",
         residual=SINGLE_RESIDUAL,
@@ -73,6 +61,7 @@ class Newton(PipEngine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO, self.capabilities.title)
+        kind = JointWorlds if formulation is Formulation.JOINT else ContactWorlds
         if preset["units"] == "SI":
-            return SequentialSimulation([LaneAlone(NewtonSimulation([lane], formulation, preset)) for lane in lanes])
-        return NewtonSimulation(lanes, formulation, preset)
+            return SequentialSimulation([LaneAlone(NewtonSimulation([lane], kind, preset)) for lane in lanes])
+        return NewtonSimulation(lanes, kind, preset)

@@ -1,6 +1,7 @@
 """Scenes as users of Newton write them, with SolverSteel: bodies, and drives of bounded effort as dry friction."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from multibody_xval.engines.newton.worlds import import_newton
+from multibody_xval.engines.newton.worlds import NO_GRAVITY, STATE, import_newton
 from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp
 
 STEP = 1 / 240
@@ -30,11 +31,11 @@ STEP = 1 / 240
 BELT_MASS = 1e5
 """Of a belt that slides, whatever acts on it [kg]."""
 
+SOLVER = ("drive_mode", "friction_anchor_beta", "iterations")
+"""Options that SolverSteel takes by their names."""
+
 BEYOND = 1e6
 """Limit of a joint that has none [rad], [m]."""
-
-STATE = ("joint_q", "joint_qd", "body_q", "body_qd")
-"""What a step advances."""
 
 
 class _World:
@@ -43,15 +44,14 @@ class _World:
     def __init__(self, builder: Any, setting: SceneSetting):
         newton = import_newton()
         self.model = builder.finalize(device=PROCESSOR)
-        options = {name: setting.changed(name) for name in ("iterations", "friction_anchor_beta")}
-        options = {name: value for name, value in options.items() if value is not None}
-        self._solver = newton.solvers.SolverSteel(self.model, **options, **_drives(setting))
+        options = {name: setting.preset[name] for name in SOLVER if name in setting.preset.options}
+        self._solver = newton.solvers.SolverSteel(self.model, **options)
         self.state, self._after, self.control = self.model.state(), self.model.state(), self.model.control()
         newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.state)
         self.pushes = import_warp().zeros_like(self.state.body_f)
         self._pipeline = newton.CollisionPipeline(self.model) if self.model.shape_count else None
         self._contacts = self._pipeline.contacts() if self._pipeline else None
-        self._time_step, self._steps, self._graph = setting.time_step, 0, None
+        self._time_step, self._steps, self._take_step = setting.time_step, 0, self._advance
 
     def _advance(self) -> None:
         warp = import_warp()
@@ -65,16 +65,13 @@ class _World:
 
     def step(self) -> None:
         """Take a step; the third one is recorded, and repeated from then on."""
-        warp = import_warp()
         self._steps += 1
-        if self._steps < 3:  # kernels are loaded, and memory is allocated
-            self._advance()
-            return
-        if self._graph is None:
+        if self._steps == 3:  # kernels are loaded, and memory is allocated
+            warp = import_warp()
             with warp.ScopedCapture(device=PROCESSOR) as capture:
                 self._advance()
-            self._graph = capture.graph
-        warp.capture_launch(self._graph)
+            self._take_step = partial(warp.capture_launch, capture.graph)
+        self._take_step()
 
     def push(self, body: int, force: Vector) -> None:
         """Push a body at its centre from now on."""
@@ -88,11 +85,6 @@ class _World:
         values[begin : begin + len(rates)] = rates
         self.state.joint_qd.assign(values)
         import_newton().eval_fk(self.model, self.state.joint_q, self.state.joint_qd, self.state)
-
-
-def _drives(setting: SceneSetting) -> dict[str, str]:
-    """Give the mode of drives, where joints rub: only rows of the solver bound the whole of a drive."""
-    return {"drive_mode": setting.preset["drive_mode"]} if "drive_mode" in setting.preset.options else {}
 
 
 def _pose(place: Vector, turned: Quaternion = LEVEL) -> Any:
@@ -157,7 +149,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     newton, warp = import_newton(), import_warp()
     single = isinstance(scene, JointScene)
-    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0)) if single else newton.ModelBuilder()
+    builder = newton.ModelBuilder(gravity=NO_GRAVITY) if single else newton.ModelBuilder()
     bounds = [scene.friction] if isinstance(scene, JointScene) else scene.friction
     centre, diagonal = (0.0, (1.0, 1.0, 1.0)) if single else (LINK_LENGTH / 2, LINK_INERTIA)
     slides = isinstance(scene, JointScene) and scene.kind == "slide"

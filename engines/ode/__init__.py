@@ -3,17 +3,9 @@
 from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
-from multibody_xval.engines.ode.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_STOPS,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.ode.scene import STEP, contacts, joints
 from multibody_xval.engines.shared.script_units import script_in_si
 
@@ -43,19 +35,7 @@ class ODE(OutOfProcessEngine):
         package="python3-pyode",
         licence="BSD-3-Clause or LGPL-2.1-or-later",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {
-                "tuned": JOINT_TUNED,
-                "recommended": JOINT_RECOMMENDED,
-                "default": JOINT_DEFAULT,
-                "stops": JOINT_STOPS,
-            },
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "ODE"),
         notes=(
             "Coulomb's law, exact in stick: in the joint emulated by a slider's motor of target zero and bounded "
             "force, in the contact spheres or boxes on plates. Springs, dashpots and the drive are forces that are "

@@ -1,10 +1,11 @@
 """Pinocchio: dry friction of joints as a constraint, solved by projected Gauss-Seidel or by ADMM."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.pinocchio.joint import PinocchioJointLane
-from multibody_xval.engines.pinocchio.presets import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_si
 
@@ -21,7 +22,7 @@ class Pinocchio(PipEngine):
         package="pin",
         licence="BSD-2-Clause",
         friction_law=FrictionLaw.COULOMB,
-        presets={Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT, "admm": JOINT_ADMM}},
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "Pinocchio"),
         notes=(
             "Coulomb's law, exact in stick by projected Gauss-Seidel. Pinocchio takes no steps by itself: a step here "
             "is its forward dynamics without friction, its solver for the impulses, its forward dynamics with them, "

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from multibody_xval.engines.interface.presets import Preset
-from multibody_xval.engines.pybullet.joint import Connection, PyBulletLane, import_pybullet
+from multibody_xval.engines.pybullet.joint import Connection, PyBulletLane
 from multibody_xval.engines.shared.box_geometry import BOX
 from multibody_xval.engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
@@ -47,18 +47,18 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
 
     plate, spacing = PLATE, SPACING
 
-    def __init__(self, lane: Lane, preset: Preset, connection: Connection):
+    def __init__(self, lane: Lane, preset: Preset, bullet: Connection):
         largest = float(np.max(lane.chain.friction_coefficient))
         if largest > LARGEST_COEFFICIENT:
             raise ParameterError(
                 f"friction_coefficient = {largest:g}; allowed by Bullet: at most {LARGEST_COEFFICIENT:g}"
             )
-        super().__init__(lane, preset, connection)
+        super().__init__(lane, preset, bullet)
         # Gap of free bodies over the gap that the inner mass alone would make.
         self._opening = 1 + self._chain.inner_mass / self._chain.outer_mass
 
     def _begin(self, motion: FloatArray) -> Step:
-        bullet, client, time_step = import_pybullet(), self._connection.client, self._time_step
+        bullet, time_step = self._bullet, self._time_step
         self._bodies = bodies = self._new_bodies(motion, self._across)
         self._set_normal_load(self._chain.normal_force)
         position, velocity = np.split(motion, 2)
@@ -67,9 +67,9 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
 
         def step(force: FloatArray) -> None:
             for body, along, across in zip(bodies, force.tolist(), self._pressing, strict=True):
-                apply(body, -1, (x * along, y * along, across), nowhere, frame, physicsClientId=client)
-            step_simulation(physicsClientId=client)
-            velocity[:] = [self._along(read(body, physicsClientId=client)[0]) for body in bodies]
+                apply(body, -1, (x * along, y * along, across), nowhere, frame)
+            step_simulation()
+            velocity[:] = [self._along(read(body)[0]) for body in bodies]
             # Bullet's own step, compared in `_state`: reading positions too would take as long as its solver.
             np.add(position, time_step * velocity, position)
 
@@ -85,18 +85,18 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
 
     def _gaps(self) -> FloatArray:
         """Read the gap, and its rate, as the inner mass alone would make them; shape (2, n)."""
-        bullet, client, bodies = import_pybullet(), self._connection.client, self._bodies
-        heights = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][2] for body in bodies]
-        speeds = [bullet.getBaseVelocity(body, physicsClientId=client)[0][2] for body in bodies]
+        bullet, bodies = self._bullet, self._bodies
+        heights = [bullet.getBasePositionAndOrientation(body)[0][2] for body in bodies]
+        speeds = [bullet.getBaseVelocity(body)[0][2] for body in bodies]
         outer, inner = np.split(np.array([heights, speeds]), 2, axis=1)
         # At rest a box is as deep as Bullet leaves alone, see `_new_bodies`.
         return (inner - outer - [[2 * self._sizes.box - REST_DEPTH], [0.0]]) / self._opening
 
     def _contacts(self) -> FloatArray:
-        bullet, client, cells = import_pybullet(), self._connection.client, self._chain.cells
+        bullet, cells = self._bullet, self._chain.cells
         forces = np.zeros((2, cells))
         for cell, (outer, inner) in enumerate(zip(self._bodies[:cells], self._bodies[cells:], strict=True)):
-            points = bullet.getContactPoints(inner, outer, physicsClientId=client)
+            points = bullet.getContactPoints(inner, outer)
             # A point has its normal force at 9, then twice a tangential force and the direction it acts in on
             # the outer mass.
             forces[0, cell] = -sum(
@@ -107,9 +107,9 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
 
     def _state(self, motions: FloatArray) -> State:
         """Compare the end with Bullet's; refuse a motion in which a box has left its plate and felt no friction."""
-        bullet, client, end = import_pybullet(), self._connection.client, super()._state(motions)
+        bullet, end = self._bullet, super()._state(motions)
         positions = motions[-1, : len(self._bodies)]
-        places = (bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0] for body in self._bodies)
+        places = (bullet.getBasePositionAndOrientation(body)[0] for body in self._bodies)
         where, tolerance = [self._along(place) for place in places], POSITION_TOLERANCE * self._sizes.box / BOX
         if not np.allclose(positions, where, rtol=0, atol=tolerance, equal_nan=True):
             raise RuntimeError(f"Bullet's positions {where} do not follow from its velocities: {positions.tolist()}")
@@ -120,15 +120,15 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
 
         `across` holds the gap and its rate as the inner mass alone would make them, shape (2, n).
         """
-        bullet, client, preset = import_pybullet(), self._connection.client, self._preset
-        bullet.resetSimulation(physicsClientId=client)
-        bullet.setTimeStep(self._time_step, physicsClientId=client)
+        bullet, preset = self._bullet, self._preset
+        bullet.resetSimulation()
+        bullet.setTimeStep(self._time_step)
         bullet.setPhysicsEngineParameter(
-            solverResidualThreshold=preset["solverResidualThreshold"], contactSlop=REST_DEPTH, physicsClientId=client
+            solverResidualThreshold=preset["solverResidualThreshold"], contactSlop=REST_DEPTH
         )
         chain, box, length = self._chain, self._sizes.box, self._sizes.plate
         plate, cube = (
-            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=sizes, physicsClientId=client)
+            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=sizes)
             for sizes in ([length, length if self.lane.direction else box, box], [box] * 3)
         )
         # At the static equilibrium a contact is as deep as Bullet leaves alone.
@@ -144,27 +144,25 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
             friction = float(chain.friction_coefficient[cell]) if side else 1.0
             bodies.append(self._new_body(cube if side else plate, weight, friction, place))
         # Bullet takes over a new inertia at the end of a step only: let one pass at rest.
-        bullet.stepSimulation(physicsClientId=client)
+        bullet.stepSimulation()
         # The inner mass moves as it would alone; the plate the other way, for both are pulled alike.
         rises, speeds = np.hstack([-across * chain.inner_mass / chain.outer_mass, across]).tolist()
         for body, velocity, rise, speed in zip(bodies, velocities.tolist(), rises, speeds, strict=True):
             if self.lane.opens:
-                (along, aside, rest), turned = bullet.getBasePositionAndOrientation(body, physicsClientId=client)
-                bullet.resetBasePositionAndOrientation(
-                    body, [along, aside, rest + rise], turned, physicsClientId=client
-                )
-            bullet.resetBaseVelocity(body, [x * velocity, y * velocity, speed], [0.0] * 3, physicsClientId=client)
+                (along, aside, rest), turned = bullet.getBasePositionAndOrientation(body)
+                bullet.resetBasePositionAndOrientation(body, [along, aside, rest + rise], turned)
+            bullet.resetBaseVelocity(body, [x * velocity, y * velocity, speed], [0.0] * 3)
         return bodies
 
     def _new_body(self, shape: Any, mass: float, friction: float, place: list[float]) -> int:
         """Make one body; properties one call each, for Bullet mixes some of them up."""
-        bullet, client, preset = import_pybullet(), self._connection.client, self._preset
-        body = int(bullet.createMultiBody(mass, shape, -1, place, useMaximalCoordinates=1, physicsClientId=client))
+        bullet, preset = self._bullet, self._preset
+        body = int(bullet.createMultiBody(mass, shape, -1, place, useMaximalCoordinates=1))
         inertia = list(preset["localInertiaDiagonal"])
         for properties in (
             {"linearDamping": preset["linearDamping"], "angularDamping": 0.0},
             {"lateralFriction": friction},
             {"mass": mass, "localInertiaDiagonal": inertia},
         ):
-            bullet.changeDynamics(body, -1, **properties, physicsClientId=client)
+            bullet.changeDynamics(body, -1, **properties)
         return body

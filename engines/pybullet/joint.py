@@ -17,14 +17,21 @@ from reference_lcp.validation import FloatArray
 
 
 class Connection:
-    """A connection to Bullet, opened on first use: opening one takes longer than a period of the chain."""
+    """PyBullet's constants and functions, these of a connection of its own.
+
+    It is opened on first use, for that takes longer than a period of the chain. PyBullet's own `BulletClient`, of the
+    same kind, prints on standard output.
+    """
 
     def __init__(self) -> None:
         self._client: int | None = None
 
-    @property
-    def client(self) -> int:
-        """Number of the connection."""
+    def __getattr__(self, name: str) -> Any:
+        """Give what PyBullet has of this name."""
+        found = getattr(import_pybullet(), name)
+        return functools.partial(found, physicsClientId=self._opened()) if callable(found) else found
+
+    def _opened(self) -> int:
         if self._client is None:
             bullet = import_pybullet()
             self._client = int(bullet.connect(bullet.DIRECT))
@@ -57,13 +64,13 @@ MOST_CELLS = 63
 class PyBulletLane(ExplicitForcesLane):
     """One chain; a run makes its bodies anew, so that nothing is left of earlier runs."""
 
-    def __init__(self, lane: Lane, preset: Preset, connection: Connection):
+    def __init__(self, lane: Lane, preset: Preset, bullet: Connection):
         super().__init__(lane, preset)
-        self._connection = connection
+        self._bullet = bullet
 
     def close(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""
-        self._connection.close()
+        self._bullet.close()
 
 
 class PyBulletJointLane(PyBulletLane):
@@ -71,24 +78,24 @@ class PyBulletJointLane(PyBulletLane):
 
     coordinates = ChainCoordinates.CELLS
 
-    def __init__(self, lane: Lane, preset: Preset, connection: Connection):
+    def __init__(self, lane: Lane, preset: Preset, bullet: Connection):
         cells = lane.chain.cells
         if cells > MOST_CELLS:
             raise ParameterError(f"cells = {cells} is outside what PyBullet takes; allowed: at most {MOST_CELLS}")
-        super().__init__(lane, preset, connection)
+        super().__init__(lane, preset, bullet)
         # Those of the outer masses, then of the inner ones.
         self._links = [*range(0, 2 * cells, 2), *range(1, 2 * cells, 2)]
 
     def _begin(self, motion: FloatArray) -> Step:
-        bullet, client, links = import_pybullet(), self._connection.client, self._links
+        bullet, links = self._bullet, self._links
         self._body = body = self._new_body(*np.split(motion, 2))
         control, torque = bullet.setJointMotorControlArray, bullet.TORQUE_CONTROL
         step_simulation, read = bullet.stepSimulation, bullet.getJointStates
 
         def step(force: FloatArray) -> None:
-            control(body, links, torque, forces=force.tolist(), physicsClientId=client)
-            step_simulation(physicsClientId=client)
-            self._joints = joints = read(body, links, physicsClientId=client)
+            control(body, links, torque, forces=force.tolist())
+            step_simulation()
+            self._joints = joints = read(body, links)
             motion[:] = [joint[0] for joint in joints] + [joint[1] for joint in joints]
 
         return step
@@ -108,10 +115,10 @@ class PyBulletJointLane(PyBulletLane):
 
     def _set_bounds(self, body: int, links: list[int], bounds: list[float]) -> None:
         """Set what the motors of these links can do at most."""
-        bullet, still = import_pybullet(), [0.0] * len(links)
+        bullet, still = self._bullet, [0.0] * len(links)
         bullet.setJointMotorControlArray(
             body, links, bullet.VELOCITY_CONTROL, targetVelocities=still, forces=bounds,
-            velocityGains=[self._preset["velocityGain"]] * len(links), physicsClientId=self._connection.client,
+            velocityGains=[self._preset["velocityGain"]] * len(links),
         )  # fmt: skip
 
     def _new_body(self, coordinates: FloatArray, velocities: FloatArray) -> int:
@@ -119,27 +126,23 @@ class PyBulletJointLane(PyBulletLane):
 
         Motors come last, for Bullet stores their bounds times the time step.
         """
-        bullet, client, links = import_pybullet(), self._connection.client, self._links
-        bullet.resetSimulation(physicsClientId=client)
-        bullet.setTimeStep(self._time_step, physicsClientId=client)
-        body = _new_tree(self._chain.outer_mass, self._chain.inner_mass, client)
+        bullet, links = self._bullet, self._links
+        bullet.resetSimulation()
+        bullet.setTimeStep(self._time_step)
+        body = _new_tree(bullet, self._chain.outer_mass, self._chain.inner_mass)
         preset = self._preset
         bullet.changeDynamics(
-            body, -1, linearDamping=preset["linearDamping"], maxJointVelocity=preset["maxJointVelocity"],
-            physicsClientId=client,
-        )  # fmt: skip
-        bullet.resetJointStatesMultiDof(
-            body, links, coordinates[:, None].tolist(), velocities[:, None].tolist(), physicsClientId=client
+            body, -1, linearDamping=preset["linearDamping"], maxJointVelocity=preset["maxJointVelocity"]
         )
+        bullet.resetJointStatesMultiDof(body, links, coordinates[:, None].tolist(), velocities[:, None].tolist())
         self._set_bounds(
             body, links, [preset["outer motor force"]] * self._chain.cells + self._chain.friction_bound.tolist()
         )
         return body
 
 
-def _new_tree(outer_mass: FloatArray, inner_mass: FloatArray, client: int) -> int:
+def _new_tree(bullet: Connection, outer_mass: FloatArray, inner_mass: FloatArray) -> int:
     """Create a fixed base, on it n sliding outer masses, on each an inner mass that slides relative to it."""
-    bullet = import_pybullet()
     cells = outer_mass.shape[0]
     masses = np.stack([outer_mass, inner_mass], axis=1).ravel().tolist()
     links = 2 * cells
@@ -157,6 +160,5 @@ def _new_tree(outer_mass: FloatArray, inner_mass: FloatArray, client: int) -> in
         linkOrientations=[upright] * links,
         linkInertialFramePositions=[nowhere] * links,
         linkInertialFrameOrientations=[upright] * links,
-        physicsClientId=client,
     )
     return body

@@ -23,7 +23,7 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from multibody_xval.engines.pybullet.joint import import_pybullet
+from multibody_xval.engines.pybullet.joint import Connection
 
 STEP = 1 / 240
 """PyBullet's own time step [s]."""
@@ -39,17 +39,16 @@ class _Scene:
     """One connection, with what the preset changes."""
 
     def __init__(self, setting: SceneSetting, gravity: float):
-        self.bullet, self._setting = import_pybullet(), setting
-        self.client = int(self.bullet.connect(self.bullet.DIRECT))
-        self.bullet.setGravity(0, 0, -gravity, physicsClientId=self.client)
-        self.bullet.setTimeStep(setting.time_step, physicsClientId=self.client)
+        self.bullet, self._setting = Connection(), setting
+        self.bullet.setGravity(0, 0, -gravity)
+        self.bullet.setTimeStep(setting.time_step)
         threshold = setting.changed("solverResidualThreshold")
         if threshold is not None:
-            self.bullet.setPhysicsEngineParameter(solverResidualThreshold=threshold, physicsClientId=self.client)
+            self.bullet.setPhysicsEngineParameter(solverResidualThreshold=threshold)
 
     def set_dynamics(self, body: int, link: int, friction: float | None = None) -> None:
         """Set the coefficient of a body, whose root others multiply it with, and what the preset changes."""
-        change = partial(self.bullet.changeDynamics, body, link, physicsClientId=self.client)
+        change = partial(self.bullet.changeDynamics, body, link)
         if friction is not None:
             change(lateralFriction=math.sqrt(friction))
         for names in DYNAMICS:
@@ -61,10 +60,8 @@ class _Scene:
 
     def add_box(self, half: Sequence[float], mass: float, place: Vector, turned: Quaternion, friction: float) -> int:
         """Add a box; one without mass is fixed."""
-        shape = self.bullet.createCollisionShape(self.bullet.GEOM_BOX, halfExtents=half, physicsClientId=self.client)
-        body = int(
-            self.bullet.createMultiBody(mass, shape, -1, place, (*turned[1:], turned[0]), physicsClientId=self.client)
-        )
+        shape = self.bullet.createCollisionShape(self.bullet.GEOM_BOX, halfExtents=half)
+        body = int(self.bullet.createMultiBody(mass, shape, -1, place, (*turned[1:], turned[0])))
         self.set_dynamics(body, -1, friction)
         return body
 
@@ -76,13 +73,12 @@ class _Scene:
         bullet, number = self.bullet, len(places)
         shape = -1
         if half is not None:
-            shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=half, physicsClientId=self.client)
+            shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=half)
         body = int(bullet.createMultiBody(
             0, -1, -1, base, linkMasses=[mass] * number, linkCollisionShapeIndices=[shape] * number,
             linkVisualShapeIndices=[-1] * number, linkPositions=places, linkOrientations=[[0, 0, 0, 1]] * number,
             linkInertialFramePositions=[centre] * number, linkInertialFrameOrientations=[[0, 0, 0, 1]] * number,
             linkParentIndices=list(range(number)), linkJointTypes=[kind] * number, linkJointAxis=[axis] * number,
-            physicsClientId=self.client,
         ))  # fmt: skip
         for joint in range(number):
             self.set_motor(body, joint, force=0)
@@ -91,26 +87,18 @@ class _Scene:
     def set_motor(self, body: int, joint: int, **motor: float) -> None:
         """Set the velocity motor of a joint, which is also its dry friction."""
         control = self.bullet.VELOCITY_CONTROL
-        self.bullet.setJointMotorControl2(body, joint, control, **motor, physicsClientId=self.client)
+        self.bullet.setJointMotorControl2(body, joint, control, **motor)
 
     def load(self, body: int, force: float) -> None:
         """Load the first joint for one step."""
         control = self.bullet.TORQUE_CONTROL
-        self.bullet.setJointMotorControl2(body, 0, control, force=force, physicsClientId=self.client)
-
-    def step(self) -> None:
-        """Take a step."""
-        self.bullet.stepSimulation(physicsClientId=self.client)
-
-    def close(self) -> None:
-        """Close the connection."""
-        self.bullet.disconnect(self.client)
+        self.bullet.setJointMotorControl2(body, 0, control, force=force)
 
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
     world = _Scene(setting, GRAVITY)
-    bullet, client, rub = world.bullet, world.client, scene.friction
+    bullet, rub = world.bullet, scene.friction
     pressed = -1
     if scene.grip:
         reach, height = scene.finger
@@ -122,7 +110,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         belt = world.add_links(bullet.JOINT_PRISMATIC, (1, 0, 0), [(0, 0, 0)], 1e4, base=(0, 0, -BELT[2]), half=BELT)
         world.set_dynamics(belt, 0, rub)
         world.set_motor(belt, 0, targetVelocity=scene.belt, force=BELT_FORCE)
-        bullet.resetJointState(belt, 0, 0, scene.belt, physicsClientId=client)
+        bullet.resetJointState(belt, 0, 0, scene.belt)
     else:
         x, y, z = scene.normal
         world.add_box((GROUND, GROUND, 1), 0, (-x, -y, -z), scene.tilt, rub)
@@ -132,27 +120,27 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def step() -> None:
         if scene.grip:
             world.load(pressed, -scene.grip)
-        world.step()
+        bullet.stepSimulation()
 
     def state() -> Any:
-        place, (x, y, z, w) = bullet.getBasePositionAndOrientation(body, physicsClientId=client)
-        return place, (w, x, y, z), bullet.getBaseVelocity(body, physicsClientId=client)[0]
+        place, (x, y, z, w) = bullet.getBasePositionAndOrientation(body)
+        return place, (w, x, y, z), bullet.getBaseVelocity(body)[0]
 
     def launch(velocity: Vector, spin: float) -> None:
-        bullet.resetBaseVelocity(body, velocity, (0, 0, spin), physicsClientId=client)
+        bullet.resetBaseVelocity(body, velocity, (0, 0, spin))
 
     def push(force: float) -> None:
-        centre = bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0]
-        bullet.applyExternalForce(body, -1, scene.along(force), centre, bullet.WORLD_FRAME, physicsClientId=client)
+        centre = bullet.getBasePositionAndOrientation(body)[0]
+        bullet.applyExternalForce(body, -1, scene.along(force), centre, bullet.WORLD_FRAME)
 
-    return SteppedWorld(step, state, launch, world.close, push)
+    return SteppedWorld(step, state, launch, bullet.close, push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     single = isinstance(scene, JointScene)
     world = _Scene(setting, 0.0 if single else GRAVITY)
-    bullet, client = world.bullet, world.client
+    bullet = world.bullet
     bounds = [scene.friction] if isinstance(scene, JointScene) else scene.friction
     if isinstance(scene, JointScene) and scene.kind == "slide":
         body = world.add_links(bullet.JOINT_PRISMATIC, (1, 0, 0), [(0, 0, 0)], 1.0)
@@ -164,16 +152,16 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         body = world.add_links(bullet.JOINT_REVOLUTE, (0, 1, 0), places, LINK_MASS, centre=centre)
     for joint, bound in enumerate(bounds):
         inertia = (1.0, 1.0, 1.0) if single else LINK_INERTIA
-        bullet.changeDynamics(body, joint, localInertiaDiagonal=inertia, physicsClientId=client)
+        bullet.changeDynamics(body, joint, localInertiaDiagonal=inertia)
         world.set_dynamics(body, joint)
         world.set_motor(body, joint, targetVelocity=0, force=bound)
 
     def step() -> None:
         if isinstance(scene, JointScene):
             world.load(body, scene.load)
-        world.step()
+        bullet.stepSimulation()
 
     def state() -> Any:
-        return ([each[0] for each in bullet.getJointStates(body, range(len(bounds)), physicsClientId=client)],)
+        return ([each[0] for each in bullet.getJointStates(body, range(len(bounds)))],)
 
-    return SteppedWorld(step, state, close=world.close)
+    return SteppedWorld(step, state, close=bullet.close)

@@ -1,18 +1,12 @@
 """pymunk: a pivot joint of bounded force, or a box pressed on a plate."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from multibody_xval.engines.pymunk.contact import DEPTH, PymunkBoxes
 from multibody_xval.engines.pymunk.joint import PymunkJoints
-from multibody_xval.engines.pymunk.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.pymunk.scene import STEP, contacts, joints
 from multibody_xval.engines.pymunk.simulation import SPRING_LENGTH
 from multibody_xval.engines.shared.pip_engine import PipEngine
@@ -34,14 +28,7 @@ class Pymunk(PipEngine):
         package="pymunk",
         licence="MIT",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "pymunk"),
         batch_lanes=16,
         notes=(
             "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force, or boxes "

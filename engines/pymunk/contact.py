@@ -1,6 +1,6 @@
 """pymunk's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -60,8 +60,9 @@ class PymunkBoxes(PymunkSimulation):
 
         return contacts
 
-    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Iterable[FloatArray]:
-        return np.stack(read, axis=1) / self._time_step
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
+        friction, normal = np.stack(read, axis=1) / self._time_step
+        return friction, normal
 
     def _check_ends(self, positions: FloatArray) -> None:
         for sizes, row, units in zip(self._sizes, positions, self._units, strict=True):

@@ -1,29 +1,17 @@
 """pymunk's joint formulation: in every cell a pivot joint of bounded force, without its pull on positions."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.pymunk.simulation import PymunkSimulation, World
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
 
 class PymunkJoints(PymunkSimulation):
     """Lanes with a joint in every cell; what it did is read as the size of its impulse."""
-
-    def __init__(self, lanes: Sequence[Lane], preset: Preset):
-        super().__init__(lanes, preset)
-        self._reusable: World | None = None
-
-    def _new_world(self) -> World:
-        """Give the space of the run before if its joints' impulses can be cleared: to make it anew takes longer."""
-        if self._reusable is None or not self._cleared(self._reusable):
-            self._reusable = super()._new_world()
-        return self._reusable
 
     def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         import pymunk
@@ -36,15 +24,6 @@ class PymunkJoints(PymunkSimulation):
         space.add(*joints)
         return joints
 
-    def _cleared(self, world: World) -> bool:
-        """Take a step without any friction, after which no joint has an impulse to begin the next one with."""
-        self._place(world, np.zeros((len(self.lanes), 4 * self._cells)))
-        for joint in world.holds:
-            joint.max_force = 0.0
-        world.space.step(self._time_step)
-        self._set_normal_load(world, np.stack([chain.normal_force for chain in self._chains]))
-        return not any(joint.impulse for joint in world.holds)
-
     def _set_normal_load(self, world: World, normal_load: FloatArray) -> None:
         bounds = [chain.friction_coefficient * row for chain, row in zip(self._chains, normal_load, strict=True)]
         for joint, bound in zip(world.holds, np.concatenate(bounds).tolist(), strict=True):
@@ -53,7 +32,7 @@ class PymunkJoints(PymunkSimulation):
     def _reader(self, world: World) -> Callable[[], list[float]]:
         return lambda: [joint.impulse for joint in world.holds]
 
-    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Iterable[FloatArray]:
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
         # Sizes of impulses get the sign of the momentum that the other forces do not explain.
         cells, before = self._cells, motions[:-1].copy()
         if self._own_springs:

@@ -45,6 +45,14 @@ def _new_space(setting: SceneSetting, gravity: float) -> Any:
     return space
 
 
+def _stepped(space: Any, step: Any, state: Any, **acting: Any) -> SteppedWorld:
+    """Give a scene that takes its space apart when it is closed.
+
+    A joint refers to its bodies and they to it: pymunk would free them in any order, and now and then end the process.
+    """
+    return SteppedWorld(step, state, close=lambda: space.remove(*space.constraints), **acting)
+
+
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
     import pymunk
@@ -86,7 +94,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     def push(force: float) -> None:
         body.apply_force_at_world_point(scene.along(force)[::2], body.position)
 
-    return SteppedWorld(step, lambda: row(body.position, body.angle, body.velocity), launch, push=push)
+    return _stepped(space, step, lambda: row(body.position, body.angle, body.velocity), launch=launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -119,7 +127,7 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
             body.apply_force_at_world_point((scene.load, 0), body.position)
         space.step(setting.time_step)
 
-    return SteppedWorld(step, lambda: ([body.angle if hinge else body.position[0]],))
+    return _stepped(space, step, lambda: ([body.angle if hinge else body.position[0]],))
 
 
 def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -136,4 +144,4 @@ def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
         links.append(body)
         before = body
 
-    return SteppedWorld(lambda: space.step(setting.time_step), lambda: (hinge_angles(link.angle for link in links),))
+    return _stepped(space, lambda: space.step(setting.time_step), lambda: (hinge_angles(link.angle for link in links),))

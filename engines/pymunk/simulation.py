@@ -6,7 +6,7 @@ of a space, such a call costs little. Lanes share a space when they share its ti
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -69,40 +69,34 @@ class PymunkSimulation(LanesInUnits):
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
 
-        A lane that diverges stops, and its last row is repeated.
+        A lane that diverges stops, and its last motion is repeated.
         """
         world, motion = self._begun(state, steps)
-        motions = np.empty((steps + 1, *motion.shape))
+        motions, contacts, read = np.empty((steps + 1, *motion.shape)), self._reader(world), []
         motions[0] = motion
-        contacts, read = self._reader(world), []
-        stopped = np.full(len(self.lanes), steps)
-        for row in self._steps(world, motion, start, steps, stopped):
-            motions[row + 1] = motion
+        for row, moved in enumerate(self._steps(world, motion, start, steps), 1):
+            motions[row] = moved
             read.append(contacts())
-        friction, normal = np.zeros((2, steps, len(self.lanes), self._cells))
-        taken = len(read)
-        if taken:
-            given = self._preloads(start, steps)[:taken]
-            friction[:taken], normal[:taken] = self._contact_forces(read, motions[: taken + 1], given)
-        for index in np.flatnonzero(stopped < steps):
-            last = stopped[index]
-            motions[last + 1 :, index] = motions[last, index]
-            for rows in (friction, normal):
-                rows[last:, index] = rows[last - 1, index] if last else 0.0
-        moved, trajectories, half = self._moved(motions[1:], 1.0), [], 2 * self._cells
-        for number, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True)):
-            position, velocity = moved[:, number, :half] * units.length, moved[:, number, half:] * units.velocity
-            forces = friction[:, number] * units.force, normal[:, number] * units.force
-            trajectories.append(Trajectory(lane.times(start, steps), position, velocity, *forces))
-        self._check_ends(np.stack([trajectory.positions[-1] for trajectory in trajectories]))
-        return trajectories
+        friction, normal = self._contact_forces(read, motions, self._preloads(start, steps))
+        half, ends = 2 * self._cells, self._moved(motions[1:], 1.0)
+        self._check_ends(ends[-1, :, :half] * self._length)
+        return [
+            Trajectory(
+                lane.times(start, steps),
+                ends[:, index, :half] * units.length,
+                ends[:, index, half:] * units.velocity,
+                friction[:, index] * units.force,
+                normal[:, index] * units.force,
+            )
+            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
+        ]
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, without reading the contacts."""
         world, motion = self._begun(state, steps)
-        for _ in self._steps(world, motion, start, steps, np.full(len(self.lanes), steps)):
-            pass
-        position, velocity = np.split(self._moved(motion, 1.0), 2, axis=1)
+        for moved in self._steps(world, motion, start, steps):
+            last = moved
+        position, velocity = np.split(self._moved(last, 1.0), 2, axis=1)
         end = State(position * self._length, velocity * self._velocity)
         self._check_ends(end.positions)
         return end
@@ -120,7 +114,7 @@ class PymunkSimulation(LanesInUnits):
         """Give what reads, after a step, what pymunk reports of the contacts of all lanes."""
 
     @abstractmethod
-    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Iterable[FloatArray]:
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Turn what was read of each step into friction on inner masses and normal force, shape (steps, lanes, n) each.
 
         `motions` are those at the start and at the end of each step, shape (steps + 1, lanes, 4n); `given` is the
@@ -223,48 +217,31 @@ class PymunkSimulation(LanesInUnits):
             position = position + steps * self._time_step * velocity
         return np.concatenate([position, velocity], axis=-1)
 
-    def _steps(
-        self, world: World, motion: FloatArray, start: int, steps: int, stopped: NDArray[np.intp]
-    ) -> Iterator[int]:
-        """Advance `motion` in place and yield after every step, with its number.
+    def _steps(self, world: World, motion: FloatArray, start: int, steps: int) -> Iterator[FloatArray]:
+        """Take steps from this motion; gives the motion after each, in an array that is used again.
 
-        Where a lane has diverged its bodies rest from then on, so that no other lane sees its numbers; its number of
-        steps goes into `stopped`, and in the end its last motion into `motion`.
+        A lane that has diverged stays where it was, and its bodies begin at rest again and again, so that no other
+        lane sees its numbers.
         """
         self._place(world, motion)
         # Only the drive is left where pymunk has the springs.
         matrix = np.zeros_like(self._springs) if self._own_springs else self._springs
-        column, step = motion[..., None], self._stepper(world, motion)
+        column, step, matmul = motion[..., None], self._stepper(world, motion), np.matmul
         forces = np.empty((*matrix.shape[:2], 1))
-        force, matmul, add = forces[..., 0], np.matmul, np.add
-        last = motion.copy()
-        # Drives act on cell 1 alone: room for the forces on all of them, for the steps between two checks.
-        given, loads = self._loads(start, steps), np.zeros((STEPS_BETWEEN_CHECKS, *force.shape))
+        force, live, last = forces[..., 0], np.ones((len(motion), 1), dtype=np.bool_), motion.copy()
         modulated = any(lane.preload is not None for lane in self.lanes)
         normal_loads = self._preloads(start, steps) if modulated else None
-        for first in range(0, steps, STEPS_BETWEEN_CHECKS):
-            self._rest_the_diverged(world, motion, last, stopped, first)
-            going = stopped > first
-            if not going.any():
-                break
-            piece = given[first : first + STEPS_BETWEEN_CHECKS]
-            loads[: len(piece), :, 0] = np.where(going, piece, 0.0)
-            for row, load in enumerate(loads[: len(piece)], first):
-                matmul(matrix, column, forces)
-                add(force, load, force)
-                if normal_loads is not None:
-                    self._set_normal_load(world, normal_loads[row])
-                step(force)
-                yield row
-        motion[stopped < steps] = last[stopped < steps]
-
-    def _rest_the_diverged(
-        self, world: World, motion: FloatArray, last: FloatArray, stopped: NDArray[np.intp], steps: int
-    ) -> None:
-        """Put every lane to rest that has diverged after so many steps, or earlier; keep its motion in `last`."""
-        diverged = ~(np.max(np.abs(motion), axis=1) < LARGEST_MOTION) & (stopped > steps)
-        if diverged.any():
-            last[diverged], stopped[diverged] = motion[diverged], steps
-        if (stopped <= steps).any():
-            motion[stopped <= steps] = 0.0
-            self._place(world, motion)
+        for number, load in enumerate(self._loads(start, steps)):
+            if number % STEPS_BETWEEN_CHECKS == 0:
+                last = np.where(live, motion, last)
+                live = live & (np.max(np.abs(last), axis=1, keepdims=True) < LARGEST_MOTION)
+                moving = bool(live.all())
+                if not moving:
+                    motion[:] = np.where(live, motion, 0.0)
+                    self._place(world, motion)
+            matmul(matrix, column, forces)
+            force[:, 0] += load
+            if normal_loads is not None:
+                self._set_normal_load(world, normal_loads[number])
+            step(force)
+            yield motion if moving else np.where(live, motion, last)

@@ -1,21 +1,14 @@
 """Rapier: friction emulated by a motor of bounded force, a joint's own, or of a sphere pressed on a plate."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from multibody_xval.engines.interface.tolerances import SUBSTEPS_RESIDUAL
 from multibody_xval.engines.rapier.contact import CLEARANCE, RapierContactLane
 from multibody_xval.engines.rapier.joint import RapierJointLane
 from multibody_xval.engines.rapier.native import RapierNativeLane
-from multibody_xval.engines.rapier.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_NATIVE,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.rapier.scene import STEP, contacts, joints
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_units
@@ -39,19 +32,7 @@ class Rapier(PipEngine):
         package="rapier3d",
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {
-                "tuned": JOINT_TUNED,
-                "native": JOINT_NATIVE,
-                "recommended": JOINT_RECOMMENDED,
-                "default": JOINT_DEFAULT,
-            },
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "Rapier"),
         precision="single",
         residual=SUBSTEPS_RESIDUAL,
         notes=(

@@ -36,10 +36,7 @@ class RapierContactLane(PressedLane, RapierLane):
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
         from rapier3d import Collider, FrictionModel
 
-        parameters = world.integration_parameters
-        parameters.friction_model = getattr(FrictionModel, self._preset["friction_model"])
-        for name in ("friction_in_bias_pass", "warmstart_coefficient", "contact_recycling"):
-            setattr(parameters, name, self._preset[name])
+        world.integration_parameters.friction_model = getattr(FrictionModel, self._preset["friction_model"])
         radius, plate = self._sizes.box, self._sizes.plate
         self._colliders = []
         for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):

@@ -1,6 +1,7 @@
 """Lanes of Rapier, and its joint formulation: motors of bounded force that hold slip velocities at zero."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,30 @@ from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
+
+PARAMETERS = (
+    "num_solver_iterations", "normalized_max_linear_velocity", "num_internal_pgs_iterations",
+    "friction_in_bias_pass", "warmstart_coefficient", "contact_recycling",
+)  # fmt: skip
+"""Options that are parameters of a world's integration."""
+
+
+def new_world(time_step: float, parameters: Mapping[str, Any]) -> Any:
+    """Make a world without gravity."""
+    import rapier3d
+
+    world = rapier3d.PhysicsWorld()
+    # What is given here is the world's own, and must not be assigned back.
+    integration = world.integration_parameters
+    integration.dt = time_step
+    for name, value in parameters.items():
+        setattr(integration, name, value)
+    return world
+
+
+def parameters_of(preset: Preset) -> dict[str, Any]:
+    """Give the parameters of integration that a preset has."""
+    return {name: preset[name] for name in PARAMETERS if name in preset.options}
 
 
 class RapierLane(ExplicitForcesLane):
@@ -48,13 +73,7 @@ class RapierLane(ExplicitForcesLane):
         """Make the world with this motion; give it and the handles of its bodies, outer masses first."""
         import rapier3d
 
-        world = rapier3d.PhysicsWorld()
-        # What is given here is the world's own, and must not be assigned back.
-        parameters = world.integration_parameters
-        parameters.dt = self._time_step
-        for name in ("num_solver_iterations", "normalized_max_linear_velocity", "num_internal_pgs_iterations"):
-            if name in self._preset.options:
-                setattr(parameters, name, self._preset[name])
+        world = new_world(self._time_step, parameters_of(self._preset))
         cells, masses = self._chain.cells, np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
         # An outer mass slides along the row or, where that is turned, in the plane.
         x, y = self.lane.axis

@@ -6,9 +6,10 @@ import numpy as np
 
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.engines.shared.claims import check_mass_ratio
+from multibody_xval.engines.rapier.joint import new_world, parameters_of
 from multibody_xval.engines.shared.coordinates import JointCoordinates
 from multibody_xval.engines.shared.force_loop import ExplicitForcesLane, Step
+from multibody_xval.engines.shared.units import check_mass_ratio
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -18,7 +19,6 @@ SPACING = 10.0
 
 ROUNDINGS = 16
 """Of a slip velocity and of the forces in a step, which friction is read from."""
-
 
 LARGEST_MASS_RATIO = 100.0
 """Of a cell's inner mass over the outer one, which carries it: with 1,000, a period is 5e-5 U0 off the scheme."""
@@ -68,15 +68,9 @@ class RapierNativeLane(ExplicitForcesLane):
 
     def _new_world(self) -> tuple[Any, list[Any], Any]:
         """Make the world at rest; give it, its bodies in the order of the multibody's joints, and the multibody."""
-        import rapier3d
         from rapier3d.loaders import mjcf
 
-        world = rapier3d.PhysicsWorld()
-        world.gravity = rapier3d.Vec3(0.0, 0.0, 0.0)
-        parameters = world.integration_parameters
-        parameters.dt = self._time_step
-        for name in ("num_solver_iterations", "normalized_max_linear_velocity"):
-            setattr(parameters, name, self._preset[name])
+        world = new_world(self._time_step, parameters_of(self._preset))
         robot, _ = mjcf.MjcfRobot.from_str(self._file)
         loaded: Any = robot.insert_using_multibody_joints(
             world.rigid_bodies, world.colliders, world.multibody_joints, world.impulse_joints

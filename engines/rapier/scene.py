@@ -21,6 +21,7 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
+from multibody_xval.engines.rapier.joint import new_world
 from reference_lcp.validation import FloatArray
 
 STEP = 1 / 60
@@ -36,16 +37,12 @@ LINK_HALF = (LINK_LENGTH / 2, 0.005, 0.005)
 """Half sides of a link [m]."""
 
 
-def _new_world(setting: SceneSetting, gravity: float) -> Any:
+def _world(setting: SceneSetting, gravity: float) -> Any:
     import rapier3d
 
-    world = rapier3d.PhysicsWorld()
+    changed = {name: setting.changed(name) for name in SOLVER}
+    world = new_world(setting.time_step, {name: value for name, value in changed.items() if value is not None})
     world.gravity = rapier3d.Vec3(0, 0, -gravity)
-    parameters = world.integration_parameters  # the world's own
-    parameters.dt = setting.time_step
-    for name in SOLVER:
-        if setting.changed(name) is not None:
-            setattr(parameters, name, setting.changed(name))
     return world
 
 
@@ -77,7 +74,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
     import rapier3d
 
-    world, rub = _new_world(setting, GRAVITY), scene.friction
+    world, rub = _world(setting, GRAVITY), scene.friction
     vector, bodies = rapier3d.Vec3, rapier3d.RigidBody
     if scene.grip:
         reach, height = scene.finger
@@ -128,7 +125,7 @@ def _rubbing(builder: Any, bound: float, setting: SceneSetting) -> Any:
 def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     import rapier3d
 
-    world, vector, hinge = _new_world(setting, 0.0), rapier3d.Vec3, scene.kind == "hinge"
+    world, vector, hinge = _world(setting, 0.0), rapier3d.Vec3, scene.kind == "hinge"
     root = world.add_body(rapier3d.RigidBody.fixed())
     half = [6**0.5 / 2] * 3  # a cube of 1 kg with an inertia of 1 kg m²
     free = rapier3d.RigidBody.dynamic().can_sleep(setting.sleeping)
@@ -148,7 +145,7 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
 def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
     import rapier3d
 
-    world, vector = _new_world(setting, GRAVITY), rapier3d.Vec3
+    world, vector = _world(setting, GRAVITY), rapier3d.Vec3
     before, links = world.add_body(rapier3d.RigidBody.fixed()), []
     for link, bound in enumerate(scene.friction):
         free = rapier3d.RigidBody.dynamic().translation(vector(LINK_LENGTH * (link + 0.5), 0, 0))

@@ -1,19 +1,13 @@
 """SAPIEN, which is PhysX 5: friction emulated by drives of an articulation, or of spheres pressed on plates."""
 
+from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.interface.tolerances import SUBSTEPS_RESIDUAL
 from multibody_xval.engines.sapien.contact import SapienContactLane
 from multibody_xval.engines.sapien.joint import SapienJointLane
-from multibody_xval.engines.sapien.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_RECOMMENDED,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_RECOMMENDED,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.sapien.scene import STEP, contacts, joints
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_units
@@ -31,14 +25,7 @@ class Sapien(PipEngine):
         package="sapien",
         licence="MIT",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "recommended": JOINT_RECOMMENDED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "recommended": CONTACT_RECOMMENDED,
-                "default": CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "SAPIEN"),
         precision="single",
         residual=SUBSTEPS_RESIDUAL,
         notes=(

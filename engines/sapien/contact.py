@@ -103,7 +103,7 @@ class SapienContactLane(PressedLane, SapienLane):
         bound = self._chain.friction_coefficient * given / units.force
         speed = np.maximum(np.abs(outer), np.abs(inner))
         rounding = ROUNDINGS * SINGLE * (rate * (speed[:-1] + speed[1:]) + np.abs(force))
-        if self.lane.direction:  # the bound is another there, see `Preset.turned_bound`
+        if self.lane.direction:  # the bound may be another there, see `Preset.pyramid`
             return friction * units.force, given
         at_bound = np.abs(friction) > bound - rounding
         if self.lane.static_ratio > 1:  # what holds may be anywhere up to another bound

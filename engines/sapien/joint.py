@@ -14,27 +14,6 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
 
-class SapienLane(ExplicitForcesLane):
-    """One chain; a run makes its scene anew, for contacts keep where they stuck."""
-
-    def _new_scene(self) -> tuple[Any, Any]:
-        """Make an empty scene, kept until the next one is made; gives it, and the system that steps it."""
-        sapien = import_sapien()
-        physx, preset = sapien.physx, self._preset
-        # Configurations are global, and copied by what is made next.
-        physx.set_scene_config(gravity=np.zeros(3), enable_tgs=preset["enable_tgs"])
-        physx.set_body_config(
-            solver_position_iterations=preset["solver_position_iterations"],
-            solver_velocity_iterations=preset["solver_velocity_iterations"],
-            sleep_threshold=0.0,
-        )
-        system = physx.PhysxCpuSystem()
-        system.timestep = self._time_step
-        # Bodies do not keep their scene: without it they are gone, and to use them ends the process.
-        self._scene = sapien.Scene([system])
-        return self._scene, system
-
-
 @functools.cache
 def import_sapien() -> Any:
     """Import SAPIEN, without its warnings that there is nothing to draw with, and with what it logs left to errors."""
@@ -43,6 +22,33 @@ def import_sapien() -> Any:
         sapien = importlib.import_module("sapien")
     sapien.set_log_level("error")
     return sapien
+
+
+def new_scene(preset: Preset, time_step: float, gravity: float = 0.0, sleeping: bool = False) -> tuple[Any, Any]:
+    """Make an empty scene; gives it, and the system that steps it.
+
+    Bodies do not keep their scene: without it they are gone, and to use them ends the process.
+    """
+    sapien = import_sapien()
+    physx = sapien.physx
+    # Configurations are global, and copied by what is made next.
+    physx.set_scene_config(gravity=np.array([0.0, 0.0, -gravity], np.float32), enable_tgs=preset["enable_tgs"])
+    physx.set_body_config(
+        solver_position_iterations=preset["solver_position_iterations"],
+        solver_velocity_iterations=preset["solver_velocity_iterations"],
+        sleep_threshold=physx.PhysxBodyConfig().sleep_threshold if sleeping else 0.0,
+    )
+    system = physx.PhysxCpuSystem()
+    system.timestep = time_step
+    return sapien.Scene([system]), system
+
+
+class SapienLane(ExplicitForcesLane):
+    """One chain; a run makes its scene anew, for contacts keep where they stuck."""
+
+    def _new_scene(self) -> tuple[Any, Any]:
+        self._scene, system = new_scene(self._preset, self._time_step)
+        return self._scene, system
 
 
 class SapienJointLane(SapienLane):

@@ -22,13 +22,10 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
-from multibody_xval.engines.sapien.joint import import_sapien
+from multibody_xval.engines.sapien.joint import import_sapien, new_scene
 
 STEP = 0.01
 """SAPIEN's own time step [s]."""
-
-SOLVER = ("solver_position_iterations", "solver_velocity_iterations")
-"""Options of the bodies that are made next."""
 
 ALONG_X = [False, True, True, True, True, True]
 """Locked motions of a finger on a prismatic joint."""
@@ -37,24 +34,9 @@ ABOUT_Y = (2**-0.5, 0.0, 0.0, 2**-0.5)
 """Turns the axis of a joint, which is x, into y."""
 
 
-def _new_scene(setting: SceneSetting, gravity: float) -> tuple[Any, Any]:
-    """Make a scene; gives it and its system. Configurations are global, and copied by what is made next."""
-    sapien = import_sapien()
-    physx, defaults = sapien.physx, sapien.physx.PhysxBodyConfig()
-    changed = {name: setting.changed(name) for name in SOLVER if setting.changed(name) is not None}
-    own = {name: getattr(defaults, name) for name in SOLVER}
-    sleep = defaults.sleep_threshold if setting.sleeping else 0.0
-    tgs = setting.preset["enable_tgs"]
-    physx.set_scene_config(gravity=np.array([0.0, 0.0, -gravity], np.float32), enable_tgs=tgs)
-    physx.set_body_config(**own | changed, sleep_threshold=sleep)
-    system = physx.PhysxCpuSystem()
-    system.timestep = setting.time_step
-    return sapien.Scene([system]), system
-
-
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
-    sapien, (world, system) = import_sapien(), _new_scene(setting, GRAVITY)
+    sapien, (world, system) = import_sapien(), new_scene(setting.preset, setting.time_step, GRAVITY, setting.sleeping)
     physx = sapien.physx
     material = physx.PhysxMaterial(scene.friction, scene.friction, 0.0)
 
@@ -113,7 +95,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     single = isinstance(scene, JointScene)
-    sapien, (world, system) = import_sapien(), _new_scene(setting, 0.0 if single else GRAVITY)
+    sapien, gravity = import_sapien(), 0.0 if single else GRAVITY
+    world, system = new_scene(setting.preset, setting.time_step, gravity, setting.sleeping)
     pose, builder = sapien.Pose, world.create_articulation_builder()
     link = builder.create_link_builder()
     link.set_mass_and_inertia(1.0, pose(), np.ones(3))
@@ -128,10 +111,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         parent = pose([0 if single or not index else LINK_LENGTH, 0, 0], axis)
         link.set_joint_properties(kind, [[-np.inf, np.inf]], parent, pose([0, 0, 0], axis), 0.0, 0.0)
     articulation = builder.build(fix_root_link=True)
-    damping = setting.changed("linear damping")
     for each in articulation.get_links():
-        if damping is not None:
-            each.set_linear_damping(damping)
+        each.set_linear_damping(setting.preset["linear damping"])
     for joint in articulation.get_active_joints():
         joint.set_friction(setting.preset["joint friction"])
         joint.set_drive_properties(0.0, setting.preset["drive damping"], bounds[int(joint.name)], "force")

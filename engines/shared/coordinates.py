@@ -105,20 +105,6 @@ class CarriedCoordinates(_Coordinates):
         return slice(0, cells + 1, cells) if self.inner_carries[0] else 0
 
 
-def joint_coordinates(absolute: FloatArray, joints: int) -> FloatArray:
-    """Turn (u, v), shape (..., 2n), into (u_1, v_1 - u_1, ..., u_2, ...), `joints` a cell; velocities likewise."""
-    outer, inner = np.split(absolute, 2, axis=-1)
-    coordinates = np.zeros((*outer.shape, joints))
-    coordinates[..., 0], coordinates[..., 1] = outer, inner - outer
-    return coordinates.reshape(*outer.shape[:-1], -1)
-
-
-def absolute_coordinates(coordinates: FloatArray, joints: int) -> FloatArray:
-    """Turn (u_1, v_1 - u_1, ..., u_2, ...), `joints` a cell, into (u, v); velocities likewise."""
-    outer, relative = coordinates[..., 0::joints], coordinates[..., 1::joints]
-    return np.concatenate([outer, outer + relative], axis=-1)
-
-
 @dataclass(frozen=True)
 class JointCoordinates(_Coordinates):
     """(u_1, v_1 - u_1, ..., u_2, ...), so many `joints` a cell; what goes across the row has no forces of the chain."""
@@ -131,12 +117,16 @@ class JointCoordinates(_Coordinates):
         return self.joints * cells
 
     def of(self, absolute: FloatArray) -> FloatArray:
-        """Turn (u, v) into these coordinates; see `joint_coordinates`."""
-        return joint_coordinates(absolute, self.joints)
+        """Turn (u, v), shape (..., 2n), into these coordinates; velocities likewise."""
+        outer, inner = np.split(absolute, 2, axis=-1)
+        coordinates = np.zeros((*outer.shape, self.joints))
+        coordinates[..., 0], coordinates[..., 1] = outer, inner - outer
+        return coordinates.reshape(*outer.shape[:-1], -1)
 
     def absolute(self, coordinates: FloatArray) -> FloatArray:
-        """Turn these coordinates into (u, v); see `absolute_coordinates`."""
-        return absolute_coordinates(coordinates, self.joints)
+        """Turn these coordinates into (u, v), shape (..., 2n)."""
+        outer, relative = coordinates[..., 0 :: self.joints], coordinates[..., 1 :: self.joints]
+        return np.concatenate([outer, outer + relative], axis=-1)
 
 
 ROUNDINGS = 16

@@ -8,6 +8,7 @@ the units of the chain. Every unit is a power of two, so that converting is exac
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -16,7 +17,7 @@ import numpy as np
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import checked_choice
+from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray
 
 LIGHT = 2.0**-20
@@ -101,3 +102,12 @@ class Units:
 def power_of_two(value: float) -> float:
     """Give the power of two next below or at `value`."""
     return math.ldexp(1.0, math.frexp(value)[1] - 1)
+
+
+def check_mass_ratio(lanes: Sequence[Lane], largest: float, title: str) -> None:
+    """Refuse chains with an inner mass over `largest` times its outer one, which single precision loses beside it."""
+    ratio = max(float(np.max(lane.chain.inner_mass / lane.chain.outer_mass)) for lane in lanes)
+    if ratio > largest:
+        raise ParameterError(
+            f"inner mass over outer mass = {ratio:g}; allowed: at most {largest:g} in {title}, of single precision"
+        )

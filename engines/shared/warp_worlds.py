@@ -2,21 +2,33 @@
 
 import functools
 import importlib
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from multibody_xval.engines.shared.silence import silent_standard_error
-from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.validation import FloatArray
 
 PROCESSOR = "cpu"
 """The device of all worlds, as Warp names it: results are the processor's alone."""
 
 
-class WarpWorlds(Worlds):
+CHUNK = 128
+"""Steps whose loads and records are held at once: some 40 MB for a thousand worlds of seven cells."""
+
+
+class Rows(NamedTuple):
+    """What is read of every step, shape (steps, worlds, ...), in the units of each world."""
+
+    positions: FloatArray
+    velocities: FloatArray
+    friction: FloatArray
+    normal_force: FloatArray
+
+
+class WarpWorlds(ABC):
     """Worlds of one structure that take their steps together.
 
     A step is recorded once as a graph: launched kernel by kernel from Python it takes a hundred times as long. The
@@ -34,9 +46,35 @@ class WarpWorlds(Worlds):
         self.eager_step()  # compiles what this machine has not kept
         self.launch = self._captured(self.eager_step)
 
+    def set(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Give every world a state in the engine's coordinates, shape (worlds, coordinates) each."""
+        self._set(positions, velocities)
+        no_forces = (np.zeros(values.shape) for values in self._values[2:])
+        self._last = Rows(positions, velocities, *no_forces)
+
+    def steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
+        """Take a step for each row of loads, at most `CHUNK`.
+
+        `loads`, shape (steps, worlds), are forces on cell 1; `pressing`, shape (steps, worlds, n), bounds friction: a
+        force of friction in joints, a normal force in contacts.
+        """
+        self._loads[: len(loads)].assign(loads)
+        self._pressing[: len(loads)].assign(pressing)
+        self._step.zero_()
+        for _ in range(len(loads)):
+            self.launch()
+        rows = Rows(*(record.numpy()[: len(loads)].astype(np.float64) for record in self._record))
+        self._repeat_last_finite(rows)
+        self._last = Rows(*(values[-1] for values in rows))
+        return rows
+
     @abstractmethod
     def _allocate(self) -> Any:
         """Put models and states into Warp's memory; give the `Rows` of one step, arrays of shape (worlds, ...)."""
+
+    @abstractmethod
+    def _set(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Put a state into every world, and forget what came before."""
 
     @abstractmethod
     def _set_forces(self) -> None:
@@ -63,18 +101,13 @@ class WarpWorlds(Worlds):
                 warp.launch(kernels.record, values.shape, [self._step, values, record])
             warp.launch(kernels.count, 1, [self._step])
 
-    @property
-    def _force_columns(self) -> tuple[int, int]:
-        friction, normal_force = (values.shape[-1] for values in self._values[2:])
-        return friction, normal_force
-
-    def _steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
-        self._loads[: len(loads)].assign(loads)
-        self._pressing[: len(loads)].assign(pressing)
-        self._step.zero_()
-        for _ in range(len(loads)):
-            self.launch()
-        return Rows(*(record.numpy()[: len(loads)].astype(np.float64) for record in self._record))
+    def _repeat_last_finite(self, rows: Rows) -> None:
+        """Let a world that has diverged stay where its numbers were finite last."""
+        finite = np.all([np.all(np.isfinite(values), axis=2) for values in rows], axis=0)
+        for world in np.flatnonzero(~np.all(finite, axis=0)):
+            first = int(np.argmin(finite[:, world]))
+            for values, last in zip(rows, self._last, strict=True):
+                values[first:, world] = values[first - 1, world] if first > 0 else last[world]
 
     def _captured(self, steps: Callable[[], None]) -> Callable[[], None]:
         """Record what is launched as a graph; give the function that launches it again."""

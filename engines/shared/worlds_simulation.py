@@ -7,9 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from multibody_xval.engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from multibody_xval.engines.shared.coordinates import JointCoordinates
 from multibody_xval.engines.shared.units import Units
-from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.warp_worlds import CHUNK, Rows, WarpWorlds
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel
@@ -53,25 +53,53 @@ class LanesOfJoints(LanesInUnits):
     _joints: int
     _opens: bool = False
 
-    def _set_heights(self, state: State, positions: FloatArray, velocities: FloatArray) -> None:
-        """Set the heights of spheres in joint coordinates, shape (lanes, nq), and their rates, from a state."""
+    def _coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Give the joint coordinates of a state, and their rates, shape (lanes, nq) each."""
+        own = JointCoordinates(self._joints)
+        positions = own.of(state.positions / self._length)
+        velocities = own.of(state.velocities / self._velocity)
         if self._opens:
             gap, speed = state.normal_state(self.lanes[0].chain.cells)
-            for rows, across in ((positions, gap / self._length), (velocities, speed / self._velocity)):
-                for row, given in zip(rows, across, strict=True):
-                    row[3 :: self._joints] = given
+            self._gaps(positions)[:] = gap / self._length
+            self._gaps(velocities)[:] = speed / self._velocity
+        return positions, velocities
 
     def _state_at(self, positions: FloatArray, velocities: FloatArray) -> State:
         """Give the state of all lanes at joint coordinates, shape (lanes, nq), and their rates."""
-        position = absolute_coordinates(positions, self._joints) * self._length
-        velocity = absolute_coordinates(velocities, self._joints) * self._velocity
+        own = JointCoordinates(self._joints)
+        position = own.absolute(positions) * self._length
+        velocity = own.absolute(velocities) * self._velocity
         if not self._opens:
             return State(position, velocity)
         gap, speed = (self._gaps(rows) for rows in (positions, velocities))
         return State(position, velocity, np.hstack([gap * self._length, speed * self._velocity]))
 
+    def _trajectories(
+        self,
+        start: int,
+        positions: FloatArray,
+        velocities: FloatArray,
+        forces: Callable[[int], tuple[FloatArray, FloatArray]],
+    ) -> list[Trajectory]:
+        """Give the motions of all lanes from joint coordinates and their rates, shape (lanes, steps, nq).
+
+        `forces` gives friction and normal force [N] of a lane, shape (steps, n), by its index.
+        """
+        own, end = JointCoordinates(self._joints), self._state_at(positions[:, -1], velocities[:, -1]).internal_state
+        return [
+            Trajectory(
+                lane.times(start, positions.shape[1]),
+                own.absolute(positions[index]) * units.length,
+                own.absolute(velocities[index]) * units.velocity,
+                *forces(index),
+                None if end is None else end[index],
+                self._gaps(positions[index]) * units.length if self._opens else None,
+            )
+            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
+        ]
+
     def _gaps(self, coordinates: FloatArray) -> FloatArray:
-        """Give the gaps of joint coordinates, shape (..., nq); rates likewise."""
+        """Give the part of joint coordinates, shape (..., nq), that are gaps; rates likewise."""
         return coordinates[..., 3 :: self._joints]
 
 
@@ -105,7 +133,7 @@ class WorldsSimulation(LanesOfJoints, ABC):
     A cell has so many `joints`: the coordinates of the outer mass and of the inner one relative to it come first.
     """
 
-    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], joints: int, worlds: Worlds):
+    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], joints: int, worlds: WarpWorlds):
         super().__init__(lanes, units)
         self._joints, self._worlds = joints, worlds
 
@@ -115,20 +143,13 @@ class WorldsSimulation(LanesOfJoints, ABC):
         The last finite row of a lane that diverges is repeated.
         """
         chunks = list(self._chunks(state, start, steps))
-        rows = Rows(*(np.concatenate(parts) for parts in zip(*chunks, strict=True)))
-        end = self._state_at(rows.positions[-1], rows.velocities[-1]).internal_state
-        return [
-            Trajectory(
-                lane.times(start, steps),
-                absolute_coordinates(rows.positions[:, index], self._joints) * units.length,
-                absolute_coordinates(rows.velocities[:, index], self._joints) * units.velocity,
-                self._friction(index, rows.friction[:, index]),
-                self._normal_force(index, rows.normal_force[:, index], lane.preloads(start, steps)),
-                None if end is None else end[index],
-                None if end is None else self._gaps(rows.positions[:, index]) * units.length,
-            )
-            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
-        ]
+        rows = Rows(*(np.concatenate(parts).swapaxes(0, 1) for parts in zip(*chunks, strict=True)))
+
+        def forces(index: int) -> tuple[FloatArray, FloatArray]:
+            given = self.lanes[index].preloads(start, steps)
+            return self._contact_forces(index, rows.friction[index], rows.normal_force[index], given)
+
+        return self._trajectories(start, rows.positions, rows.velocities, forces)
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
@@ -144,10 +165,7 @@ class WorldsSimulation(LanesOfJoints, ABC):
         """Set the state, and give the rows of `steps` steps, some at a time."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
-        positions = joint_coordinates(state.positions / self._length, self._joints)
-        velocities = joint_coordinates(state.velocities / self._velocity, self._joints)
-        self._set_heights(state, positions, velocities)
-        self._worlds.set(positions, velocities)
+        self._worlds.set(*self._coordinates(state))
         for first in range(start, start + steps, CHUNK):
             length = min(CHUNK, start + steps - first)
             yield self._worlds.steps(self._loads(first, length), self._pressing(first, length))
@@ -157,9 +175,7 @@ class WorldsSimulation(LanesOfJoints, ABC):
         return self._bounds(start, steps)
 
     @abstractmethod
-    def _friction(self, index: int, rows: FloatArray) -> FloatArray:
-        """Give λ_T on the inner masses of a lane."""
-
-    @abstractmethod
-    def _normal_force(self, index: int, rows: FloatArray, given: FloatArray) -> FloatArray:
-        """Give λ_N of a lane, of which `given` is what presses its contacts."""
+    def _contact_forces(
+        self, index: int, friction: FloatArray, normal_force: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Give λ_T on the inner masses of a lane and λ_N [N] from its rows; `given` is what presses its contacts."""

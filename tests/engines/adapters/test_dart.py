@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.dart import Dart
-from multibody_xval.engines.dart.presets import JOINT_MIXING
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -20,12 +19,12 @@ def run(lane: Lane, state: State, steps: int, **options: object) -> Trajectory:
 
 
 def test_a_stuck_contact_keeps_the_softness_of_what_friction_takes_from_it() -> None:
-    lane = lane_of(5.0, 0.3)
+    lane, mixing = lane_of(5.0, 0.3), Dart().preset("joint", "tuned")["constraint force mixing"]
     motion = run(lane, State.at_rest(1, 7), STEPS)
     taken = motion.friction * lane.time_step * (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
     left = -motion.relative_velocity / np.max(np.abs(taken), axis=0)
-    expected = JOINT_MIXING * taken / np.max(np.abs(taken), axis=0)
-    np.testing.assert_allclose(left, expected, rtol=0, atol=1e-5 * JOINT_MIXING)
+    expected = mixing * taken / np.max(np.abs(taken), axis=0)
+    np.testing.assert_allclose(left, expected, rtol=0, atol=1e-5 * mixing)
 
 
 def test_slow_chains_do_not_fall_asleep() -> None:

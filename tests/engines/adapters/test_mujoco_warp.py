@@ -19,12 +19,6 @@ from tests.engines.scheme_oracle import (
 
 pytestmark = pytest.mark.needs("mujoco-warp")
 
-both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
-every_preset = pytest.mark.parametrize(
-    ("formulation", "preset"),
-    [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default")],
-)
-
 
 def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
     return built_with(MuJoCoWarp(), lane, formulation, **options).run(state, 0, steps)[0]
@@ -52,17 +46,6 @@ def test_in_units_of_the_lane_the_solver_takes_anything_for_converged() -> None:
     one, hundred = (run(lane, state, iterations=count, noslip_iterations=0).positions for count in (1, 100))
     assert np.array_equal(one, hundred)
     assert distance(lane, state, run(lane, state, iterations=100, noslip_iterations=0)) > 0.01
-
-
-@both_formulations
-def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: str) -> None:
-    creep = []
-    for steps in (STEPS, 4 * STEPS):
-        lane = lane_of(5.0, 0.6, steps)
-        motion = MuJoCoWarp().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, 2 * steps)[0]
-        creep.append(np.max(np.abs(motion.relative_velocity)) / (AMPLITUDE * lane.drive.angular_frequency))
-    assert creep[0] > 0.01
-    assert creep[1] == pytest.approx(creep[0], rel=0.1)
 
 
 def test_friction_raises_the_normal_force_by_the_square_of_the_coefficient() -> None:

@@ -24,9 +24,6 @@ from tests.engines.scheme_oracle import (
 pytestmark = pytest.mark.needs("pybullet")
 
 
-both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
-
-
 def run(lane: Lane, state: State, steps: int, formulation: str = "joint") -> Trajectory:
     return PyBullet().build([lane], formulation).run(state, 0, steps)[0]
 
@@ -72,16 +69,6 @@ def test_the_reason_for_a_missing_package_names_the_python_versions(monkeypatch:
 def test_coefficients_that_bullet_would_cut_off_are_refused() -> None:
     with pytest.raises(ParameterError, match=r"friction_coefficient = 11; allowed by Bullet: at most 10"):
         PyBullet().build([with_coefficients(11.0)], "contact")
-
-
-@both_formulations
-def test_default_damping_slows_every_mass_down(formulation: str) -> None:
-    lane = lane_of(5.0)
-    motion = PyBullet().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, STEPS)[0]
-    expected = run(lane, State.at_rest(1, 7), STEPS, formulation)
-    assert np.linalg.norm(motion.velocities) < np.linalg.norm(expected.velocities)
-    # stuck all the same: the motion of a contact is no worse than the solver
-    assert np.max(np.abs(motion.relative_velocity)) < 1e-9 * AMPLITUDE * lane.drive.angular_frequency
 
 
 LINK = """\

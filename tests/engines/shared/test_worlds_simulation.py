@@ -4,25 +4,23 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.shared.units import Units
-from multibody_xval.engines.shared.worlds import CHUNK, Rows, Worlds
+from multibody_xval.engines.shared.warp_worlds import CHUNK, Rows
 from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp import Chain, HarmonicBase, Lane, State
 
 CELLS, STEPS = 2, CHUNK + 3
 
 
-class Ballistic(Worlds):
+class Ballistic:
     """Masses that go on as they began, in units of length and time; it notes what it is given."""
-
-    _force_columns = (CELLS, CELLS)
 
     def __init__(self):
         self.loads, self.pressing = [], []
 
-    def _set(self, positions, velocities):
+    def set(self, positions, velocities):
         self._state = positions, velocities
 
-    def _steps(self, loads, pressing):
+    def steps(self, loads, pressing):
         self.loads += list(loads)
         self.pressing += list(pressing)
         positions, velocities = self._state
@@ -37,11 +35,8 @@ class Lanes(WorldsSimulation):
     def subset(self, lanes):
         raise AssertionError("nobody asks for this")
 
-    def _friction(self, index, rows):
-        return rows * self._units[index].force
-
-    def _normal_force(self, index, rows, given):
-        return given
+    def _contact_forces(self, index, friction, normal_force, given):
+        return friction * self._units[index].force, given
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from multibody_xval.engines.mujoco.presets import JOINT_DEFAULT, JOINT_RECOMMENDED
 
 from multibody_xval.engines.interface.scene import JointScene, SceneSetting
 from multibody_xval.engines.interface.variant import Variant
@@ -58,9 +57,9 @@ def test_box_on_a_slope_creeps_as_in_the_scene_as_it_is_and_with_the_recipe(caps
         assert box["creep"][line] == pytest.approx(drift, rel=STEADY)
 
 
-@pytest.mark.parametrize("preset", [JOINT_DEFAULT, JOINT_RECOMMENDED])
+@pytest.mark.parametrize("preset", ["default", "recommended"])
 def test_hinge_under_its_own_weight_creeps_as_the_law_of_its_friction_predicts(capsys, tmp_path, preset) -> None:
-    text = joint_model(JointScene(friction=6.0), SceneSetting(preset, STEP))
+    text = joint_model(JointScene(friction=6.0), SceneSetting(Variant("mujoco", "joint", preset).preset, STEP))
     weight = '<inertial pos="0.5 0 0"'
     file = tmp_path / "hinge.xml"
     file.write_text(text.replace('<inertial pos="0 0 0"', weight).replace('axis="0 0 1"', 'axis="0 1 0" name="elbow"')
