@@ -37,6 +37,10 @@ class World:
     holds: list[Any]
     """What makes friction, lane by lane and cell by cell, where the adapter reads it."""
 
+    def take_apart(self) -> None:
+        """Remove joints and springs: freed in any order with their bodies, they now and then end the process."""
+        self.space.remove(*self.space.constraints)
+
 
 class PymunkSimulation(LanesInUnits):
     """Lanes that are advanced together, in one space; several have to be in their own units, which share a time step.
@@ -77,6 +81,7 @@ class PymunkSimulation(LanesInUnits):
         for row, moved in enumerate(self._steps(world, motion, start, steps), 1):
             motions[row] = moved
             read.append(contacts())
+        world.take_apart()
         friction, normal = self._contact_forces(read, motions, self._preloads(start, steps))
         half, ends = 2 * self._cells, self._moved(motions[1:], 1.0)
         self._check_ends(ends[-1, :, :half] * self._length)
@@ -96,6 +101,7 @@ class PymunkSimulation(LanesInUnits):
         world, motion = self._begun(state, steps)
         for moved in self._steps(world, motion, start, steps):
             last = moved
+        world.take_apart()
         position, velocity = np.split(self._moved(last, 1.0), 2, axis=1)
         end = State(position * self._length, velocity * self._velocity)
         self._check_ends(end.positions)
