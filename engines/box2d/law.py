@@ -1,6 +1,6 @@
 """The law of Box2D's own springs, distance joints: an implicit Euler step, in single precision."""
 
-from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.laws import Law
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from multibody_xval.engines.interface.law import law_of
+from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.presets import NormalForce
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import Variant, variants_of

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from multibody_xval.engines.contract.lanes import random_lanes, run_of, scaled_state, tolerance_of
-from multibody_xval.engines.interface.law import Law, law_of
+from multibody_xval.engines.interface.laws import Law, law_of
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.tolerances import STEPS, TRAJECTORY_TOLERANCE
 from multibody_xval.engines.interface.variant import Variant

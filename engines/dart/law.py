@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from multibody_xval.engines.interface.law import Constant, Law, Step
+from multibody_xval.engines.interface.laws import Constant, Law, Step
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law, soft_coulomb
 from reference_lcp.chain.simulation import Lane

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multibody_xval.engines.exudyn.joint import bristles_at, reduced_mass
-from multibody_xval.engines.interface.law import Constant, Law, Step
+from multibody_xval.engines.interface.laws import Constant, Law, Step
 from multibody_xval.engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State

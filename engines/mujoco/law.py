@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from multibody_xval.engines.interface.law import Constant, Law, Step
+from multibody_xval.engines.interface.laws import Constant, Law, Step
 from multibody_xval.engines.interface.presets import OfStep, Preset
 from multibody_xval.engines.mujoco.softness import (
     LARGEST_IMPEDANCE,

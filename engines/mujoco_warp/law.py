@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from multibody_xval.engines.interface.law import Law
+from multibody_xval.engines.interface.laws import Law
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.mujoco import law as mujoco
 

@@ -1,6 +1,6 @@
 """The laws of ODE in SI units: its softness, and springs of its own in an implicit Euler step."""
 
-from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.laws import Constant, Law
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law, soft_coulomb
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from multibody_xval.engines.interface.law import Law, Step
+from multibody_xval.engines.interface.laws import Law, Step
 from multibody_xval.engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from multibody_xval.engines.interface.law import Constant, Law, Step
+from multibody_xval.engines.interface.laws import Constant, Law, Step
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law
 from reference_lcp.chain.simulation import Lane

@@ -1,6 +1,6 @@
 """The law of Siconos: springs, dashpots and load at the time that θ says, and friction as an impulse."""
 
-from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.laws import Constant, Law
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from multibody_xval.engines.interface.law import law_of
+from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from multibody_xval.scenarios.compute import SECONDS_A_RUN

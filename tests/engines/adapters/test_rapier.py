@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.law import law_of
+from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.rapier import Rapier
 from multibody_xval.engines.rapier.contact import RapierContactLane

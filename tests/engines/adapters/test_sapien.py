@@ -5,7 +5,7 @@ import gc
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.law import Law, law_of
+from multibody_xval.engines.interface.laws import Law, law_of
 from multibody_xval.engines.interface.presets import Option, Preset
 from multibody_xval.engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF
 from multibody_xval.engines.sapien import Sapien

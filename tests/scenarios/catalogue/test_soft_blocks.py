@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from multibody_xval.scenarios.motions import BlockMotion
 
 from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP, block_motion
 from multibody_xval.scenarios.catalogue.blocks.held import STATIC_HOLD
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.motions import BlockMotion
 
 
 def held_block(name: str) -> BlockMotion:

@@ -1,6 +1,6 @@
 """The law of the default preset of the wrong engines."""
 
-from multibody_xval.engines.interface.law import Constant, Law
+from multibody_xval.engines.interface.laws import Constant, Law
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law
 
 
