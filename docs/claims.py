@@ -10,13 +10,22 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.engines.interface.variant import variants_named
-from multibody_xval.scenarios.claims import LOCKED, MOVED, RANGE, STATED, claim_cases, claims, of_paper
-from multibody_xval.scenarios.conclusions import conclusions, shown
 from multibody_xval.scenarios.edges import edges, propose
-from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.running.evaluate import Means, computed
+from multibody_xval.scenarios.studies.claims import (
+    LOCKED,
+    MOVED,
+    RANGE,
+    STATED,
+    claim_cases,
+    claims,
+    conclusions,
+    of_paper,
+    shown,
+)
 from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
 
 PRESETS = ("default", "recommended", "tuned")

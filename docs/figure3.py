@@ -13,8 +13,8 @@ import pandas as pd
 
 from multibody_xval.engines import engine
 from multibody_xval.reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
-from multibody_xval.scenarios.frequency_grid import resonances
 from multibody_xval.scenarios.model import Case
+from multibody_xval.scenarios.sweeps.frequency_grid import resonances
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 
 STEPS = 400

@@ -22,12 +22,13 @@ import pandas as pd
 import xarray as xr
 
 from multibody_xval.reports.page.write import write_page
-from multibody_xval.scenarios import edges, evaluate
+from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.processes import Job
-from multibody_xval.scenarios.sweep_file import read_sweep
+from multibody_xval.scenarios.running import evaluate
+from multibody_xval.scenarios.running.evaluate import Means, computed
+from multibody_xval.scenarios.running.processes import Job
+from multibody_xval.scenarios.sweeps.file import read_sweep
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("reference_lcp", "multibody_xval")

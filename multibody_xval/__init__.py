@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     )
     from multibody_xval.reports import band_edges, plot, report
     from multibody_xval.scenarios import check, sweep
-    from multibody_xval.scenarios.compare import compare
+    from multibody_xval.scenarios.compare.stores import compare
     from reference_lcp import (
         Chain,
         HarmonicBase,
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "multibody_xval.reports": ("band_edges", "plot", "report"),
     "multibody_xval.scenarios": ("check", "sweep"),
-    "multibody_xval.scenarios.compare": ("compare",),
+    "multibody_xval.scenarios.compare.stores": ("compare",),
     "multibody_xval.engines": (
         "Capabilities", "Engine", "Formulation", "FrictionLaw", "Option", "Preset", "Variant", "engine", "engine_names",
     ),

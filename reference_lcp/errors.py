@@ -2,7 +2,7 @@
 
 import difflib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import IntEnum
 from pathlib import Path
 
@@ -55,17 +55,20 @@ def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
     return checked
 
 
-def checked_choice(name: str, value: str, allowed: Sequence[str], instead: Mapping[str, str] | None = None) -> str:
-    """Give `value` if it is one of `allowed`; else raise `ParameterError` with these, and with what to use instead."""
+def checked_choice(name: str, value: str, allowed: Sequence[str]) -> str:
+    """Give `value` if it is one of `allowed`; else raise `ParameterError` with these."""
     if value in allowed:
         return value
-    known = f"allowed: {', '.join(allowed)}; instead: {instead[value]}" if instead and value in instead else None
-    raise ParameterError(f"{name} = {shown(value)} is unknown; {known or choices(value, allowed)}")
+    raise ParameterError(f"{name} = {shown(value)} is unknown; {choices(value, allowed)}")
 
 
 def choices(value: object, allowed: Sequence[str]) -> str:
-    """List the names that are allowed in place of `value`, and ask whether the one most like it was meant."""
-    return f"allowed: {', '.join(allowed)}{meant(value, allowed)}"
+    """List the names that are allowed in place of `value`, and ask whether the one most like it was meant.
+
+    Names with commas are quoted.
+    """
+    names = [repr(name) if "," in name else name for name in allowed]
+    return f"allowed: {', '.join(names)}{meant(value, allowed)}"
 
 
 def meant(value: object, allowed: Sequence[str]) -> str:

@@ -68,9 +68,9 @@ def band_edges(
         If the data are none of a sweep, or of another version of an engine than is installed.
     """
     from multibody_xval.scenarios.compute import SECONDS_A_RUN
-    from multibody_xval.scenarios.edge_table import edge_table
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.running.evaluate import Means
     from multibody_xval.scenarios.store import checked_store
+    from multibody_xval.scenarios.sweeps.edge_table import edge_table
 
     file = None if store is None else checked_store(store)
     seconds = SECONDS_A_RUN if time_limit is None else time_limit

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.reports.answers import asked, overview, tables, why
-from multibody_xval.reports.formatting import versions
+from multibody_xval.reports.formatting import flat, versions
 from multibody_xval.scenarios.catalogue.finding import conclusion, reasons_to_fail
 from multibody_xval.scenarios.catalogue.numbers import COLUMNS
 from multibody_xval.scenarios.catalogue.scenario import Scenario
@@ -56,24 +56,14 @@ class Answer(NamedTuple):
 def markdown(answer: Answer) -> str:
     """Give a comment for a pull request: one sentence, a table, all else folded."""
     lines = [f"## Scenarios: {answer.outcome}", "", markdown_text(answer.conclusion), ""]
-    lines += [*markdown_lines(_flat(overview(answer.rows))), ""]
+    lines += [*markdown_lines(flat(overview(answer.rows))), ""]
     for scenario in answer.scenarios:
         rows = answer.of(scenario)
         lines += [f"<details><summary>{scenario.name}</summary>", "", *markdown_list(asked(scenario, rows)), ""]
         for name, table in tables(rows, details=True):
-            lines += [markdown_text(name), "", *markdown_lines(_flat(table)), ""]
+            lines += [markdown_text(name), "", *markdown_lines(flat(table)), ""]
         lines += [*markdown_list(why(rows)), "", "</details>", ""]
     return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(versions(answer.rows))}", ""])
-
-
-def _flat(table: pd.DataFrame) -> pd.DataFrame:
-    """Give texts in one line each."""
-    return table.map(_line)
-
-
-def _line(text: str) -> str:
-    first, *rest = map(str.strip, text.split("\n"))
-    return "; ".join([first, " ".join(rest)]) if rest else first
 
 
 def plain(rows: pd.DataFrame) -> pd.DataFrame:

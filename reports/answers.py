@@ -2,17 +2,15 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from textwrap import wrap
-from typing import Any
 
 import pandas as pd
 
-from multibody_xval.reports.formatting import MISSING, RESIDUE, significant
+from multibody_xval.reports.formatting import number_text, numbered, significant, size_text
 from multibody_xval.scenarios.catalogue.finding import WORST_FIRST, counts, over_allowed, worst_cases
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.judge import AGREES, AT_EQUAL_STEPS
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import rows_of
+from multibody_xval.scenarios.ruler.judge import AGREES, AT_EQUAL_STEPS
 
 MOST_CONFIGURATIONS = 3
 """Configurations that have a table each; more of them have a row each."""
@@ -25,9 +23,6 @@ MOST_CASES = 4
 
 MOST_REASONS = 6
 """Reasons why there are no numbers that are printed; `--details` prints all."""
-
-NAME_WIDTH = 26
-"""Columns of the names of cases: beside all others in 80."""
 
 OWN_VALUE = r"^(\w+) = [^:]+: "
 """How a reason begins that names the value of its case: many that differ in this alone have one line."""
@@ -72,11 +67,11 @@ def number_table(rows: pd.DataFrame) -> pd.DataFrame:
         rows.expected != AT_EQUAL_STEPS, rows.reference.where(rows.reference.notna(), rows.exact)
     )
     texts = {
-        "number, case": [_numbered(*own) for own in rows[["quantity", "unit", "case"]].to_numpy()],
-        "value": rows.value.map(_number),
-        "expected": expected.map(_number),
-        "off by": rows.distance.astype(float).map(_size),
-        "allowed": rows.allowed.astype(float).map(_size),
+        "number, case": [numbered(*own) for own in rows[["quantity", "unit", "case"]].to_numpy()],
+        "value": rows.value.map(number_text),
+        "expected": expected.map(number_text),
+        "off by": rows.distance.astype(float).map(size_text),
+        "allowed": rows.allowed.astype(float).map(size_text),
         "result": rows.verdict,
     }
     return pd.DataFrame(texts, rows.index, dtype=object)
@@ -91,26 +86,6 @@ def worst_table(rows: pd.DataFrame) -> pd.DataFrame:
     return texts.assign(
         result=[f"{verdict}\n{more}".strip() for verdict, more in zip(texts.result, alike, strict=True)]
     )
-
-
-def _numbered(name: str, unit: str, case: str) -> str:
-    """Name a number, and below it its case, in lines that leave room for the other columns."""
-    first = f"{name} [{unit}]" if unit else name
-    return "\n".join([first, *wrap(case, NAME_WIDTH, initial_indent="  ", subsequent_indent="  ")])
-
-
-def _number(value: Any) -> str:
-    """Give a number in five digits; of a complex one, its size."""
-    size = abs(value) if isinstance(value, complex) else float(value)
-    if not math.isfinite(size):
-        return MISSING
-    text = f"{size:.5g}"
-    return (text if len(text) <= len("-0.12345") else f"{size:.2e}").replace("-", "−")
-
-
-def _size(value: float) -> str:
-    """Give a distance in two digits; of one that round-off makes, that it is below `RESIDUE`: it is not zero."""
-    return "<1e−9" if 0 < value < RESIDUE else significant(value)
 
 
 def title(rows: pd.DataFrame) -> str:

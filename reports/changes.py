@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
-from multibody_xval.scenarios.compare import conclusion, fails, summary
+from multibody_xval.reports.formatting import flat, number_text, numbered, size_text
+from multibody_xval.scenarios.compare.points import CHANGES, LEAST_STUCK, NEW
+from multibody_xval.scenarios.compare.stores import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
-from multibody_xval.scenarios.result_tables import with_amplitude
+from multibody_xval.scenarios.result_tables import rows_of, with_amplitude
 from multibody_xval.scenarios.table_text import csv_text, json_text, markdown_lines, markdown_list, records
 
-MOST_SHOWN, MOST_FOLDED = 10, 200
-"""Changed points that a comment shows, and that it has folded beneath: a comment of GitHub takes 65,536 characters."""
+MOST_SHOWN, MOST_FOLDED = 10, 100
+"""Changed points, and as many numbers, that a comment shows and has folded beneath: GitHub takes 65,536 characters."""
 
 _NOT_IN_FILES = ("case", "ratio_before", "ratio_now", "open_before", "open_now", "options_before", "options_now")
 
@@ -39,11 +40,9 @@ class Comparison(NamedTuple):
 
 
 def changed_points(changes: pd.DataFrame) -> pd.DataFrame:
-    """Give the points that have changed, as texts, the worst first."""
-    own = changes[(changes.what != "") & (changes.change != NEW)]
-    farther = (own.error_percent_now - own.error_percent_before).abs()
-    order = own.assign(place=own.change.map(CHANGES.index), farther=farther)
-    own = order.sort_values(["place", "farther"], ascending=[True, False], kind="stable")
+    """Give the points of steady states that have changed, as texts, the worst first."""
+    points = changes[changes.scenario.isna()] if "scenario" in changes else changes
+    own = _changed(points, points.error_percent_now - points.error_percent_before)
     texts = {
         "configuration": own.configuration,
         "point": _points(own),
@@ -52,6 +51,32 @@ def changed_points(changes: pd.DataFrame) -> pd.DataFrame:
         "error now [%]": own.error_percent_now.map(_number),
     }
     return pd.DataFrame(texts, own.index, dtype=object)
+
+
+def changed_numbers(changes: pd.DataFrame) -> pd.DataFrame:
+    """Give the numbers of motions and scenes that have changed, as texts, the worst first."""
+    if "scenario" not in changes:
+        return pd.DataFrame({"configuration": []})
+    numbers = changes[changes.scenario.notna()]
+    allowed = numbers.allowed_now.fillna(numbers.allowed_before)
+    own = _changed(numbers, (numbers.error_now.abs() - numbers.error_before.abs()) / allowed)
+    ended, of = own.status_before != own.status_now, own.scenario + ", " + own.scenario_case
+    texts = {
+        "configuration": own.configuration,
+        "what": [numbered(*each) for each in rows_of(own.assign(of=of), "quantity", "unit", "of")],
+        "before": own.value_before.map(number_text),
+        "now": own.value_now.map(number_text),
+        "allowed": allowed[own.index].map(size_text),
+        "result": own.change + "\n" + own.what.where(ended, own.verdict_now),
+    }
+    return pd.DataFrame(texts, own.index, dtype=object)
+
+
+def _changed(rows: pd.DataFrame, farther: pd.Series) -> pd.DataFrame:
+    """Give what has changed, the worst first: what is farther from the exact value by more."""
+    order = rows.assign(place=rows.change.map(CHANGES.index), farther=farther.abs())
+    own = order[(rows.what != "") & (rows.change != NEW)]
+    return own.sort_values(["place", "farther"], ascending=[True, False], kind="stable")
 
 
 def _points(rows: pd.DataFrame) -> list[str]:
@@ -98,15 +123,19 @@ def markdown(own: Comparison) -> str:
     """Give a comment for a pull request: one sentence, a table, versions, the worst points, the rest folded."""
     lines = [f"## Engine regression: {'fails' if own.fails else 'passes'}", "", own.conclusion, ""]
     lines += [*markdown_lines(overview(own.changes)), "", *markdown_list(identities(own.changes))]
-    changed = changed_points(own.changes)
-    if len(changed):
-        lines += ["", *markdown_lines(changed[:MOST_SHOWN])]
+    lines += [*_folded(changed_points(own.changes), "points"), *_folded(flat(changed_numbers(own.changes)), "numbers")]
+    return "\n".join([*lines, "", _explanation(own), ""])
+
+
+def _folded(changed: pd.DataFrame, name: str) -> list[str]:
+    """Give the lines of a table that shows the worst and folds the rest."""
+    lines = ["", *markdown_lines(changed[:MOST_SHOWN])] if len(changed) else []
     if len(changed) > MOST_SHOWN:
         folded = changed[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
         left = len(changed) - MOST_SHOWN - len(folded)
-        title = f"{len(folded)} more points" + (f", and {left} that are not shown" if left else "")
+        title = f"{len(folded)} more {name}" + (f", and {left} that are not shown" if left else "")
         lines += ["", f"<details><summary>{title}</summary>", "", *markdown_lines(folded), "", "</details>"]
-    return "\n".join([*lines, "", _explanation(own), ""])
+    return lines
 
 
 def _explanation(own: Comparison) -> str:
@@ -140,6 +169,6 @@ def _plain(changes: pd.DataFrame) -> pd.DataFrame:
 WRITTEN: dict[str, Callable[[Comparison], str]] = {
     ".md": markdown,
     ".json": _content,
-    ".csv": lambda own: csv_text(_plain(own.changes)),
+    ".csv": lambda own: csv_text(_plain(own.changes).dropna(axis="columns", how="all")),
 }
 """What is written into a file, by its ending."""

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 
 from multibody_xval.reports.figures.limits import level_limits
 from multibody_xval.reports.figures.style import COLUMN, INK, PALETTE, PRINT_STYLE
-from multibody_xval.scenarios.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.sweep_plan import FREQUENCY
+from multibody_xval.scenarios.sweeps.dataset import judged_table, sweep_in
+from multibody_xval.scenarios.sweeps.plan import FREQUENCY
 from reference_lcp.errors import ParameterError
 from reference_lcp.output import replacing, shown_in_notebooks
 from reference_lcp.studies.plot import checked_picture

@@ -3,6 +3,7 @@
 import math
 import platform
 from decimal import ROUND_HALF_UP, Context, Decimal
+from textwrap import wrap
 from typing import Any
 
 import pandas as pd
@@ -23,6 +24,9 @@ SMALLEST_IN_TABLE = 0.01
 SMALLEST_PLAIN = Decimal("1e-4")
 """Below it, a number is shorter as a power of ten."""
 
+NAME_WIDTH = 26
+"""Columns of the names of cases: beside all others in 80."""
+
 TWO_DIGITS = Context(prec=2, rounding=ROUND_HALF_UP)
 
 
@@ -39,6 +43,36 @@ def significant(value: float) -> str:
     size = abs(rounded)
     text = f"{rounded:,.0f}" if size >= 10 else f"{rounded:f}" if size >= SMALLEST_PLAIN else f"{float(rounded):.1e}"
     return text.replace("-", "−")
+
+
+def numbered(name: str, unit: str, case: str) -> str:
+    """Name a number, and below it its case, in lines that leave room for the other columns."""
+    first = f"{name} [{unit}]" if unit else name
+    return "\n".join([first, *wrap(case, NAME_WIDTH, initial_indent="  ", subsequent_indent="  ")])
+
+
+def number_text(value: Any) -> str:
+    """Give a number in five digits; of a complex one, its size."""
+    size = abs(value) if isinstance(value, complex) else float(value)
+    if not math.isfinite(size):
+        return MISSING
+    text = f"{size:.5g}"
+    return (text if len(text) <= len("-0.12345") else f"{size:.2e}").replace("-", "−")
+
+
+def size_text(value: float) -> str:
+    """Give a distance in two digits; of one that round-off makes, that it is below `RESIDUE`: it is not zero."""
+    return "<1e−9" if 0 < value < RESIDUE else significant(value)
+
+
+def flat(table: pd.DataFrame) -> pd.DataFrame:
+    """Give texts in one line each."""
+    return table.map(_line)
+
+
+def _line(text: str) -> str:
+    first, *rest = map(str.strip, text.split("\n"))
+    return "; ".join([first, " ".join(rest)]) if rest else first
 
 
 def versions(rows: pd.DataFrame) -> str:

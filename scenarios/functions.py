@@ -15,11 +15,11 @@ import xarray as xr
 from multibody_xval.engines.interface.registry import default_engine_names
 from multibody_xval.scenarios.catalogue.asking import answers, named_scenarios
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
-from multibody_xval.scenarios.evaluate import Means
+from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import checked_store
-from multibody_xval.scenarios.sweep_file import sweep_of
-from multibody_xval.scenarios.sweep_plan import check_size
-from multibody_xval.scenarios.swept import swept
+from multibody_xval.scenarios.sweeps.file import sweep_of
+from multibody_xval.scenarios.sweeps.plan import check_size
+from multibody_xval.scenarios.sweeps.swept import swept
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, shown
 from reference_lcp.validation import FloatArray

@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios.chain_ratios import ChainRatios
-from multibody_xval.scenarios.motions import BlockMotion, ChainMotion, motion_of
-from multibody_xval.scenarios.scene_motion import SceneMotion, scene_motion_of
+from multibody_xval.scenarios.cases.chain_ratios import ChainRatios
+from multibody_xval.scenarios.cases.motions import BlockMotion, ChainMotion, motion_of
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion, scene_motion_of
 from reference_lcp import defaults
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
@@ -150,6 +150,8 @@ def value_text(value: Any) -> str:
 AnyCase = Case | ChainMotion | BlockMotion | SceneMotion
 """Everything that may be run."""
 
+Kind = TypeVar("Kind")
+
 
 def case_of(data: dict[str, Any]) -> Case:
     """Read what `Case.as_data` gives, out of JSON."""
@@ -192,10 +194,9 @@ class Run:
     case: AnyCase
     steps: int
 
-    @property
-    def steady(self) -> Case:
-        """Give the case, which is a steady state."""
-        assert isinstance(self.case, Case), f"{self.case.title} is no steady state"
+    def of(self, kind: type[Kind]) -> Kind:
+        """Give the case, which is of a kind."""
+        assert isinstance(self.case, kind), f"{self.case.title} is no {kind.__name__}"
         return self.case
 
     @cached_property

@@ -6,8 +6,8 @@ from itertools import product
 import numpy as np
 
 from multibody_xval.engines.interface.variant import GENERAL, check_installed, name_parts, variants_named, variants_of
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import Case, Config, Run
+from multibody_xval.scenarios.ruler.exact_values import ruler
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 
 COMPARED = ("tuned", *GENERAL)

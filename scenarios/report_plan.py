@@ -8,9 +8,9 @@ import numpy as np
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import default_engine_names, engine_names
 from multibody_xval.engines.interface.variant import ALL, GENERAL, variants_named, variants_of
-from multibody_xval.scenarios import frequency_grid
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
+from multibody_xval.scenarios.sweeps import frequency_grid
 
 HEADLINE = tuple(
     Case(friction_ratio=friction, frequency_ratio=eta)

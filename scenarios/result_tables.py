@@ -47,7 +47,7 @@ def steady_ones(stored: Iterable[Stored]) -> Iterator[Stored]:
 def _point(run: Run, version: str, result: Result) -> dict[str, Any]:
     ratio = result.transmittance if result.status is Status.PERIODIC else complex(np.nan, np.nan)
     return {
-        **described(run.config, run.steady), "version": version, "steps": run.steps,
+        **described(run.config, run.of(Case)), "version": version, "steps": run.steps,
         "status": str(result.status), "transmittance_db": result.level_db, "phase_deg": result.phase_deg,
         "ratio": ratio, "residual": result.residual, "amplification": result.amplification,
         "periods": result.periods, "multiple": result.multiple, "stuck": result.stuck,
@@ -128,7 +128,7 @@ def transitions(stored: Iterable[Stored]) -> pd.DataFrame:
         {**label, "cell": cell, "time": time, "mode": mode}
         for run, version, result in steady_ones(stored)
         if result.status is Status.PERIODIC and result.transitions
-        for label in [{**described(run.config, run.steady), "version": version, "steps": run.steps}]
+        for label in [{**described(run.config, run.of(Case)), "version": version, "steps": run.steps}]
         for cell, time, mode in result.transitions
     ]
     return pd.DataFrame(rows, columns=[*CONFIG, "version", *CASE, "steps", *CHANGE])

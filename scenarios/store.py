@@ -34,9 +34,6 @@ FORMAT = 3
 LOCKED_SECONDS = 60.0
 """How long another process may have the file locked [s]."""
 
-LOOKUP = 500
-"""Keys that are looked up at once."""
-
 _Value = TypeVar("_Value")
 
 
@@ -101,13 +98,9 @@ class Store:
     def known(self, runs: Iterable[Run]) -> dict[Run, Result]:
         """Give the results that are there of runs by the engines of this environment."""
         keys = {key(run): run for run in runs}
-        found: dict[Run, Result] = {}
-        wanted = list(keys)
-        for first in range(0, len(wanted), LOOKUP):
-            some = wanted[first : first + LOOKUP]
-            query = f"SELECT key, result FROM results WHERE key IN ({', '.join('?' * len(some))})"
-            found |= {keys[name]: self._readable(Result.from_json, text) for name, text in self._read(query, some)}
-        return found
+        query = "SELECT key, result FROM results WHERE key IN (SELECT value FROM json_each(?))"
+        rows = self._read(query, [json.dumps(list(keys))])
+        return {keys[name]: self._readable(Result.from_json, text) for name, text in rows}
 
     def rows(self) -> Iterator[Stored]:
         """Give every result, whatever engine and version it is of."""

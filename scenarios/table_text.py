@@ -1,6 +1,6 @@
 """Tables as text: CSV and JSON with every digit for programs, Markdown and the terminal for people."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -34,6 +34,12 @@ def csv_cell(value: Any) -> Any:
 def _csv_text(value: str) -> str:
     text = visible(value)  # a column has few words, each in thousands of rows
     return f"'{text}" if text.startswith(FORMULAS) else text
+
+
+def number_texts(table: pd.DataFrame, patterns: Mapping[str, str]) -> pd.DataFrame:
+    """Give columns of numbers as people read them, by their patterns; a dash where there is none."""
+    texts = {name: table[name].map(own.format).where(table[name].notna(), "–") for name, own in patterns.items()}
+    return table.assign(**texts)
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:

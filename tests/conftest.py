@@ -27,8 +27,8 @@ def here():
     """Run everything in this process: starting workers takes longer than their work."""
     from contextlib import nullcontext
 
-    from multibody_xval.scenarios import evaluate
-    from multibody_xval.scenarios.processes import ThisProcess
+    from multibody_xval.scenarios.running import evaluate
+    from multibody_xval.scenarios.running.processes import ThisProcess
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(evaluate, "local", lambda _workers: nullcontext(ThisProcess()))

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from multibody_xval.scenarios.evaluate import stored_results
 from multibody_xval.scenarios.model import failed
+from multibody_xval.scenarios.running.evaluate import stored_results
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 ROOT = Path(__file__).parents[1]

@@ -9,7 +9,7 @@ import typer
 
 import reference_lcp.one_call
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.sweep_file import EXAMPLE
+from multibody_xval.scenarios.sweeps.file import EXAMPLE
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 
@@ -120,7 +120,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, here: None) -> Path:
     (tmp_path / "folder").mkdir()
     (tmp_path / "sweep.toml").write_text(SWEEPS[1].replace("reference", "mujoco"))
     (tmp_path / "quake.csv").write_text("0,0\n0.1,1\n0.2,0\n0.3,2\n0.4,1\n")
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", planned)
+    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
     monkeypatch.setattr("reference_lcp.studies.bench.bench", planned)

@@ -8,9 +8,9 @@ import pytest
 
 import reference_lcp
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.dataset_file import write_dataset
 from multibody_xval.scenarios.functions import sweep
 from multibody_xval.scenarios.store import Store
+from multibody_xval.scenarios.sweeps.dataset import write_dataset
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.output import checked_output_file, checked_output_folder

@@ -9,8 +9,8 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.scenarios.evaluate import Means
-from multibody_xval.scenarios.recipes import recipe_results
+from multibody_xval.scenarios.catalogue.recipes import recipe_results
+from multibody_xval.scenarios.running.evaluate import Means
 
 ANSWERS = Path(__file__).with_name("answers.csv")
 

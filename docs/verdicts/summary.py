@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from multibody_xval.scenarios.judge import VERDICTS
+from multibody_xval.scenarios.ruler.judge import VERDICTS
 
 CONFIG = ["engine", "formulation", "preset"]
 

@@ -1,8 +1,10 @@
 """Drake: friction emulated by a joint's actuator of bounded effort, or of spheres pressed on planes."""
 
+from pathlib import Path
 from typing import ClassVar
 
-from multibody_xval.engines.drake import contact, joint, presets, scene
+from multibody_xval.engines.drake import contact, joint, scene
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_si
@@ -19,20 +21,7 @@ class Drake(PipEngine):
         package="drake",
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
-        presets={
-            Formulation.JOINT: {
-                "tuned": presets.JOINT_TUNED,
-                "recommended": presets.JOINT_RECOMMENDED,
-                "default": presets.JOINT_DEFAULT,
-            },
-            Formulation.CONTACT: {
-                "tuned": presets.CONTACT_TUNED,
-                "sap": presets.CONTACT_SAP,
-                "similar": presets.CONTACT_SIMILAR,
-                "recommended": presets.CONTACT_RECOMMENDED,
-                "default": presets.CONTACT_DEFAULT,
-            },
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "Drake"),
         notes=(
             "In the joint friction is emulated by an actuator of bounded effort. It is regularised within a narrow "
             "band of velocities, in the tuned presets so narrow that a stuck contact creeps at 1e-5 of the motion. "

@@ -1,14 +1,11 @@
 """Scenes as users of Drake write them: a plant with a scene graph, and actuators as dry friction of joints."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from multibody_xval.engines.interface.scene import (
-    BELT,
-    FINGER,
-    FINGER_MASS,
     GRAVITY,
     LINK_INERTIA,
     LINK_LENGTH,
@@ -20,6 +17,7 @@ from multibody_xval.engines.interface.scene import (
     SteppedWorld,
     Vector,
 )
+from multibody_xval.engines.shared.solids import solids
 
 TIME_STEP = 0.001
 """Of most of Drake's own examples [s]; a plant has no default."""
@@ -35,11 +33,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     builder = drake.DiagramBuilder()
     plant, _ = drake.AddMultibodyPlantSceneGraph(builder, setting.time_step)
     plant.mutable_gravity_field().set_gravity_vector([0, 0, -GRAVITY])
-    properties = _surfaces(scene.friction, setting)
-    _add_surroundings(plant, scene, properties)
-    bodies = [
-        _add_box(plant, f"box {i}", [box.side / 2] * 3, box.mass, properties) for i, box in enumerate(scene.boxes)
-    ]
+    bodies = _add_solids(plant, scene, setting.changed("hydroelastic_modulus"))
     plant.Finalize()
     tolerance = setting.changed("v_stiction")
     if tolerance is not None:
@@ -73,63 +67,41 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     return SteppedWorld(step, state, launch, push=push)
 
 
-Properties = Callable[[bool, float], Any]
-"""Gives the proximity properties of a rigid shape or of a compliant one, with its smallest half side [m]."""
-
-
-def _surfaces(friction: float, setting: SceneSetting) -> Properties:
-    """Give surfaces with friction; patches of contact, where the preset has them, need more."""
+def _add_solids(plant: Any, scene: ContactScene, modulus: float | None) -> list[Any]:
+    """Add the plane, the belt or the fingers, and the boxes; gives the bodies of these."""
     from pydrake import all as drake
 
-    modulus = setting.changed("hydroelastic_modulus")
-
-    def properties(rigid: bool, size: float) -> Any:
-        surface = drake.ProximityProperties()
-        drake.AddContactMaterial(friction=drake.CoulombFriction(friction, friction), properties=surface)
+    def surface(rigid: bool, size: float = 1.0) -> Any:
+        """Make a surface with friction; with a modulus it touches in patches, and needs the smallest half side [m]."""
+        properties = drake.ProximityProperties()
+        drake.AddContactMaterial(friction=drake.CoulombFriction(scene.friction, scene.friction), properties=properties)
         if modulus is not None and rigid:
-            drake.AddRigidHydroelasticProperties(1.0, surface)
+            drake.AddRigidHydroelasticProperties(1.0, properties)
         elif modulus is not None:
-            drake.AddCompliantHydroelasticProperties(size, modulus, surface)
-        return surface
+            drake.AddCompliantHydroelasticProperties(size, modulus, properties)
+        return properties
 
-    return properties
-
-
-def _add_surroundings(plant: Any, scene: ContactScene, properties: Properties) -> None:
-    """Add the plane, the belt, or the fingers."""
-    from pydrake import all as drake
-
-    world = plant.world_body()
-    if scene.grip:
-        reach, height = scene.finger
-        shape = drake.Box(*(2 * np.array(FINGER)))
-        fixed = drake.RigidTransform([-reach, 0.0, height])
-        plant.RegisterCollisionGeometry(world, fixed, shape, "finger", properties(True, FINGER[0]))
-        _add_slide(plant, FINGER, FINGER_MASS, (reach, 0.0, height), properties)
-    elif scene.belt:
-        _add_slide(plant, BELT, BELT_MASS, (0.0, 0.0, -BELT[2]), properties)
-    else:
+    free, given, world = [], solids(scene), plant.world_body()
+    if "normal" in given:
         pose = drake.RigidTransform(drake.Quaternion(scene.tilt), np.zeros(3))
-        plant.RegisterCollisionGeometry(world, pose, drake.HalfSpace(), "ground", properties(True, 1.0))
-
-
-def _add_slide(plant: Any, half: Sequence[float], mass: float, place: Vector, properties: Properties) -> None:
-    """Add a rigid box on a prismatic joint along x, with an actuator."""
-    from pydrake import all as drake
-
-    body = _add_box(plant, "slider", half, mass, lambda _, size: properties(True, size))
-    frame = plant.AddFrame(drake.FixedOffsetFrame("begin", plant.world_frame(), drake.RigidTransform(np.array(place))))
-    plant.AddJointActuator("push", plant.AddJoint(drake.PrismaticJoint("slide", frame, body.body_frame(), [1, 0, 0])))
-
-
-def _add_box(plant: Any, name: str, half: Sequence[float], mass: float, properties: Properties) -> Any:
-    from pydrake import all as drake
-
-    sides = 2 * np.array(half)
-    body = plant.AddRigidBody(name, drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia.SolidBox(*sides)))
-    shape, pose = drake.Box(*sides), drake.RigidTransform()
-    plant.RegisterCollisionGeometry(body, pose, shape, name, properties(False, float(np.min(half))))
-    return body
+        plant.RegisterCollisionGeometry(world, pose, drake.HalfSpace(), "ground", surface(rigid=True))
+    for number, kind in enumerate(given["kind"]):
+        sides, place = 2 * np.array(given["half"][number]), drake.RigidTransform(np.array(given["place"][number]))
+        name, rubs = f"box {number}", surface(kind != "free", float(np.min(sides)) / 2)
+        if kind == "fixed":
+            plant.RegisterCollisionGeometry(world, place, drake.Box(*sides), name, rubs)
+            continue
+        mass = BELT_MASS if kind == "driven" else given["mass"][number]
+        inertia = drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia.SolidBox(*sides))
+        body = plant.AddRigidBody(name, inertia)
+        plant.RegisterCollisionGeometry(body, drake.RigidTransform(), drake.Box(*sides), name, rubs)
+        if kind == "free":
+            free.append(body)
+        else:
+            frame = plant.AddFrame(drake.FixedOffsetFrame("begin", plant.world_frame(), place))
+            slide = plant.AddJoint(drake.PrismaticJoint("slide", frame, body.body_frame(), [1, 0, 0]))
+            plant.AddJointActuator("push", slide)
+    return free
 
 
 def _simulated(builder: Any, time_step: float) -> tuple[Any, Callable[[], object]]:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from multibody_xval.engines.exudyn.joint import ExudynLane
-from multibody_xval.engines.exudyn.step_model import reduced_mass, zone_widths
+from multibody_xval.engines.exudyn.joint import reduced_mass, zone_widths
+from multibody_xval.engines.exudyn.simulation import ExudynLane
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray

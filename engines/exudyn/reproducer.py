@@ -1,21 +1,17 @@
 """Options of Exudyn's presets as its settings and the parameters of its connectors, in SI units."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from multibody_xval.engines.exudyn.contact import INERTIA, contact_springs
-from multibody_xval.engines.exudyn.joint import bristles
-from multibody_xval.engines.exudyn.step_model import bristles_at, zone_widths
+from multibody_xval.engines.exudyn.joint import bristles, bristles_at, zone_widths
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.script_units import SI
 from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-
-LONGEST_LINE = 120
-"""Characters."""
 
 
 def zone_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
@@ -65,28 +61,11 @@ def _solver(lane: Lane, preset: Preset) -> Mapping[str, Any]:
         "discontinuous.iterationTolerance": ("discontinuous_tolerance", force),
     }
     changed = {
-        f"solver.{name}": repr(preset[option] * factor)
+        name: preset[option] * factor
         for name, (option, factor) in settings.items()
         if option in preset.options and preset[option] != preset.options[option].default
     }
     if preset["solver"] == "Newmark":
-        changed["solver.generalizedAlpha.useNewmark"] = "True"
+        changed["generalizedAlpha.useNewmark"] = True
     substeps = f"{preset['substeps']} * " if preset["substeps"] > 1 else ""
-    return {"solver": _assignments(changed), "substeps": substeps, "smallest": preset["smallest_step"]}
-
-
-def _assignments(values: Mapping[str, str]) -> list[str]:
-    """Write assignments, as many in a line as fit."""
-    lines: list[str] = []
-    names: list[str] = []
-    for name in values:
-        line = _assignment(values, [*names, name])
-        if names and len(line) > LONGEST_LINE:
-            lines.append(_assignment(values, names))
-            names = []
-        names.append(name)
-    return [*lines, _assignment(values, names)] if names else lines
-
-
-def _assignment(values: Mapping[str, str], names: Sequence[str]) -> str:
-    return f"{', '.join(names)} = {', '.join(values[name] for name in names)}"
+    return {"solver": changed, "substeps": substeps, "smallest": preset["smallest_step"]}

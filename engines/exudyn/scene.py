@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from multibody_xval.engines.exudyn.joint import imported, silent
+from multibody_xval.engines.exudyn.simulation import imported, silent
 from multibody_xval.engines.interface.scene import (
     GRAVITY,
     LINK_INERTIA,
@@ -30,7 +30,7 @@ class JointWorld:
 
     def __init__(self, scene: JointScene | ArmScene, setting: SceneSetting):
         self._setting, self._steps = setting, 0
-        with imported(setting.preset["module"]) as exudyn:
+        with imported() as exudyn:
             self._exudyn, self._container = exudyn, exudyn.SystemContainer()
             self._system = self._container.AddSystem()
             self._sensor = self._assemble(scene)

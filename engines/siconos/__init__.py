@@ -3,16 +3,10 @@
 from pathlib import Path
 from typing import ClassVar
 
+from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from multibody_xval.engines.shared.script_units import script_in_si
-from multibody_xval.engines.siconos.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_EULER,
-    JOINT_TUNED,
-)
 from multibody_xval.engines.siconos.scene import STEP, contacts
 from reference_lcp.validation import FloatArray
 
@@ -43,10 +37,7 @@ class Siconos(OutOfProcessEngine):
         package="python3-siconos",
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
-        presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "euler": JOINT_EULER, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
-        },
+        presets=presets_of(Path(__file__).with_name("presets.toml"), "Siconos"),
         notes=(
             "Exact Coulomb friction by a complementarity problem in each step of the Moreau–Jean θ-scheme, which takes "
             "springs and dashpots in implicitly. A relay acts only while its gap is not positive, and Siconos "

@@ -38,7 +38,7 @@ Outs = Annotated[
 app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_exceptions_enable=False)
 
 MOST_ROWS = 20
-"""Changed points that are printed; a file holds all of them."""
+"""Changed points that are printed, and changed numbers; a file holds all of them."""
 
 
 @app.command()
@@ -60,9 +60,13 @@ def compare(
     """Compare two stores point by point, or two configurations: versions of an engine, sets of options, engines.
 
     Points are matched by configuration, case and steps per period; the versions and options of engines may differ, and
-    are printed. Each point is improved, regressed or unchanged by its error to the exact motion: that of the
-    transmittance, and of the part of the period that contacts stick. It is missing where there is no steady state any
-    more, and unknown where it has changed and neither store has the exact motion.
+    are printed. Two configurations that differ in options alone are matched where each store has one of their preset.
+    Of several versions of an engine in a store the last counts; run NAME --no-run shows the installed one.
+
+    Each point is improved, regressed or unchanged by its error to the exact motion: that of the transmittance, and of
+    the part of the period that contacts stick. It is missing where there is no steady state any more, and unknown where
+    it has changed and neither store has the exact motion.
+
     Exit code 0: nothing is worse; 1: a point has regressed, is missing, or its change is unknown; 2: wrong input, or no
     point in common; 3: results or --out could not be written; 130: interrupted.
 
@@ -99,8 +103,8 @@ def _changes(
     names: Sequence[str], stores: Sequence[Path], store: Path | None, workers: int | None, decibel: float
 ) -> pd.DataFrame:
     """Compare two stores, or compute two configurations."""
-    from multibody_xval.scenarios.compare import changes_between, compare
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.compare.stores import changes_between, compare
+    from multibody_xval.scenarios.running.evaluate import Means
 
     if stores:
         return compare(*stores, db=decibel)
@@ -109,15 +113,16 @@ def _changes(
 
 
 def _print(comparison: Comparison) -> None:
-    from multibody_xval.reports.changes import changed_points, identities, overview
+    from multibody_xval.reports.changes import changed_numbers, changed_points, identities, overview
     from multibody_xval.scenarios.table_text import print_table
 
     for line in identities(comparison.changes):
         print(visible(line))
     print_table(overview(comparison.changes))
-    changed = changed_points(comparison.changes)
-    for name, own in changed[:MOST_ROWS].groupby("configuration", sort=False):
-        print_table(own.drop(columns="configuration"), title=str(name))
-    if len(changed) > MOST_ROWS:
-        print(f"{len(changed) - MOST_ROWS} more changed points; --out writes all of them")
+    for changed, what in ((changed_points, "points"), (changed_numbers, "numbers")):
+        table = changed(comparison.changes)
+        for name, own in table[:MOST_ROWS].groupby("configuration", sort=False):
+            print_table(own.drop(columns="configuration"), title=str(name))
+        if len(table) > MOST_ROWS:
+            print(f"{len(table) - MOST_ROWS} more changed {what}; --out writes all of them")
     print(visible(comparison.conclusion))

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from reference_lcp.errors import checked_choice
 from reference_lcp.process import run_command
 
 COMMANDS = {
@@ -19,23 +18,13 @@ COMMANDS = {
     "example": ("sweep", "Print a commented file of parameters for `sweep`."),
     "report": ("report", "Compare engines with the reference, and write a page about it."),
     "compare": ("compare", "Compare two stores, and print what has changed."),
+    "history": ("history", "Run plain blocks in released versions of an engine, and show their errors."),
     "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
     "reproduce": ("reproduce", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
 }
 """The module of `multibody_xval.reports.cli` that has each command, and what the command does in a sentence."""
-
-
-GONE = {
-    "animate": "report, which draws stick and slip",
-    "bisect": "compare, with a store of each version",
-    "card": "report --engine NAME",
-    "history": "compare, with a store of each version",
-    "site": "report --engine NAME",
-    "store": "the command that computes, with a new --store",
-}
-"""Commands of before, and what to use instead."""
 
 
 class HelpAlone(TyperGroup):
@@ -61,8 +50,6 @@ class CommandsOnUse(HelpAlone):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Give the command itself, with the arguments that are left for it."""
-        if args and args[0] in GONE:
-            checked_choice("command", args[0], list(COMMANDS), GONE)
         self.commands = {name: self.get_command(ctx, name) for name in COMMANDS}  # of which typer suggests one
         name, _, rest = super().resolve_command(ctx, args)
         return name, loaded(name), rest

@@ -15,20 +15,19 @@ import typer
 
 from multibody_xval.engines.completion import complete_variant
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode, ParameterError, shown
 from reference_lcp.output import checked_output_file
 from reference_lcp.process import announce_interrupt
 
 if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.running.evaluate import Means
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
-ENGINE_HELP = (
-    "An engine; without FORMULATION and PRESET, its joint with the preset tuned. `all` stands for all engines, "
-    "formulations or presets. May be repeated. "
-)
+EVERY_PART = "`all` stands for all engines, formulations or presets. May be repeated. "
+
+ENGINE_HELP = f"An engine; without FORMULATION and PRESET, its joint with the preset tuned. {EVERY_PART}"
 
 
 def engine_option(text: str, metavar: str = NAME_METAVAR) -> Any:
@@ -74,6 +73,9 @@ class Engines:
         names = list(self.chosen or [])
         if not self.settings:
             return names
+        for setting in self.settings:
+            if "=" not in setting:
+                raise ParameterError(f"--set {shown(setting)} sets no value; allowed: OPTION=VALUE")
         if len(names) != 1:
             problem = f"--set {self.settings[0]} beside {len(names)} --engine"
             raise ParameterError(f"{problem}; allowed: one, or --engine NAME:OPTION=VALUE for each")
@@ -90,6 +92,20 @@ class Engines:
         return shlex.join(
             ["multibody-xval", "run", *name.split(), *(f"--engine={each}" for each in self.names), *options]
         )
+
+
+@dataclass(frozen=True)
+class ScenarioEngines(Engines):
+    """The configurations that answer scenarios, see `Scenario.configs`."""
+
+    chosen: Annotated[
+        list[str] | None,
+        engine_option(
+            "An engine; without FORMULATION and PRESET, its joint with the preset tuned, and in scenes, which have "
+            f"contacts or joints of their own, its presets default and recommended. {EVERY_PART}"
+            "Without it: all:all:all, and in scenes all engines, each with these two presets."
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -129,7 +145,7 @@ class Computing:
 
     def means(self, store: Path | None) -> Means:
         """Give what computes, and where results are kept."""
-        from multibody_xval.scenarios.evaluate import Means
+        from multibody_xval.scenarios.running.evaluate import Means
 
         return Means(
             store=store, workers=self.workers, scheduler=self.scheduler, seconds_a_run=self.time_limit,
@@ -173,8 +189,7 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     options: list[Parameter] = []
     for name, parameter in signature(command, eval_str=True).parameters.items():
         options += signature(groups[name], eval_str=True).parameters.values() if name in groups else [parameter]
-    shown = Signature([option.replace(kind=Parameter.KEYWORD_ONLY) for option in options])
-    vars(of_options)["__signature__"] = shown
+    vars(of_options)["__signature__"] = Signature([own.replace(kind=Parameter.KEYWORD_ONLY) for own in options])
     return of_options
 
 

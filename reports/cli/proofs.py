@@ -32,7 +32,7 @@ def proofs(
     """
     check_outs([out], (".csv",))
     from multibody_xval.scenarios.catalogue import proofs as study
-    from multibody_xval.scenarios.proven import DIGITS
+    from multibody_xval.scenarios.ruler.proven import DIGITS
     from multibody_xval.scenarios.table_text import print_table
     from reference_lcp.defaults import PROOF_TIME_LIMIT
     from reference_lcp.exact.proof.prove import check_request

@@ -51,7 +51,7 @@ def recipe(
     from multibody_xval.engines.interface.registry import engine as engine_of
     from multibody_xval.engines.interface.variant import check_installed
     from multibody_xval.reports.reproducers.recipe import recipe_text
-    from multibody_xval.scenarios.recipes import recipe_results
+    from multibody_xval.scenarios.catalogue.recipes import recipe_results
 
     text = recipe_text(engine)
     scenes: dict[str, dict[str, float]] = {}
@@ -101,7 +101,7 @@ def recipes(
     import pandas as pd
 
     from multibody_xval.scenarios import table_text
-    from multibody_xval.scenarios.recipes import named_recipes, study
+    from multibody_xval.scenarios.catalogue.recipes import named_recipes, study
 
     wanted = named_recipes(chosen or [])
     with keeping(store):

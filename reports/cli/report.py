@@ -125,8 +125,8 @@ def _written(asked: Asked, out: Path, stores: list[Path], computing: Computing, 
     command = shlex.join([*PROGRAM, *asked.words, *(word for file in stores for word in ("--store", str(file)))])
     if asked.data is not None:
         return sources.dataset_page(asked.data, out, command)
-    from multibody_xval.scenarios.sweep_file import read_sweep
-    from multibody_xval.scenarios.sweep_plan import check_size
+    from multibody_xval.scenarios.sweeps.file import read_sweep
+    from multibody_xval.scenarios.sweeps.plan import check_size
 
     sweep = None if asked.sweep is None else read_sweep(asked.sweep)
     if not run:

@@ -19,7 +19,10 @@ def reproduce(
     configuration: Annotated[
         str,
         typer.Argument(
-            metavar=NAME_METAVAR, help="The configuration whose number is shown.", autocompletion=complete_variant
+            metavar=NAME_METAVAR,
+            help="The configuration whose number is shown; without FORMULATION and PRESET, the engine's joint with the "
+            "preset tuned, and in scenes its recipe.",
+            autocompletion=complete_variant,
         ),
     ],
     scenario: Annotated[
@@ -50,7 +53,7 @@ def reproduce(
     from multibody_xval.reports.reproducers.questions import SHOWN
     from multibody_xval.reports.reproducers.scene_script import SCENES, checked_scene, scene_script
     from multibody_xval.reports.reproducers.script import checked, script
-    from multibody_xval.scenarios.evaluate import Means
+    from multibody_xval.scenarios.running.evaluate import Means
 
     check, write = {
         **dict.fromkeys(SHOWN, (checked, script)),

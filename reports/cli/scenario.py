@@ -13,7 +13,7 @@ import typer
 from multibody_xval.reports.cli.options import (
     COMMENT_ENDINGS,
     Computing,
-    Engines,
+    ScenarioEngines,
     Store,
     check_outs,
     grouped,
@@ -36,6 +36,9 @@ EXIT_CODES = (
     "missing, or more than a quarter of a named engine's runs fail; 2: wrong input; 3: results or --out could not be "
     "written; 130: interrupted."
 )
+
+
+Others = Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")]
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,12 @@ class Output:
         bool, typer.Option("--details", help="Print every number, and not the worst case of each alone.")
     ] = False
     run: Annotated[
-        bool, typer.Option("--run/--no-run", help="Run what is missing; --no-run shows only what --store holds.")
+        bool,
+        typer.Option(
+            "--run/--no-run",
+            help="Run what is missing; --no-run shows only what --store holds: of several versions of an engine the "
+            "installed one, or else the last, which is the one that compare takes.",
+        ),
     ] = True
 
     def check(self, record: Path | None) -> None:
@@ -99,9 +107,9 @@ def command(name: str) -> Any:
 @grouped
 def _named(
     context: typer.Context,
-    others: Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")] = None,
+    others: Others = None,
     *,
-    engines: Engines,
+    engines: ScenarioEngines,
     output: Output,
     computing: Computing,
 ) -> None:
@@ -112,8 +120,9 @@ def _named(
 @grouped
 def _followed(
     context: typer.Context,
+    others: Others = None,
     *,
-    engines: Engines,
+    engines: ScenarioEngines,
     record: Annotated[
         Path | None,
         typer.Option(help="CSV table of time in s and displacement in m; without it, the suite's example."),
@@ -121,14 +130,14 @@ def _followed(
     output: Output,
     computing: Computing,
 ) -> None:
-    """Run the scenario whose base follows a file."""
-    _answer([str(context.info_name)], engines, output, computing, record)
+    """Run the scenario whose base follows a file, and others."""
+    _answer([str(context.info_name), *(others or ())], engines, output, computing, record)
 
 
 def _answer(
-    asked: Sequence[str], engines: Engines, output: Output, computing: Computing, record: Path | None = None
+    asked: Sequence[str], engines: ScenarioEngines, output: Output, computing: Computing, record: Path | None = None
 ) -> None:
-    """Run scenarios, of which the only one may follow a record, print what has come out, and end with its code."""
+    """Run scenarios, of which the first may follow a record, print what has come out, and end with its code."""
     computing.check(output.store, run=output.run)
     output.check(record)
     from multibody_xval.reports.answer_files import WRITTEN, Answer
@@ -136,7 +145,7 @@ def _answer(
 
     scenarios, options = named_scenarios(asked), [] if output.run else ["--no-run"]
     if record is not None and scenarios[0].of_record is not None:
-        scenarios, options = [scenarios[0].of_record(record)], [f"--record={record}", *options]
+        scenarios, options = [scenarios[0].of_record(record), *scenarios[1:]], [f"--record={record}", *options]
     rows = _rows(scenarios, engines, output, computing)
     answer = Answer(scenarios, rows, engines.command(" ".join(asked), options), named=bool(engines.names))
     for out in output.out or ():
@@ -147,7 +156,9 @@ def _answer(
         raise typer.Exit(ExitCode.FAILED)
 
 
-def _rows(scenarios: Sequence[Scenario], engines: Engines, output: Output, computing: Computing) -> pd.DataFrame:
+def _rows(
+    scenarios: Sequence[Scenario], engines: ScenarioEngines, output: Output, computing: Computing
+) -> pd.DataFrame:
     """Give the numbers of scenarios: what the store lacks is run, or not."""
     from multibody_xval.scenarios.catalogue.asking import answers, stored_answers
 
@@ -163,7 +174,7 @@ def _rows(scenarios: Sequence[Scenario], engines: Engines, output: Output, compu
 def _write_motions(answer: Answer, output: Output) -> None:
     """Write the rows of motions and the transitions of steady states of what was asked, as far as that is wanted."""
     from multibody_xval.scenarios.catalogue.motion_tables import series, transitions
-    from multibody_xval.scenarios.evaluate import stored_results
+    from multibody_xval.scenarios.running.evaluate import stored_results
     from multibody_xval.scenarios.table_text import csv_text
 
     for table, file in ((series, output.series), (transitions, output.transitions)):

@@ -65,14 +65,14 @@ def figure3(
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     configs = compared(engines)
     from multibody_xval.reports.figures.studies import transmittance
-    from multibody_xval.scenarios.claims import claim_cases, curve_cases, of_paper
     from multibody_xval.scenarios.edges import judged_edges, propose
-    from multibody_xval.scenarios.evaluate import computed, stored_results
-    from multibody_xval.scenarios.judge import failures, judged
     from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
     from multibody_xval.scenarios.plan import runs_at
     from multibody_xval.scenarios.result_tables import file_columns, points
+    from multibody_xval.scenarios.ruler.judge import failures, judged
+    from multibody_xval.scenarios.running.evaluate import computed, stored_results
     from multibody_xval.scenarios.store import existing_store
+    from multibody_xval.scenarios.studies.claims import claim_cases, curve_cases, of_paper
 
     with keeping(store):
         if run or store is None:
@@ -98,9 +98,8 @@ def figure3_parts(
 ) -> dict[str, pd.DataFrame | list[str]]:
     """Give what `run figure3` shows: claims and sentences, verdicts on points, edges, and the finding."""
     from multibody_xval.reports.page.tables import edge_table, verdict_counts
-    from multibody_xval.scenarios.claims import STATED, claims
-    from multibody_xval.scenarios.conclusions import conclusions, shown
-    from multibody_xval.scenarios.judge import conclusion
+    from multibody_xval.scenarios.ruler.judge import conclusion
+    from multibody_xval.scenarios.studies.claims import STATED, claims, conclusions, shown
 
     concluded = conclusions(every, found)
     first = claims(every, found).iloc[: len(STATED)]
@@ -126,9 +125,9 @@ def accuracy(engines: Engines, *, store: Store = None, out: TableFile = None, co
     """
     outs = check_outs([out], TABLE_ENDINGS, store)
     configs = compared(engines)
-    from multibody_xval.scenarios.evaluate import computed
-    from multibody_xval.scenarios.judge import judged
     from multibody_xval.scenarios.result_tables import points
+    from multibody_xval.scenarios.ruler.judge import judged
+    from multibody_xval.scenarios.running.evaluate import computed
     from multibody_xval.scenarios.studies import accuracy_map as study
 
     with keeping(store):
@@ -172,9 +171,9 @@ def work_precision(
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     configs = compared(engines)
     from multibody_xval.reports.figures.studies import costs
-    from multibody_xval.scenarios.evaluate import computed
-    from multibody_xval.scenarios.judge import judged
     from multibody_xval.scenarios.result_tables import points
+    from multibody_xval.scenarios.ruler.judge import judged
+    from multibody_xval.scenarios.running.evaluate import computed
     from multibody_xval.scenarios.studies import step_study as study
 
     with keeping(store):

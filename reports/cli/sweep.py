@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from multibody_xval.scenarios.evaluate import Means
-    from multibody_xval.scenarios.sweep_plan import Sweep
+    from multibody_xval.scenarios.running.evaluate import Means
+    from multibody_xval.scenarios.sweeps.plan import Sweep
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -29,7 +29,7 @@ def example() -> None:
 
     Example: multibody-xval example > sweep.toml
     """
-    from multibody_xval.scenarios.sweep_file import EXAMPLE
+    from multibody_xval.scenarios.sweeps.file import EXAMPLE
 
     print(EXAMPLE, end="")
 
@@ -62,12 +62,11 @@ def sweep(
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """
     computing.check(store, run=run)
-    from multibody_xval.scenarios.dataset import judged_table
-    from multibody_xval.scenarios.dataset_file import write_dataset
-    from multibody_xval.scenarios.judge import conclusion
+    from multibody_xval.scenarios.ruler.judge import conclusion
     from multibody_xval.scenarios.store import checked_store, existing_store
-    from multibody_xval.scenarios.sweep_file import read_sweep
-    from multibody_xval.scenarios.sweep_plan import check_size
+    from multibody_xval.scenarios.sweeps.dataset import judged_table, write_dataset
+    from multibody_xval.scenarios.sweeps.file import read_sweep
+    from multibody_xval.scenarios.sweeps.plan import check_size
 
     means = computing.means(checked_store(store) if run else existing_store(store))
     planned = read_sweep(file)
@@ -84,7 +83,7 @@ def sweep(
 
 def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
     """Give the results of a sweep: what the store lacks is run, or not."""
-    from multibody_xval.scenarios.swept import stored_sweep, swept
+    from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 
     if not run:
         assert means.store is not None
@@ -96,9 +95,9 @@ def _dataset(planned: Sweep, means: Means, *, run: bool) -> xr.Dataset:
 
 def print_counts(planned: Sweep, table: pd.DataFrame) -> None:
     """Print what has become of the points of every configuration, with the largest error and where it is."""
-    from multibody_xval.scenarios.judge import AGREES, DEVIATES, VERDICTS
+    from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, VERDICTS
 
-    places = 0 if planned.grid is not None else planned.points // len(planned.configs)
+    places = 0 if planned.adaptive is not None else planned.points // len(planned.configs)
     rows = []
     for config in planned.configs:
         own = table[table.config == config]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -70,20 +70,30 @@ def check(
 
     Example: multibody-xval truth check block-stops motion.csv --time-step 0.001
     """
+    from multibody_xval.scenarios.table_text import records
     from multibody_xval.scenarios.truth import judged, problem_named, read_motion
 
     problem = problem_named(name)
     found = judged(problem, read_motion(motion, problem), time_step)
-    headings = ("body", "result", "exact", "motion", "off [m]", "allowed", "at [s]", "off [m/s]", "allowed")
-    names = ["position_off", "position_allowed", "position_time", "velocity_off", "velocity_allowed"]
-    numbers = found[names].map(lambda number: "–" if math.isnan(number) else f"{number:.2g}")
-    rows = found[["body", "verdict", "exact", "motion"]].astype(str).join(numbers)
-    print_table(headings, rows.to_numpy().tolist())
+    print_table(
+        ("body", "result", "exact", "motion", "off by", "allowed", "at [s]"), [_row(own) for own in records(found)]
+    )
     off = int((found.verdict == "deviates").sum())
     beyond = f"{off} of {len(found)} bodies deviate from the exact motion"
     print(beyond if off else "The motion agrees with the exact one.")
     if off:
         raise typer.Exit(ExitCode.FAILED)
+
+
+def _row(own: dict[str, Any]) -> list[str]:
+    """Give the texts of a body: its position, and below that its velocity, if the motion has one."""
+    parts = [
+        [f"{own[f'{name}_off']:.4g} {unit}", f"{own[f'{name}_allowed']:.4g} {unit}", f"{own[f'{name}_time']:.4g}"]
+        for name, unit in (("position", "m"), ("velocity", "m/s"))
+        if not math.isnan(own[f"{name}_off"])
+    ]
+    labels = [str(own[name]) for name in ("body", "verdict", "exact", "motion")]
+    return [*labels, *("\n".join(texts) for texts in zip(*parts, strict=True))]
 
 
 app.add_typer(truth_app, name="truth")

@@ -10,9 +10,9 @@ from matplotlib.ticker import FuncFormatter
 from multibody_xval.reports.figures.limits import decade_limits
 from multibody_xval.reports.figures.svg import Panel
 from multibody_xval.reports.formatting import significant
-from multibody_xval.scenarios.conclusions import TITLES
 from multibody_xval.scenarios.model import REFERENCE, Status
 from multibody_xval.scenarios.result_tables import is_reference
+from multibody_xval.scenarios.studies.claims import TITLES
 
 FREQUENCY = "frequency_ratio"
 

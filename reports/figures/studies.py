@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 from multibody_xval.reports.figures.limits import decade_limits, level_limits
 from multibody_xval.reports.figures.panels import LEAST_DB
-from multibody_xval.scenarios.claims import RANGE, claim_cases
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_reference
+from multibody_xval.scenarios.studies.claims import RANGE, claim_cases
 
 SHAPES = "os^Dv<>p*hX"
 STYLE: dict[Any, Any] = {

@@ -6,8 +6,8 @@ import pandas as pd
 
 from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.page.tables import at_headline
-from multibody_xval.scenarios.conclusions import TITLES
-from multibody_xval.scenarios.judge import AGREES, DEVIATES, failures
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, failures
+from multibody_xval.scenarios.studies.claims import TITLES
 
 NAMED_AT_MOST = 4
 """Configurations that the sentence names; of more, their number."""

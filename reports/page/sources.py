@@ -10,16 +10,16 @@ import pandas as pd
 from multibody_xval.reports.page.files import check_folder, check_loses_nothing
 from multibody_xval.reports.page.write import Written, write_dataset_page, write_page
 from multibody_xval.scenarios import edges
-from multibody_xval.scenarios.evaluate import Means, computed, stored_results
-from multibody_xval.scenarios.judge import judged
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Config
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config
 from multibody_xval.scenarios.report_plan import left_out, report_configs, report_runs
 from multibody_xval.scenarios.result_tables import curve_of, steady_ones
+from multibody_xval.scenarios.ruler.judge import judged
+from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.store import Stored, checked_store, existing_store
 from reference_lcp.errors import ParameterError, checked_path
 
 if TYPE_CHECKING:
-    from multibody_xval.scenarios.sweep_plan import Sweep
+    from multibody_xval.scenarios.sweeps.plan import Sweep
 
 STORE = "results.sqlite"
 """File of the results in the folder of a page, where no other is named."""
@@ -45,7 +45,7 @@ def sweep_page(
     source: Path | None = None,
 ) -> Written:  # fmt: skip
     """Run a sweep with the reference, and both edges of its curves, and write its page; `source` is its file."""
-    from multibody_xval.scenarios.dataset import by_tolerance
+    from multibody_xval.scenarios.sweeps.dataset import by_tolerance
 
     plan = sweep.with_config(REFERENCE)
     own = _prepared(means, folder, store, source)
@@ -94,12 +94,12 @@ def _of_sweep(stored: Sequence[Stored], sweep: "Sweep") -> list[Stored]:
     configs = {*sweep.configs, REFERENCE, EXACT}
     curves = {place.case for place in sweep.places}
     own = (row for row in steady_ones(stored) if row.run.config in configs)
-    return [row for row in own if curve_of(row.run.steady) in curves]
+    return [row for row in own if curve_of(row.run.of(Case)) in curves]
 
 
 def dataset_page(file: Path, folder: Path, command: str) -> Written:
     """Write the page of the file of a dataset; nothing is computed."""
-    from multibody_xval.scenarios.dataset_file import read_dataset
+    from multibody_xval.scenarios.sweeps.dataset import read_dataset
 
     data = read_dataset(file)
     check_folder(folder, [file])
@@ -110,7 +110,7 @@ def written_report(data: Any, folder: str | Path) -> Written:
     """Write the report of a dataset, of the file of one, of a sweep, or of a store; see `multibody_xval.report`."""
     import xarray as xr
 
-    from multibody_xval.scenarios.sweep_file import read_sweep
+    from multibody_xval.scenarios.sweeps.file import read_sweep
 
     folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):

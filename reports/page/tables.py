@@ -7,14 +7,13 @@ import pandas as pd
 
 from multibody_xval.reports.figures.panels import FREQUENCY
 from multibody_xval.reports.formatting import significant
-from multibody_xval.scenarios.claims import OPEN, STATED
-from multibody_xval.scenarios.conclusions import TITLES, conclusions
-from multibody_xval.scenarios.exact_values import has_ruler
-from multibody_xval.scenarios.judge import VERDICTS
 from multibody_xval.scenarios.model import Case, Config, Status
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
 from multibody_xval.scenarios.result_tables import CONFIG, curve_of, full_name, is_reference, rows_of
+from multibody_xval.scenarios.ruler.exact_values import has_ruler
+from multibody_xval.scenarios.ruler.judge import VERDICTS
 from multibody_xval.scenarios.store import Stored
+from multibody_xval.scenarios.studies.claims import OPEN, STATED, TITLES, conclusions
 
 STICK_SLIP = Case(friction_ratio=0.1, frequency_ratio=1.5)
 """The point whose stick and slip is shown, if it is there."""

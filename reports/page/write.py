@@ -15,9 +15,9 @@ from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.files import PAGE, TABLES, write_files
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case
 from multibody_xval.scenarios.result_tables import file_columns, points, transitions
+from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def write_page(
 
 def write_dataset_page(data: "xr.Dataset", folder: Path, command: str) -> Written:
     """Write the page of the dataset of a sweep: nothing is computed, so that there are no band edges."""
-    from multibody_xval.scenarios.dataset import by_tolerance, judged_table, sweep_in
+    from multibody_xval.scenarios.sweeps.dataset import by_tolerance, judged_table, sweep_in
 
     rows = tables.labelled(by_tolerance(judged_table(data), sweep_in(data).tolerance_db))
     versions = {(config, version) for config, version in zip(rows.config, rows.version, strict=True)}

@@ -5,15 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.chain_ratios import RATIOS
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.ruler import DONE
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Quantity, Scenario, steps_a_row
-from multibody_xval.scenarios.chain_ratios import RATIOS
-from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import AnyCase, Case, Config, Result, Run
-from multibody_xval.scenarios.motions import ChainMotion
 from multibody_xval.scenarios.result_tables import full_name
+from multibody_xval.scenarios.running.evaluate import Means, computed
 from reference_lcp.errors import ParameterError, checked_choice
 
 SHOWN = {

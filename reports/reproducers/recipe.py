@@ -8,8 +8,8 @@ from multibody_xval.engines.interface.presets import Formulation, OfStep, Preset
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.script import beside
+from multibody_xval.scenarios.catalogue.recipes import NOTHING_TO_RECOMMEND
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
-from multibody_xval.scenarios.recipes import NOTHING_TO_RECOMMEND
 from reference_lcp.errors import ParameterError, checked_choice
 
 TEMPLATE = "recipe.jinja"

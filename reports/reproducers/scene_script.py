@@ -16,11 +16,11 @@ from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, JointS
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import Number, Reproduction
 from multibody_xval.reports.reproducers.script import WIDTH, beside, header
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import REST
-from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_axes, scene_of, unsupported_reason
+from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_axes, unsupported_reason
 from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.errors import ParameterError, checked_choice
 
 TEMPLATE = "scene.py.jinja"
@@ -43,12 +43,13 @@ SCENES = MappingProxyType({
 
 
 def checked_scene(name: str, scenario: str, case: str | None = None) -> Reproduction:
-    """Check what is to be shown, before any work."""
-    config, shown = Config.parse(name), SCENARIOS[scenario]
+    """Check what is to be shown, before any work; a bare engine stands for its recipe, or else its default options."""
+    shown = SCENARIOS[scenario]
+    config = [Config.parse(name), *(shown.configs([name]) if name in engine_names() else ())][-1]
     allowed = [each for each, own in shown.cases.items() if isinstance(own, SceneMotion) and not own.sleeping]
     chosen = SCENES[scenario] if case is None else checked_choice("case", case, allowed)
     run = Run(config, shown.cases[chosen], next(iter(shown.steps(config, shown.cases[chosen]).values())))
-    reason = unsupported_reason(config, scene_of(run).scene)
+    reason = unsupported_reason(config, run.of(SceneMotion).scene)
     if reason is not None:
         raise ParameterError(reason)
     if not has_scene_script(config.engine, scenario):
@@ -79,7 +80,7 @@ def scene_script(shown: Reproduction, number: Number) -> str:
 
 def _numbers(run: Run) -> Mapping[str, Any]:
     """Give what the templates print of the scene and of its run."""
-    config, case = run.config, scene_of(run)
+    config, case = run.config, run.of(SceneMotion)
     scene, time_step = case.scene, case.time / run.steps
     setting = SceneSetting(config.preset, time_step)
     model = engine(config.engine).scene_models.get(Formulation(config.formulation))

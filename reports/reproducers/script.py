@@ -14,8 +14,9 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
+from multibody_xval.scenarios.cases.motions import Motion
 from multibody_xval.scenarios.catalogue.blocks import breakaway
-from multibody_xval.scenarios.compute.motions import is_pressed, motion
+from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import Config
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
@@ -52,7 +53,7 @@ def reproducer_of(config: Config) -> Reproducer:
 
 def script(shown: Reproduction, number: Number) -> str:
     """Write the script of one number of a chain or a block; the suite's own is in its header."""
-    run, case, quantity = shown.run, motion(shown.run), shown.quantity
+    run, case, quantity = shown.run, shown.run.of(Motion), shown.quantity
     reproducer, preset = reproducer_of(run.config), run.config.preset
     lane, start = case.lane(run.steps, pressed=is_pressed(run)), case.initial_state()
     units = preset.options.get("units")

@@ -9,9 +9,8 @@ import pandas as pd
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.evaluate import Means, computed, stored_results
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
-from multibody_xval.scenarios.store import Stored, identity
+from multibody_xval.scenarios.model import EXACT, REFERENCE
+from multibody_xval.scenarios.running.evaluate import Means, computed, newest, stored_results
 from reference_lcp.errors import ParameterError, checked_choice
 
 ALL_SCENARIOS = "all"
@@ -59,7 +58,7 @@ def stored_answers(scenarios: Sequence[Scenario], engines: Sequence[str], store:
     ParameterError
         If the file is no store, or holds nothing of these scenarios.
     """
-    known = _newest(stored_results(store))
+    known = newest(stored_results(store))
     there = [config for config in dict.fromkeys(run.config for run in known) if config not in (REFERENCE, EXACT)]
     tables = []
     for own in scenarios:
@@ -84,12 +83,3 @@ def _readable(store: Path | None) -> Iterator[None]:
             raise
         what = f"holds a result that lacks what its run gives: {type(problem).__name__}: {problem}"
         raise ParameterError(f"store {store} {what}; allowed: what this suite writes") from problem
-
-
-def _newest(stored: Sequence[Stored]) -> dict[Run, Stored]:
-    """Give one result a run: of the installed version, or else the last."""
-    kept: dict[Run, Stored] = {}
-    for row in stored:
-        if row.run not in kept or kept[row.run].version != identity(row.run.config)[0]:
-            kept[row.run] = row
-    return kept

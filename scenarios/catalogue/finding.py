@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.catalogue.numbers import NOT_RUN
-from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE, UNKNOWN, failures
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE, UNKNOWN, failures
 
 ONE = ["scenario", "configuration", "quantity"]
 """Columns that the cases of one number of one configuration share."""

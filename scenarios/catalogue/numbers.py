@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.ruler import CLOSED_FORM, DONE, Ruler
 from multibody_xval.scenarios.catalogue.scenario import (
     STICK_SLIP,
@@ -20,11 +22,9 @@ from multibody_xval.scenarios.catalogue.scenario import (
 )
 from multibody_xval.scenarios.catalogue.stick_slip import stick_slip
 from multibody_xval.scenarios.compute.motions import is_pressed
-from multibody_xval.scenarios.judge import AT_EQUAL_STEPS, DB, EXACT_VALUE, decided, judged, parts_of
 from multibody_xval.scenarios.model import EXACT, AnyCase, Case, Config, Run, failed
-from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.result_tables import CONFIG, names_of, of_config, points
-from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.ruler.judge import AT_EQUAL_STEPS, DB, EXACT_VALUE, decided, judged, parts_of
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.steady.richardson import ROUND_OFF_STEPS
 

@@ -12,13 +12,14 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.exact_values import MOST_EXACT_CELLS
-from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import CASE, Case
-from multibody_xval.scenarios.proven import DIGITS, RATIOS, ProvenLevel, in_table, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import CLOSED
+from multibody_xval.scenarios.ruler.exact_values import MOST_EXACT_CELLS
+from multibody_xval.scenarios.ruler.judge import FLOOR_DB
+from multibody_xval.scenarios.ruler.proven import DIGITS, RATIOS, ProvenLevel, in_table, proven_levels
 from multibody_xval.scenarios.studies.accuracy_map import MAP, SIX
+from multibody_xval.scenarios.table_text import number_texts
 from reference_lcp.chain.preload import Preload
 from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
@@ -162,9 +163,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     rows = table.groupby(titles, sort=False).agg(**made)
     if len(rows) > 1:
         rows = pd.concat([rows, table.groupby(["all"] * len(table)).agg(**made)])
-    for title, (_, _, pattern) in SUMMARY.items():
-        rows[title] = ["–" if pd.isna(value) else pattern.format(value) for value in rows[title]]
-    return rows.rename_axis("friction").reset_index()
+    texts = number_texts(rows, {title: pattern for title, (_, _, pattern) in SUMMARY.items()})
+    return texts.rename_axis("friction").reset_index()
 
 
 def table_rows(table: pd.DataFrame) -> pd.DataFrame:

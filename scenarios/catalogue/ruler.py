@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from multibody_xval.scenarios.catalogue.scenario import Exact, Number, Quantity, given, largest
-from multibody_xval.scenarios.exact_values import LADDER
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Config, Result, Run, Status
+from multibody_xval.scenarios.ruler.exact_values import LADDER
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.steady.richardson import ROUND_OFF, richardson
 

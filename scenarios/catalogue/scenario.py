@@ -14,9 +14,9 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
-from multibody_xval.scenarios.exact_values import LADDER, has_exact_motion, needs_exact_motion
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.ruler.exact_values import LADDER, has_exact_motion, needs_exact_motion
 from reference_lcp.validation import FloatArray
 
 Number = float | complex | FloatArray

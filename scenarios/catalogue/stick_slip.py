@@ -22,9 +22,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, Exact
-from multibody_xval.scenarios.exact_values import has_exact_motion
-from multibody_xval.scenarios.judge import AT_EQUAL_STEPS, EXACT_VALUE
-from multibody_xval.scenarios.model import Result, Run
+from multibody_xval.scenarios.model import Case, Result, Run
+from multibody_xval.scenarios.ruler.exact_values import has_exact_motion
+from multibody_xval.scenarios.ruler.judge import AT_EQUAL_STEPS, EXACT_VALUE
 from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition, match_transitions
 from reference_lcp.steady.richardson import richardson_error
 
@@ -66,7 +66,7 @@ def stick_slip(
     run: Run, own: Result, exact: Result | None, ladder: Mapping[int, Result], about: Mapping[str, Any]
 ) -> dict[str, Row]:
     """Give the numbers of `STICK_SLIP` by name; none where the exact motion or the reference is missing."""
-    if not ladder or (exact is None and has_exact_motion(run.steady)):
+    if not ladder or (exact is None and has_exact_motion(run.of(Case))):
         return {}
     shares = bool(about["shares_scheme"])
     right = as_resolved(exact or ladder[max(ladder)], run.config.capabilities.residual)

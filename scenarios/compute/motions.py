@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation, NormalForce
+from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
 from multibody_xval.scenarios.compute.checked import CheckedSimulation
 from multibody_xval.scenarios.model import Result, Run, Status
-from multibody_xval.scenarios.motions import BlockMotion, ChainMotion
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -27,16 +27,10 @@ def motions(runs: Sequence[Run]) -> list[Result]:
     """Follow motions that share configuration, steps and number of cells; those with equal rows together."""
     groups: dict[tuple[int, int], list[Run]] = defaultdict(list)
     for run in runs:
-        case = motion(run)
+        case = run.of(Motion)
         groups[case.rows, case.stretch].append(run)
     found = {run: result for group in groups.values() for run, result in zip(group, _together(group), strict=True)}
     return [found[run] for run in runs]
-
-
-def motion(run: Run) -> ChainMotion | BlockMotion:
-    """Give the case of a run, which is a motion of a chain or a block."""
-    assert isinstance(run.case, ChainMotion | BlockMotion), f"{run.case.title} is no motion of a chain"
-    return run.case
 
 
 def is_pressed(run: Run) -> bool:
@@ -46,13 +40,13 @@ def is_pressed(run: Run) -> bool:
 
 
 def _together(runs: Sequence[Run]) -> list[Result]:
-    config, steps, first = runs[0].config, runs[0].steps, motion(runs[0])
-    lanes = [motion(run).lane(steps, pressed=is_pressed(run)) for run in runs]
-    records = [_Record(lane, motion(run), steps) for lane, run in zip(lanes, runs, strict=True)]
+    config, steps, first = runs[0].config, runs[0].steps, runs[0].of(Motion)
+    lanes = [run.of(Motion).lane(steps, pressed=is_pressed(run)) for run in runs]
+    records = [_Record(lane, run.of(Motion), steps) for lane, run in zip(lanes, runs, strict=True)]
     stretch = first.every(steps) * max(1, first.stretch // first.every(steps))
     simulation = CheckedSimulation(config.build(lanes))
     try:
-        state = State.stack([motion(run).initial_state() for run in runs])
+        state = State.stack([run.of(Motion).initial_state() for run in runs])
         for start in range(0, steps, stretch):
             trajectories = simulation.run(state, start, min(stretch, steps - start))
             for record, trajectory in zip(records, trajectories, strict=True):
@@ -66,7 +60,7 @@ def _together(runs: Sequence[Run]) -> list[Result]:
 class _Record:
     """Recorded rows of one motion, and what is added up over all of its steps."""
 
-    def __init__(self, lane: Lane, case: ChainMotion | BlockMotion, steps: int):
+    def __init__(self, lane: Lane, case: Motion, steps: int):
         self._lane, self._case, self._every, self._scale = lane, case, case.every(steps), case.scale
         initial = case.initial_state()
         self._last_positions, self._last_velocities = initial.positions, initial.velocities

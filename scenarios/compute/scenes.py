@@ -17,8 +17,8 @@ from multibody_xval.engines.interface.scene import (
     formulation_of,
 )
 from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion, swinging
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed
-from multibody_xval.scenarios.scene_motion import SceneMotion, swinging
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
@@ -31,13 +31,7 @@ EXPLODED = 1e4
 
 def scenes(runs: Sequence[Run]) -> list[Result]:
     """Run scenes one by one."""
-    return [followed(scene_of(run), run.steps, built(run)) for run in runs]
-
-
-def scene_of(run: Run) -> SceneMotion:
-    """Give the case of a run, which is a scene."""
-    assert isinstance(run.case, SceneMotion), f"{run.case.title} is no scene"
-    return run.case
+    return [followed(run.of(SceneMotion), run.steps, built(run)) for run in runs]
 
 
 def unsupported_reason(config: Config, scene: Scene) -> str | None:
@@ -62,7 +56,7 @@ def built(run: Run) -> SceneWorld:
     EngineNotInstalled
         If the engine cannot be used here, or not with the preset.
     """
-    case, config = scene_of(run), run.config
+    case, config = run.of(SceneMotion), run.config
     if reason := unsupported_reason(config, case.scene):
         raise ParameterError(reason)
     if missing := config.unavailable_reason:

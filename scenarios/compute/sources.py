@@ -22,9 +22,8 @@ def digest(name: str) -> str:
 def _of_the_suite() -> str:
     """Give the digest of what every result depends on: what computes, and what builds chains, blocks and scenes."""
     adapters, here = Path(engines.__path__[0]), Path(__file__).parent
-    folders = [adapters / "shared", Path(reference_lcp.__path__[0]), here]
-    cases = [here.parent / f"{name}.py" for name in ("chain_ratios", "motions", "scene_motion")]
-    every = [*(file for folder in folders for file in sorted(folder.rglob("*.py"))), *cases]
+    folders = [adapters / "shared", Path(reference_lcp.__path__[0]), here, here.parent / "cases"]
+    every = [file for folder in folders for file in sorted(folder.rglob("*.py"))]
     return _digest(*every, adapters / "interface" / "scene.py")
 
 

@@ -36,7 +36,7 @@ LONG_CHAIN = 10
 def steady_states(runs: Sequence[Run]) -> list[Result]:
     """Find the steady states of runs that share configuration, steps and number of cells."""
     config, steps = runs[0].config, runs[0].steps
-    cases = [run.steady for run in runs]
+    cases = [run.of(Case) for run in runs]
     limit = most_periods(config, cases)
     return [_read(config, *found) for found in _found(config, [case.lane(steps) for case in cases], steps, limit)]
 

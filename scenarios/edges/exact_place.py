@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 
 from multibody_xval.scenarios.edges.finding import CLOSE, THRESHOLD_DB
-from multibody_xval.scenarios.exact_values import exact_values
-from multibody_xval.scenarios.judge import DB
 from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.result_tables import is_exact, is_reference, rows_of
+from multibody_xval.scenarios.ruler.exact_values import exact_values
+from multibody_xval.scenarios.ruler.judge import DB
 
 MOST_STEPS = 8
 """Of the search; two or three do."""

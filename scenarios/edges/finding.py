@@ -13,10 +13,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from multibody_xval.scenarios.exact_values import has_ruler
-from multibody_xval.scenarios.judge import FLOOR_DB
 from multibody_xval.scenarios.model import Case, Config
 from multibody_xval.scenarios.result_tables import CURVE, is_exact, is_reference, rows_of
+from multibody_xval.scenarios.ruler.exact_values import has_ruler
+from multibody_xval.scenarios.ruler.judge import FLOOR_DB
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
 
 THRESHOLD_DB, DEPTH_DB = 0.0, -10.0

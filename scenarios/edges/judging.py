@@ -1,6 +1,6 @@
 """Edges beside those of the exact motion, or of the reference for presets that share its scheme."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -9,8 +9,9 @@ import pandas as pd
 
 from multibody_xval.scenarios.edges.exact_place import exact_levels, exact_place
 from multibody_xval.scenarios.edges.finding import edges, refined
-from multibody_xval.scenarios.exact_values import MARGIN
-from multibody_xval.scenarios.judge import (
+from multibody_xval.scenarios.result_tables import CONFIG, CURVE, is_reference
+from multibody_xval.scenarios.ruler.exact_values import MARGIN
+from multibody_xval.scenarios.ruler.judge import (
     AGREES,
     COARSE_SHARE,
     DB,
@@ -21,22 +22,18 @@ from multibody_xval.scenarios.judge import (
     judged,
     resolution,
 )
-from multibody_xval.scenarios.result_tables import CONFIG, CURVE, is_reference
 
 NOT_REFINED = "not refined"
 """Verdict on an edge whose bracket is still too wide."""
 
 CURVE_OF = [name for name in CURVE if name != "steps"]
 
-RULED = {
-    "exact": float, "exact_bar": float, "scheme": float, "reference": float, "reference_open": float,
-    "ruled_slope": float, "growth": float, "effect": float,
-}  # fmt: skip
+RULED = dict.fromkeys(
+    ["exact", "exact_bar", "scheme", "reference", "reference_open", "ruled_slope", "growth", "effect"], float
+)
+"""What is known of an edge of the reference."""
 
-
-PRESENCE = ("reference_there", "reference_absent", "reference_lost")
-
-HELPERS = ("reference_open", "ruled_slope", "growth", "effect", "deviates", *PRESENCE)
+HELPERS = ("reference_open", "ruled_slope", "growth", "effect", "deviates", "of_reference")
 """Columns that only verdicts need."""
 
 
@@ -60,8 +57,8 @@ def judged_edges(table: pd.DataFrame) -> pd.DataFrame:
     of_reference = found[is_reference(found)].drop_duplicates(["curve", "steps", "edge"], keep="last")
     rows = found.merge(_ruled(of_reference, table, points), on=["curve", "steps", "edge"], how="left")
     rows = rows.merge(_of_curves(table, points), on=CURVE_OF, how="left")
-    rows = rows.merge(_presence(of_reference), on=["curve", "steps", "edge"], how="left")
-    rows = rows.assign(**{name: rows[name].eq(True) for name in PRESENCE})
+    presence = of_reference[["curve", "steps", "edge"]].assign(of_reference=_presence(of_reference))
+    rows = rows.merge(presence, on=["curve", "steps", "edge"], how="left")
     per_amplitude = DB / rows.ruled_slope.abs()
     blur = _open(rows, table) * per_amplitude + rows.interpolation
     step = np.maximum(rows.scheme, rows.accuracy * per_amplitude)
@@ -76,14 +73,14 @@ def judged_edges(table: pd.DataFrame) -> pd.DataFrame:
 
 def _verdicts(rows: pd.DataFrame, amplitude: pd.Series) -> np.ndarray:
     """Say of each edge what it is; `amplitude` is what is allowed there."""
+    own, other = _presence(rows), rows.of_reference
     absent = rows.before < 0
-    there = ~absent & rows.frequency_ratio.notna()
-    one_alone = (absent & rows.reference_there) | (there & rows.reference_absent)
+    one_alone = (absent & (other == "there")) | ((own == "there") & (other == "absent"))
     distance = (rows.frequency_ratio - rows.expected).abs()
     return np.select(
         [
-            (rows.lost > 0) | rows.reference_lost,
-            absent & rows.reference_absent,
+            (own == "lost") | (other == "lost"),
+            absent & (other == "absent"),
             one_alone & rows.deviates,
             absent | one_alone,
             ~refined(rows),
@@ -104,11 +101,9 @@ def _of_curves(table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
     return own.assign(deviates=off.reindex(own.index, fill_value=False).astype(bool)).reset_index()
 
 
-def _presence(reference: pd.DataFrame) -> pd.DataFrame:
-    """Give where the reference has an edge, where it has none, and where that is unknown."""
-    there, lost = reference.before >= 0, reference.lost > 0
-    states = dict(zip(PRESENCE, (there & ~lost, ~there & ~lost, lost), strict=True))
-    return reference[["curve", "steps", "edge"]].assign(**states)
+def _presence(found: pd.DataFrame) -> np.ndarray:
+    """Say of each edge whether it is there or absent, or lost among points without a steady state."""
+    return np.select([found.lost > 0, found.before < 0], ["lost", "absent"], "there")
 
 
 def _open(rows: pd.DataFrame, table: pd.DataFrame) -> pd.Series:
@@ -121,16 +116,12 @@ def _open(rows: pd.DataFrame, table: pd.DataFrame) -> pd.Series:
 
 
 def _ruled(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> pd.DataFrame:
-    """Give, of every edge of the reference, the exact motion's, and what is known of amplitudes there."""
-    rows = list(_ruled_rows(reference[refined(reference)], table, points))
-    return pd.DataFrame(rows, columns=["curve", "steps", "edge", *RULED]).astype({"steps": int, "edge": str, **RULED})
-
-
-def _ruled_rows(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFrame) -> Iterator[tuple[object, ...]]:
+    """Give, of every refined edge of the reference, the exact motion's, and what is known of amplitudes there."""
     levels = exact_levels(table)
     own_points = points[is_reference(points)]
     of_run = dict(zip(zip(own_points.case, own_points.steps, strict=True), own_points.index, strict=True))
-    edge_rows: Iterable[Any] = reference.itertuples()
+    edge_rows: Iterable[Any] = reference[refined(reference)].itertuples()
+    rows = []
     for own in edge_rows:
         place, step, exact_slope = exact_place(own, levels)
         case = replace(own.curve, frequency_ratio=place)
@@ -144,8 +135,6 @@ def _ruled_rows(reference: pd.DataFrame, table: pd.DataFrame, points: pd.DataFra
             bar = at.exact_bar * DB / slope + abs(step)
             scheme = max(at.scheme_error * DB / slope, abs(own.frequency_ratio - place - step))
             effect = friction_effect(case, at.exact)
-        opened = own.interpolation + repeats
-        yield (
-            own.curve, own.steps, own.edge, place + step, bar, scheme, own.frequency_ratio, opened, slope, growth,
-            effect,
-        )  # fmt: skip
+        found = (place + step, bar, scheme, own.frequency_ratio, own.interpolation + repeats, slope, growth, effect)
+        rows.append((own.curve, own.steps, own.edge, *found))
+    return pd.DataFrame(rows, columns=["curve", "steps", "edge", *RULED]).astype({"steps": int, "edge": str, **RULED})

@@ -9,9 +9,9 @@ import pandas as pd
 
 from multibody_xval.scenarios.edges.exact_place import exact_levels, exact_place
 from multibody_xval.scenarios.edges.finding import CLOSE, curves, edges, hidden, refined
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import EXACT, Case, Run
 from multibody_xval.scenarios.result_tables import is_reference
+from multibody_xval.scenarios.ruler.exact_values import ruler
 
 NEAR = 1e-4
 """Distance in η_r from the reference's edge at which curves of other schemes are first tried: most have theirs there.

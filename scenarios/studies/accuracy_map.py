@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import CONFIG, full_name
+from multibody_xval.scenarios.ruler.exact_values import ruler
+from multibody_xval.scenarios.table_text import number_texts
 from reference_lcp.defaults import STICK_SLIP_POINTS
 
 MAP_STEPS = 800
@@ -129,12 +130,6 @@ PATTERNS = {"order": "{:.2f}", "stick_velocity": "{:.1e}"}
 
 def shown(table: pd.DataFrame) -> pd.DataFrame:
     """Give the table as people read it: texts, a dash where there is no number."""
-    numbers = [name for name in HEADINGS if name not in (*CONFIG, "periodic")]
-    texts = {name: [number_text(value, PATTERNS.get(name, "{:.3f}")) for value in table[name]] for name in numbers}
+    patterns = {name: "{:.3f}" for name in HEADINGS if name not in (*CONFIG, "periodic")} | PATTERNS
     periodic = [f"{own}/{total}" for own, total in zip(table.periodic, table.points, strict=True)]
-    return table.assign(**texts, periodic=periodic)[[*HEADINGS]].rename(columns=HEADINGS)
-
-
-def number_text(value: float, pattern: str) -> str:
-    """Give a number as people read it, a dash where there is none."""
-    return "–" if math.isnan(value) else pattern.format(value)
+    return number_texts(table, patterns).assign(periodic=periodic)[[*HEADINGS]].rename(columns=HEADINGS)

@@ -12,9 +12,9 @@ from multibody_xval.engines.interface.tolerances import CREEP, TRAJECTORY_TOLERA
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 from multibody_xval.scenarios.compute.checked import CheckedSimulation
 from multibody_xval.scenarios.model import REFERENCE, Config
-from multibody_xval.scenarios.pool import preparation_seconds, reason_of
-from multibody_xval.scenarios.processes import GRACE, Pool, local
 from multibody_xval.scenarios.result_tables import CONFIG, full_name
+from multibody_xval.scenarios.running.pool import preparation_seconds, reason_of
+from multibody_xval.scenarios.running.processes import GRACE, Pool, local
 from multibody_xval.scenarios.store import identity
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain

@@ -5,11 +5,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import pandas as pd
 
-from multibody_xval.scenarios.exact_values import ruler
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import CONFIG
-from multibody_xval.scenarios.studies.accuracy_map import SIX, first_failure, number_text
+from multibody_xval.scenarios.ruler.exact_values import ruler
+from multibody_xval.scenarios.ruler.judge import judged
+from multibody_xval.scenarios.studies.accuracy_map import SIX, first_failure
+from multibody_xval.scenarios.table_text import number_texts
 
 USUAL_STEPS = (50, 100, 200, 400, 800)
 """Steps per period of every configuration: from what games take, a few steps a stick, to a minute of an engine."""
@@ -124,7 +125,6 @@ def _remarks(own: pd.DataFrame) -> Iterator[str]:
 
 def shown(table: pd.DataFrame) -> pd.DataFrame:
     """Give the table as people read it: texts, a dash where there is no number."""
-    numbers = ("error_db", "error_percent", "milliseconds", "product")
-    texts = {name: [number_text(value, "{:.3g}") for value in table[name]] for name in numbers}
+    texts = number_texts(table, dict.fromkeys(("error_db", "error_percent", "milliseconds", "product"), "{:.3g}"))
     periodic = [f"{own}/{len(SIX)}" for own in table.periodic]
-    return table.assign(**texts, steps=table.steps.astype(str), periodic=periodic)[[*HEADINGS]].rename(columns=HEADINGS)
+    return texts.assign(steps=table.steps.astype(str), periodic=periodic)[[*HEADINGS]].rename(columns=HEADINGS)

@@ -12,10 +12,10 @@ from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.exact_values import ruler
-from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE, judged
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status
 from multibody_xval.scenarios.result_tables import points as table_of
+from multibody_xval.scenarios.ruler.exact_values import ruler
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE, judged
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 from tests.golden.record import FOLDER, HEADLINE, points, run_at

@@ -29,15 +29,15 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.scenarios import edges
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status
-from multibody_xval.scenarios.proven import in_table, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import points as table_of
-from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.ruler.proven import in_table, proven_levels
+from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.one_call import steady_state
 from reference_lcp.steady.richardson import amplitude_in_db
@@ -205,8 +205,8 @@ def reference_rows() -> Iterator[Row]:
     for name, point in points().items():
         if not point["modulation"]:
             run = run_at(REFERENCE, name)
-            state = steady_state(*run.steady.setting, steps_per_period=run.steps, with_exact_value=True)
-            proven = proven_levels().get(in_table(run.steady))
+            state = steady_state(*run.of(Case).setting, steps_per_period=run.steps, with_exact_value=True)
+            proven = proven_levels().get(in_table(run.of(Case)))
             yield {
                 "point": name,
                 "level_db": f"{state.transmittance_db:.12g}",

@@ -12,7 +12,7 @@ from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config, Result, Run
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.store import Store, Stored
-from multibody_xval.scenarios.sweep_file import sweep_of
+from multibody_xval.scenarios.sweeps.file import sweep_of
 
 ENGINES = ["reference", "mujoco", "mujoco:joint:default"]
 

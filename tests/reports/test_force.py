@@ -9,13 +9,12 @@ from multibody_xval import Chain, HarmonicForce, steady_state
 from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.write import write_page
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.dataset import dataset
-from multibody_xval.scenarios.dataset_file import write_dataset
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.result_tables import now, points
+from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
-from multibody_xval.scenarios.sweep_file import sweep_of
+from multibody_xval.scenarios.sweeps.dataset import dataset, write_dataset
+from multibody_xval.scenarios.sweeps.file import sweep_of
 
 SWEEP = sweep_of({
     "engines": ["reference", "mujoco"], "grid": {"friction_ratio": [0.3], "frequency_ratio": [0.9]},

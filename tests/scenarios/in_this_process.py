@@ -6,12 +6,12 @@ from functools import cache
 
 import pandas as pd
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.judge import DEVIATES
 from multibody_xval.scenarios.model import REFERENCE, AnyCase, Config, Result, Run
-from multibody_xval.scenarios.motions import BlockMotion
+from multibody_xval.scenarios.ruler.judge import DEVIATES
 from multibody_xval.scenarios.store import Stored
 
 SHARES, OTHER = Config("mujoco"), Config("pybullet", preset_name="default")

@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, braking
-from multibody_xval.scenarios.compute.scenes import followed, scene_of
+from multibody_xval.scenarios.compute.scenes import followed
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.scene_motion import SceneMotion
 from multibody_xval.scenarios.store import Stored
 
 CONTACT, JOINT = Config("mujoco", "contact", "default"), Config("mujoco", "joint", "default")
@@ -86,7 +86,7 @@ def point_mass_numbers(scenario: Scenario, wrong: Wrong = Wrong()) -> pd.DataFra
     config = JOINT if case.formulation == "joint" else CONTACT
     stored = []
     for run in scenario.own_runs(config).values():
-        one = PointMass(scene_of(run), scene_of(run).time / run.steps, wrong)
+        one = PointMass(run.of(SceneMotion), run.of(SceneMotion).time / run.steps, wrong)
         world = SteppedWorld(one.step, one.state, one.launch, push=one.push)
-        stored.append(Stored(run, "1", followed(scene_of(run), run.steps, world)))
+        stored.append(Stored(run, "1", followed(run.of(SceneMotion), run.steps, world)))
     return numbers(scenario, stored)

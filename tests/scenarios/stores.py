@@ -10,8 +10,8 @@ import pytest
 
 from multibody_xval.scenarios import store as stores
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run
+from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.store import opened
 
 CASE = Case(friction_ratio=0.3, frequency_ratio=0.47)

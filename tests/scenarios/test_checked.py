@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.compute.checked import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
 from multibody_xval.scenarios.model import Case, Config, Result, Run
-from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp import Chain, HarmonicBase, Lane, RickerPulse, StillBase
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.euler import CompiledSimulation

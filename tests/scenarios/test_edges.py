@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.edges import edges, judged_edges, propose, refined
-from multibody_xval.scenarios.judge import AGREES, DB, DEVIATES, UNKNOWN
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config, Result, Run, Status, failed, unsupported
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.ruler.judge import AGREES, DB, DEVIATES, UNKNOWN
 from multibody_xval.scenarios.store import Stored
 from reference_lcp import decibel, frictionless_transmittance
 

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from multibody_xval.scenarios import check, functions, sweep
-from multibody_xval.scenarios.sweep_plan import UNCONFIRMED_POINTS
+from multibody_xval.scenarios.sweeps.plan import UNCONFIRMED_POINTS
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, ParameterError, steady_state
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -93,7 +93,7 @@ def test_every_point_has_a_verdict_whatever_takes_part() -> None:
 def test_second_call_takes_everything_from_the_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     given = {"friction_ratio": [0.1, 0.3], "frequency_ratio": 0.9, "chain": {"cells": 2}, "store": tmp_path / "s.db"}
     first = sweep("reference", **given)
-    monkeypatch.setattr("multibody_xval.scenarios.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
     xr.testing.assert_identical(first, sweep("reference", **given))
 
 
@@ -113,7 +113,7 @@ def test_check_gives_a_row_a_number_and_keeps_the_results(tmp_path: Path, monkey
     assert set(table.verdict) == {"agrees"}
     assert (table.distance <= table.allowed).all()
     assert table.groupby("quantity").case.nunique().tolist() == [24, 24, 24]
-    monkeypatch.setattr("multibody_xval.scenarios.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
     pd.testing.assert_frame_equal(table, check("static-hold", ["mujoco"], workers=1, store=store))
 
 
@@ -131,7 +131,9 @@ def test_check_gives_a_row_a_number_and_keeps_the_results(tmp_path: Path, monkey
     ],
 )
 def test_mistake_in_a_check_is_named_before_any_work(arguments, message, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.running.evaluate.run_missing", lambda *_, **__: pytest.fail("computed")
+    )
     with pytest.raises(ParameterError, match=re.escape(message).replace(r"\.\*", ".*")):
         check(**{"scenario": "static-hold", "engines": "mujoco"} | arguments)
 
@@ -167,7 +169,9 @@ def test_mistake_in_a_check_is_named_before_any_work(arguments, message, monkeyp
 def test_mistake_is_named_before_any_work(
     arguments: dict[str, object], message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.running.evaluate.run_missing", lambda *_, **__: pytest.fail("computed")
+    )
     whole = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9, **arguments}
     with pytest.raises(ParameterError, match=re.escape(message).replace(r"\.\*", ".*")):
         sweep(**whole)

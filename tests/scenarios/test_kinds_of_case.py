@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.scene import ArmScene, Box, ContactScene, JointScene, Shaker, SteppedWorld
+from multibody_xval.scenarios.cases.motions import Block, BlockMotion, ChainMotion
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion, Tone
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.compute.scenes import followed
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
-from multibody_xval.scenarios.motions import Block, BlockMotion, ChainMotion
-from multibody_xval.scenarios.pool import batches, length
 from multibody_xval.scenarios.result_tables import points
-from multibody_xval.scenarios.scene_motion import SceneMotion, Tone
+from multibody_xval.scenarios.running.pool import batches, length
 from multibody_xval.scenarios.store import Store
 from reference_lcp.chain.drives import HarmonicForce, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.transient import FilteredNoise, RecordedBase, SweptSine

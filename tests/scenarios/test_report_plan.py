@@ -2,7 +2,6 @@
 
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.scenarios import report_plan
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.report_plan import (
     HEADLINE,
@@ -15,6 +14,7 @@ from multibody_xval.scenarios.report_plan import (
     left_out,
     report_runs,
 )
+from multibody_xval.scenarios.ruler.exact_values import ruler
 
 TUNED = Config("mujoco")
 DEFAULT = Config("mujoco", preset_name="default")

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import Block, BlockMotion
 from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, round_off
 from multibody_xval.scenarios.compute.motions import is_pressed
-from multibody_xval.scenarios.model import AnyCase, Result, Run
-from multibody_xval.scenarios.motions import Block, BlockMotion
+from multibody_xval.scenarios.model import Result, Run
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 
 STANDARD_GRAVITY = 9.80665
@@ -46,12 +46,6 @@ class Scale:
 SCALES = {"1 g": Scale(1e-3), "1 kg": Scale(1.0), "1 t under 10 t": Scale(1e3, 10.0)}
 
 
-def block_motion(case: AnyCase) -> BlockMotion:
-    """Give the case, which is the motion of a block."""
-    assert isinstance(case, BlockMotion), "the motion of a block"
-    return case
-
-
 CARRIER_PHASE = 1e-3
 """ω_c times the length of a motion [rad]: the spring of a carrier that is free along the row, but for that spring,
 changes what it does by 5e-7 of its way."""
@@ -67,7 +61,7 @@ def rounded(run: Run) -> float:
 
     The largest position is that of the base, or the slip at first.
     """
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     largest = max(case.scale, abs(case.slip), abs(case.slip_velocity) * case.time)
     return ROUNDINGS * round_off(run) * largest * math.sqrt(run.steps)
 
@@ -80,14 +74,14 @@ def compliance(run: Run) -> float:
 
 def left_speed(run: Run) -> float:
     """Give the velocity that the residual slip compliance of a preset leaves to a block at rest [m/s]."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     inverse_mass = float(1 / case.chain.inner_mass[0] + 1 / case.chain.outer_mass[0])
     return compliance(run) * case.block.bound * inverse_mass * case.time / run.steps
 
 
 def no_drift(over: float) -> Callable[[Run], float]:
     """Give what may be left of a velocity [µm/s] from two slips that are a part `over` of the motion apart."""
-    return lambda run: 1e6 * (left_speed(run) + rounded(run) / (over * block_motion(run.case).time))
+    return lambda run: 1e6 * (left_speed(run) + rounded(run) / (over * run.of(BlockMotion).time))
 
 
 def slips(result: Result) -> np.ndarray:

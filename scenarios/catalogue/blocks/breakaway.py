@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, block_motion, rounded
+from multibody_xval.scenarios.cases.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
+from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, rounded
 from multibody_xval.scenarios.catalogue.blocks.thrown import SPRING_LENGTH
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import GrowingAcceleration
 from reference_lcp.validation import FloatArray
 
@@ -49,7 +49,7 @@ def first_fast(case: BlockMotion, velocity: FloatArray, fast: float) -> float:
 
 def slip_time(result: Result, run: Run) -> float:
     """Give when the slip becomes as fast as counts [s]; NaN if it never does."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     return first_fast(case, np.array(result.series["slip_velocity"]), LEAST_SPEED * speed(case))
 
 
@@ -77,7 +77,7 @@ def exact_slip_time(case: BlockMotion) -> float:
 
 def late(run: Run) -> float:
     """Give how late a slip may be seen, over the time of breakaway: two steps, for it is seen at the end of one."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     return rounded(run) / RISE_TIME / (LEAST_SPEED * speed(case)) * DELAY / 2 + 2 * case.time / run.steps / RISE_TIME
 
 

@@ -3,11 +3,11 @@
 import math
 from dataclasses import replace
 
-from multibody_xval.scenarios.catalogue.blocks.block import SCALES, STEPS_A_ROW, Scale, block_motion, compliance
+from multibody_xval.scenarios.cases.motions import BlockMotion
+from multibody_xval.scenarios.catalogue.blocks.block import SCALES, STEPS_A_ROW, Scale, compliance
 from multibody_xval.scenarios.catalogue.blocks.thrown import thrown
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, round_off, steps_a_row
 from multibody_xval.scenarios.model import Run
-from multibody_xval.scenarios.motions import BlockMotion
 
 ANGLES = (0, 15, 30, 45, 60, 75, 90)
 """By which the row is turned [°]: pyramids of four faces are seen at their edges and at their faces."""
@@ -55,7 +55,7 @@ DIRECTION = Scenario(
     quantities=(
         Quantity(
             name="bound", unit="", over_exact=True, resolution=left_open, per_amplitude=0.0, accuracy="transmittance",
-            read=lambda result, run: block_motion(run.case).slip_velocity - result.series["slip_velocity"][-1],
+            read=lambda result, run: run.of(BlockMotion).slip_velocity - result.series["slip_velocity"][-1],
             meaning="Loss of slip velocity over that of the exact motion: mean friction over μ λ_N.",
         ),
     ),

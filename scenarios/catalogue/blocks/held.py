@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     TIME_STEP,
     Scale,
-    block_motion,
     left_speed,
     no_drift,
     rounded,
@@ -17,7 +17,6 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 )
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import BlockMotion
 from reference_lcp.chain.drives import StillBase, Vibration
 
 HOLD_TIME = 10.0
@@ -51,7 +50,7 @@ def held(scale: Scale, load: float, share: float = 0.0) -> BlockMotion:
 
 def way(result: Result, run: Run) -> np.ndarray:
     """Give the slip as the load pulls, from the start on [µm], shape (rows + 1,)."""
-    return 1e6 * (block_motion(run.case).slip - np.array([block_motion(run.case).slip, *(SIZE * slips(result))]))
+    return 1e6 * (run.of(BlockMotion).slip - np.array([run.of(BlockMotion).slip, *(SIZE * slips(result))]))
 
 
 def quarters(result: Result, run: Run) -> np.ndarray:
@@ -61,7 +60,7 @@ def quarters(result: Result, run: Run) -> np.ndarray:
 
 def no_way(run: Run) -> float:
     """Give what may be left of a way from one row to the next [µm]."""
-    return 1e6 * (left_speed(run) * block_motion(run.case).time / block_motion(run.case).rows + rounded(run))
+    return 1e6 * (left_speed(run) * run.of(BlockMotion).time / run.of(BlockMotion).rows + rounded(run))
 
 
 HELD = (

@@ -16,10 +16,10 @@ from dataclasses import replace
 from importlib import resources
 from typing import Any, NamedTuple
 
-from multibody_xval.scenarios.catalogue.blocks.block import block_motion, on_free_carrier, rounded, slips
+from multibody_xval.scenarios.cases.motions import CARRIER_MASSES, Block, BlockMotion
+from multibody_xval.scenarios.catalogue.blocks.block import on_free_carrier, rounded, slips
 from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, Quantity, Scenario, round_off
 from multibody_xval.scenarios.model import AnyCase, Result, Run
-from multibody_xval.scenarios.motions import CARRIER_MASSES, Block, BlockMotion
 from reference_lcp.chain.drives import ShakingForce, StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 
@@ -119,7 +119,7 @@ def _rounded_power(run: Run) -> float:
     Friction takes equal parts off the velocity, so that their roundings are equal too, and add up as the number of
     steps.
     """
-    of_velocities = ROUNDINGS * WEAR_FORCE * abs(block_motion(run.case).carrier_velocity)
+    of_velocities = ROUNDINGS * WEAR_FORCE * abs(run.of(BlockMotion).carrier_velocity)
     of_slips = NUMBERS[run.case].value * run.steps / (2 * WEAR_TO)
     return round_off(run) * (of_velocities + of_slips)
 

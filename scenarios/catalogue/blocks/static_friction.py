@@ -13,12 +13,12 @@ import math
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import CARRIER_MASSES, BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     STEPS_A_ROW,
     TIME_STEP,
     Scale,
-    block_motion,
     on_free_carrier,
     rounded,
     slips,
@@ -26,7 +26,6 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import CARRIER_MASSES, BlockMotion
 from reference_lcp.chain.drives import ShakingForce
 
 STATIC_RATIOS = (1.2, 1.5)
@@ -74,7 +73,7 @@ def released(scale: Scale, static_ratio: float) -> BlockMotion:
 
 def breakaway_load(result: Result, run: Run) -> float:
     """Give the load at which a slip becomes fast, over μ_s λ_N; NaN if none does."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     fastest = case.scale / 2 * math.pi / JUMP_TIME
     return load(first_fast(case, np.array(result.series["slip_velocity"]), FAST * fastest))
 
@@ -91,7 +90,7 @@ def above(case: BlockMotion, _exact: Number = 1.0) -> float:
 
 def farther(run: Run) -> float:
     """Give by how much farther a block jumps that breaks away two steps late, and with the roundings of its way."""
-    case = block_motion(run.case)
+    case = run.of(BlockMotion)
     phase = FOLLOWED * FREQUENCY
     travel = PEAK * case.static_ratio * case.block.bound / case.block.mass * (phase - math.sin(phase)) / FREQUENCY**2
     return TWO_STEPS / above(case) + rounded(run) * travel / case.scale**2

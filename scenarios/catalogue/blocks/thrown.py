@@ -2,19 +2,18 @@
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
     STEPS_A_ROW,
     TIME_STEP,
     Scale,
-    block_motion,
     no_drift,
     rounded,
     slips,
 )
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, at_rest, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.motions import BlockMotion
 from reference_lcp.chain.drives import StillBase
 
 SPRING_LENGTH = 1e4
@@ -49,7 +48,7 @@ def stopping_time(result: Result, _run: Run) -> float:
 
 def last_drift(result: Result, run: Run) -> float:
     """Give the mean velocity of the slip in the last quarter of the time [µm/s]."""
-    case, slip = block_motion(run.case), slips(result)
+    case, slip = run.of(BlockMotion), slips(result)
     quarter = slip.size // 4
     return 1e6 * case.scale * float(slip[-1] - slip[-1 - quarter]) / (quarter * case.time / case.rows)
 
@@ -68,12 +67,12 @@ STOPPING_DISTANCE = Scenario(
     quantities=(
         Quantity(
             name="distance", unit="", read=lambda result, _run: float(slips(result)[-1]), accuracy="transmittance",
-            resolution=lambda run: rounded(run) / block_motion(run.case).scale,
+            resolution=lambda run: rounded(run) / run.of(BlockMotion).scale,
             meaning="Slip in the end over v² m / (2 μ λ_N).",
         ),
         Quantity(
             name="time", unit="", read=stopping_time,
-            resolution=lambda run: 2 * FOLLOWED / block_motion(run.case).rows,  # one row of each reading
+            resolution=lambda run: 2 * FOLLOWED / run.of(BlockMotion).rows,  # one row of each reading
             meaning="When the block came within a thousandth of its way of where it is in the end, over T.",
         ),
         at_rest(

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.scenario import Exact, Number, Quantity, Scenario, largest, steps_a_row
-from multibody_xval.scenarios.model import AnyCase, Case, Result, Run
-from multibody_xval.scenarios.motions import ChainMotion
+from multibody_xval.scenarios.model import Case, Result, Run
 from reference_lcp.chain.drives import HarmonicBase, MovingBase
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.transient import QUIET, FilteredNoise, RickerPulse, SweptSine
@@ -56,12 +56,6 @@ dashpots of this chain round the edges off, and leave the third band below −35
 """
 
 
-def chain_motion(case: AnyCase) -> ChainMotion:
-    """Give the case, which is the motion of a chain."""
-    assert isinstance(case, ChainMotion), "the motion of a chain"
-    return case
-
-
 @cache
 def base_rows(case: ChainMotion) -> FloatArray:
     """Displacement of the base at the rows of a motion, over its scale, shape (rows,)."""
@@ -86,7 +80,7 @@ def spectral(spectrum_of: Spectrum, case: ChainMotion, response: FloatArray) -> 
 
 
 def _read(spectrum: Spectrum, name: str, result: Result, run: Run) -> Number:
-    return spectral(spectrum, chain_motion(run.case), np.array(result.series["response"]))[name]
+    return spectral(spectrum, run.of(ChainMotion), np.array(result.series["response"]))[name]
 
 
 def _effect(spectrum: Spectrum, name: str, case: ChainMotion, exact: Number) -> float:

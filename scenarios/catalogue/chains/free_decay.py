@@ -5,10 +5,9 @@ from functools import partial
 
 import numpy as np
 
-from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, largest, steps_a_row
 from multibody_xval.scenarios.model import EXACT, Case, Result, Run
-from multibody_xval.scenarios.motions import ChainMotion
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.validation import FloatArray
 
@@ -44,13 +43,13 @@ OSCILLATOR = let_go(
 
 def half_width(run: Run) -> float:
     """F / k_i of cell 1, over the displacement scale: half of the dead band."""
-    chain = chain_motion(run.case).chain
+    chain = run.of(ChainMotion).chain
     return float(chain.friction_bound[0] / chain.inner_stiffness[0]) / SCALE
 
 
 def rest_time(result: Result, run: Run) -> float:
     """Give when the last contact came to rest, over the period of the resonator."""
-    return result.series["rest"][0] * chain_motion(run.case).chain.resonator_frequency / (2 * math.pi)
+    return result.series["rest"][0] * run.of(ChainMotion).chain.resonator_frequency / (2 * math.pi)
 
 
 def offsets(result: Result, run: Run) -> FloatArray:

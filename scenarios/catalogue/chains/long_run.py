@@ -3,9 +3,9 @@
 import numpy as np
 
 from multibody_xval.engines.shared.wide_range import LONG_USE, MANY_RUNS
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Case
-from multibody_xval.scenarios.motions import ChainMotion
 
 CELL = Case(cells=1, friction_ratio=0.3, frequency_ratio=0.9)
 """Where the contact of one cell sticks and slips."""

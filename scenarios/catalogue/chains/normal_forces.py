@@ -55,12 +55,12 @@ def highest(case: Case) -> float:
 
 def edges(run: Run) -> float:
     """Give what is open of the time in the air: lift-off and landing are met to a step, in every cycle."""
-    return 2 * run.steady.modulation_multiple / run.steps
+    return 2 * run.of(Case).modulation_multiple / run.steps
 
 
 def fall(run: Run) -> float:
     """Give what is open of a gap: how far the mean normal force moves an inner mass in a step, over U0."""
-    return length(run.steady) * (2 * math.pi / run.steps) ** 2
+    return length(run.of(Case)) * (2 * math.pi / run.steps) ** 2
 
 
 def furthest(values: tuple[float, ...], exact: float) -> float:
@@ -76,12 +76,12 @@ def in_the_air(case: Case) -> float:
 FLIGHTS = (
     Quantity(
         name="time in the air", unit="", exact=in_the_air, resolution=edges, of=lambda case: case.modulation > CLOSED,
-        read=lambda result, run: furthest(result.open_fraction, in_the_air(run.steady)),
+        read=lambda result, run: furthest(result.open_fraction, in_the_air(run.of(Case))),
         meaning="Part of the period that a contact is open, of the cell that is furthest off.",
     ),
     Quantity(
         name="largest gap", unit="U0", exact=highest, resolution=fall, of=lambda case: case.modulation > CLOSED,
-        read=lambda result, run: furthest(result.largest_gap, highest(run.steady)),
+        read=lambda result, run: furthest(result.largest_gap, highest(run.of(Case))),
         meaning="Highest point of an inner mass's flight, of the cell that is furthest off.",
     ),
 )  # fmt: skip

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from multibody_xval.engines.shared.wide_range import DESIGN
+from multibody_xval.scenarios.cases.chain_ratios import Ratio
 from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady_steps
-from multibody_xval.scenarios.chain_ratios import Ratio
 from multibody_xval.scenarios.model import Case, value_text
 from reference_lcp.validation import FloatArray
 

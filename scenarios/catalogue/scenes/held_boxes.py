@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from multibody_xval.engines.interface.scene import Box, ContactScene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.scene import (
     HOLDING,
@@ -13,7 +14,6 @@ from multibody_xval.scenarios.catalogue.scenes.scene import (
     SOURCE,
     box_scene,
     no_drift,
-    scene_motion,
     watched,
 )
 from multibody_xval.scenarios.model import Result, Run
@@ -27,7 +27,7 @@ def in_the_plane(run: Run) -> tuple[int, int]:
 def drift(result: Result, run: Run) -> float:
     """Give the mean velocity in the plane [µm/s]."""
     ways = [result.series[("along", "across", "off")[axis]][-1] for axis in in_the_plane(run)]
-    return 1e6 * float(np.linalg.norm(ways)) / scene_motion(run.case).time
+    return 1e6 * float(np.linalg.norm(ways)) / run.of(SceneMotion).time
 
 
 def sag(result: Result, run: Run) -> float:

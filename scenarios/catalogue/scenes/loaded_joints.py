@@ -4,10 +4,10 @@ from dataclasses import replace
 from functools import partial
 
 from multibody_xval.engines.interface.scene import GRAVITY, LINK_LENGTH, LINK_MASS, ArmScene, JointScene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
-from multibody_xval.scenarios.catalogue.scenes.scene import HOLDING, NONE, SOURCE, no_drift, scene_motion, watched
+from multibody_xval.scenarios.catalogue.scenes.scene import HOLDING, NONE, SOURCE, no_drift, watched
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 
 
 def is_slide(case: SceneMotion) -> bool:
@@ -18,7 +18,7 @@ def is_slide(case: SceneMotion) -> bool:
 def drift(result: Result, run: Run) -> float:
     """Read the mean velocity of the joint that moves most [µm/s], [µrad/s]."""
     ways = [way[-1] for name, way in result.series.items() if name.startswith("joint")]
-    return 1e6 * max(map(abs, ways)) / scene_motion(run.case).time
+    return 1e6 * max(map(abs, ways)) / run.of(SceneMotion).time
 
 
 joint_drift = partial(at_rest, read=drift, resolution=no_drift, accuracy="drift")

@@ -6,9 +6,9 @@ There is no chain, and nothing is chosen for one: a preset may only have options
 from typing import Any
 
 from multibody_xval.engines.interface.scene import ContactScene, Scene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, round_off
 from multibody_xval.scenarios.model import AnyCase, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 
 SETTLING = 1.0
 """How long bodies are left alone before they are measured [s]."""
@@ -34,22 +34,16 @@ def watched(scene: Scene, time: float = HOLDING, **more: Any) -> SceneMotion:
     return SceneMotion(scene=scene, time=time, settling=SETTLING, **more)
 
 
-def scene_motion(case: AnyCase) -> SceneMotion:
-    """Give the case, which is a scene."""
-    assert isinstance(case, SceneMotion), "a scene"
-    return case
-
-
 def box_scene(case: AnyCase) -> ContactScene:
     """Give the scene of a case, which is of boxes."""
-    scene = scene_motion(case).scene
-    assert isinstance(scene, ContactScene), "a scene of boxes"
-    return scene
+    assert isinstance(case, SceneMotion), "a scene"
+    assert isinstance(case.scene, ContactScene), "a scene of boxes"
+    return case.scene
 
 
 def time_step(run: Run) -> float:
     """Give the time step of a scene [s]."""
-    return scene_motion(run.case).time / run.steps
+    return run.of(SceneMotion).time / run.steps
 
 
 def no_drift(run: Run, size: float = 1.0, time: float = HOLDING) -> float:

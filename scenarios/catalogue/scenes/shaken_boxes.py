@@ -4,10 +4,10 @@ import math
 from itertools import islice
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Shaker
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion, Tone
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP, Scenario, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import DRIFT
 from multibody_xval.scenarios.catalogue.scenes.scene import SOURCE, watched
-from multibody_xval.scenarios.scene_motion import SceneMotion, Tone
 
 STEPS = (COMMON_STEP, 0.0005, 0.002)
 """The first two that are not the engine's own come beside it [s]: whole periods have whole steps of each."""

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, Vector
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, at_rest, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import on_slope
 from multibody_xval.scenarios.catalogue.scenes.scene import (
@@ -13,12 +14,10 @@ from multibody_xval.scenarios.catalogue.scenes.scene import (
     SOURCE,
     box_scene,
     no_drift,
-    scene_motion,
     time_step,
     watched,
 )
 from multibody_xval.scenarios.model import AnyCase, Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.validation import FloatArray
 
 SLIDING = 2.0
@@ -93,19 +92,19 @@ def launched(speed: float, degrees: float = 0.0, *, friction: float = 0.5, box: 
     return watched(scene, in_quarters(stopped + REST), launch=velocity)
 
 
-def launch_speed(case: AnyCase) -> float:
+def launch_speed(case: SceneMotion) -> float:
     """Give the speed with which a box is launched [m/s]."""
-    return math.hypot(*scene_motion(case).launch)
+    return math.hypot(*case.launch)
 
 
-def way_to_stop(case: AnyCase) -> float:
+def way_to_stop(case: SceneMotion) -> float:
     """Give v²/(2 μ g) [m]."""
     return launch_speed(case) ** 2 / (2 * deceleration(case))
 
 
 def stop_row(result: Result, run: Run) -> int:
     """Give the row at which a box is to have stopped, before its rest is watched."""
-    return int(np.searchsorted(result.series["time"], scene_motion(run.case).time - REST))
+    return int(np.searchsorted(result.series["time"], run.of(SceneMotion).time - REST))
 
 
 def in_plane(result: Result) -> FloatArray:
@@ -116,19 +115,19 @@ def in_plane(result: Result) -> FloatArray:
 def distance(result: Result, run: Run) -> float:
     """Read the way to the stop over the exact one, less 1 [%]."""
     way = float(np.linalg.norm(in_plane(result)[stop_row(result, run)]))
-    return 100 * (way / way_to_stop(run.case) - 1)
+    return 100 * (way / way_to_stop(run.of(SceneMotion)) - 1)
 
 
 def distance_step_error(run: Run) -> float:
     """Give half a step's way, and what is left of the last step [%]."""
-    part = deceleration(run.case) * time_step(run) / launch_speed(run.case)
+    part = deceleration(run.case) * time_step(run) / launch_speed(run.of(SceneMotion))
     return 100 * part * (1 + part / 4)
 
 
 def path(result: Result, run: Run) -> float:
     """Read the angle between way and launch [°]."""
     along, across = in_plane(result)[stop_row(result, run)]
-    launch = scene_motion(run.case).launch
+    launch = run.of(SceneMotion).launch
     return math.remainder(math.degrees(math.atan2(across, along) - math.atan2(launch[1], launch[0])), 360)
 
 
@@ -169,7 +168,7 @@ SLIDE_TO_STOP = Scenario(
         ),
         at_rest(
             name="drift", unit="µm/s", read=drift_after_stop, accuracy="drift",
-            resolution=lambda run: no_drift(run, way_to_stop(run.case), REST),
+            resolution=lambda run: no_drift(run, way_to_stop(run.of(SceneMotion)), REST),
             meaning=f"Mean velocity over {REST:g} s after the stop.",
         ),
     ),

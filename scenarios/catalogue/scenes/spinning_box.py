@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, scene_steps
-from multibody_xval.scenarios.catalogue.scenes.scene import NONE, SOURCE, box_scene, scene_motion, time_step, watched
+from multibody_xval.scenarios.catalogue.scenes.scene import NONE, SOURCE, box_scene, time_step, watched
 from multibody_xval.scenarios.catalogue.scenes.sliding_boxes import REST, in_percent, in_quarters
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.scene_motion import SceneMotion
 
 CORNERS = math.sqrt(0.5)
 """Lever of friction over the side of the box, if its corners carry it: a torque of μ m g times that."""
@@ -33,13 +33,13 @@ def spun(spin: float, friction: float = 0.5, box: Box | None = None) -> SceneMot
 def torque(result: Result, run: Run) -> float:
     """Read the torque from the angle to the stop, over that at the corners, less 1 [%]."""
     turned = abs(float(np.unwrap([0.0, *result.series["turn"]])[-1]))
-    spin = scene_motion(run.case).spin
+    spin = run.of(SceneMotion).spin
     return 100 * (spin**2 / (2 * braking(box_scene(run.case), CORNERS) * turned) - 1) if turned else math.inf
 
 
 def torque_step_error(run: Run) -> float:
     """Give half a step's turn at either end [%]."""
-    return 100 * braking(box_scene(run.case), CORNERS) * time_step(run) / scene_motion(run.case).spin
+    return 100 * braking(box_scene(run.case), CORNERS) * time_step(run) / run.of(SceneMotion).spin
 
 
 SPIN = Scenario(

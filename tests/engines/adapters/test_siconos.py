@@ -1,7 +1,6 @@
 """Siconos: its θ-scheme, its relays and contacts, and where it says nothing of what goes wrong."""
 
 import re
-import sys
 
 import numpy as np
 import pytest
@@ -9,11 +8,10 @@ import pytest
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.isolated.process import EngineProcessError
 from multibody_xval.engines.siconos import Siconos
-from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.recipes import named_recipes
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.recipes import named_recipes
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -83,15 +81,6 @@ def test_without_a_threshold_lemke_parts_a_contact_and_presses_twice_in_the_next
         assert worst <= error <= worst + 0.2
 
 
-def test_a_python_without_siconos_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MULTIBODY_XVAL_SICONOS_PYTHON", sys.executable)
-    reason = Siconos().unavailable_reason()
-    Siconos().process().close()
-    assert reason is not None
-    assert "apt install python3-siconos" in reason
-    assert "MULTIBODY_XVAL_SICONOS_PYTHON" in reason
-
-
 def test_the_version_is_debians_and_not_that_of_the_next_release() -> None:
     assert Siconos().version().startswith("4.4")
 
@@ -150,7 +139,5 @@ def test_joints_have_no_scenes_and_the_reason_is_said() -> None:
 
 
 def test_nothing_is_recommended_and_that_is_said() -> None:
-    with pytest.raises(ParameterError, match="siconos has no recipe: it has no options to recommend"):
-        recipe_text("siconos")
     with pytest.raises(ParameterError, match="siconos:contact: it has no options to recommend"):
         named_recipes(["siconos"])

@@ -66,8 +66,8 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
 def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
     script = (
         "from multibody_xval.engines.interface.variant import Variant\n"
-        "from multibody_xval.scenarios.evaluate import Means, computed\n"
-        "from multibody_xval.scenarios.judge import judged\n"
+        "from multibody_xval.scenarios.running.evaluate import Means, computed\n"
+        "from multibody_xval.scenarios.ruler.judge import judged\n"
         "from multibody_xval.scenarios.model import Case\n"
         "from multibody_xval.scenarios.plan import runs_at\n"
         "from multibody_xval.scenarios.result_tables import points\n"

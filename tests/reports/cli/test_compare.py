@@ -10,7 +10,7 @@ import pytest
 
 from multibody_xval.reports.changes import Comparison, markdown
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.compare import compare
+from multibody_xval.scenarios.compare.stores import compare
 from multibody_xval.scenarios.model import REFERENCE, Run, failed
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ExitCode
@@ -99,7 +99,7 @@ def test_a_document_of_many_changes_folds_them_and_fits_a_comment(folder) -> Non
     head, folded = markdown(Comparison(many, "a", "b", 0.001, strict=False)).split("<details>")
     assert head.count("| regressed: ") == 10
     assert f"| {row.error_percent_now.item() + 999:.3g} |" in head
-    assert "<summary>200 more points, and 790 that are not shown</summary>" in folded
+    assert "<summary>100 more points, and 890 that are not shown</summary>" in folded
     assert len(head + folded) < 65_536
 
 
@@ -128,7 +128,10 @@ WRONG = [
     ("--engine=mujoco:joint:best --engine=pybullet", "best"),
     ("--engine=mujoco:contact:tuned --engine=mujoco:nose=3", "nose"),
     ("--engine=mujoco --engine=pybullet:contact:nothing", "nothing"),
-    ("before.sqlite other.sqlite", "before.sqlite and other.sqlite have no point in common; allowed: stores with"),
+    (
+        "before.sqlite other.sqlite",
+        "before.sqlite (mujoco:joint:tuned) and other.sqlite (of no engine) have no point in common; allowed: stores",
+    ),
     ("before.sqlite text.sqlite", "store text.sqlite is damaged or no store"),
     ("before.sqlite none.sqlite", "store none.sqlite is no file; allowed: "),
     ("before.sqlite worse.sqlite --out=changes.doc", "ending '.doc'; allowed: .md or .json or .csv"),

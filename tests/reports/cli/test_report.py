@@ -13,9 +13,9 @@ import pytest
 from multibody_xval.reports.cli.report import app
 from multibody_xval.reports.page import sources
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import Config, Result, Run
 from multibody_xval.scenarios.result_tables import now, points
+from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Store, Stored
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command

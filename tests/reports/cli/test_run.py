@@ -9,10 +9,11 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.run import STUDIES
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
-from multibody_xval.scenarios.evaluate import stored_results
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed, unsupported
+from multibody_xval.scenarios.running.evaluate import stored_results
 from multibody_xval.scenarios.store import opened
 from reference_lcp.process import run_command
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
@@ -54,6 +55,16 @@ def test_every_scenario_is_listed_with_its_question(capsys) -> None:
     printed = " ".join(capsys.readouterr().out.split())
     assert all(own.name in printed for own in SCENARIOS.values())
     assert "Does it move as it should?" in printed
+
+
+@pytest.mark.parametrize("line", ["run", "run --help"])
+def test_a_measurement_is_listed_once_with_one_question(capsys, monkeypatch, line) -> None:
+    """Of Figure 3 a scenario has a few points, under the same name."""
+    monkeypatch.setenv("COLUMNS", "300")
+    assert run_command(app, line.split()) == 0
+    rows = [row.strip("│ ").split("  ", 1) for row in capsys.readouterr().out.splitlines()]
+    for name, (_, question) in STUDIES.items():
+        assert [row[1].strip() for row in rows if row[0] == name] == [question]
 
 
 def test_a_sound_engine_agrees_in_one_sentence_at_the_end(capsys) -> None:
@@ -193,6 +204,10 @@ def test_many_configurations_and_several_scenarios_have_a_row_each(capsys) -> No
     ("words", "message"),
     [
         ("unit-sell", "No such command 'unit-sell'. Did you mean 'unit-cell'"),
+        ("two-points accuracy", "two-points with accuracy; allowed: scenarios together, or accuracy alone"),
+        ("two-points two-points laws --out a.md", "two-points with laws; allowed: scenarios together, or laws alone"),
+        ("accuracy two-points", "accuracy with two-points; allowed: scenarios together, or accuracy alone"),
+        ("figure3 proofs", "figure3 with proofs; allowed: scenarios together, or figure3 alone"),
         ("two-points unit-sell", "scenario = 'unit-sell' is unknown; allowed: .* did you mean unit-cell?"),
         ("two-points --engine mujocko", "engine = 'mujocko' is unknown"),
         ("two-points --out numbers.txt", "allowed: .md or .json or .csv"),
@@ -211,7 +226,9 @@ def test_many_configurations_and_several_scenarios_have_a_row_each(capsys) -> No
     ],
 )
 def test_wrong_input_is_one_line_before_any_work(capsys, monkeypatch, words, message) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.running.evaluate.run_missing", lambda *_, **__: pytest.fail("computed")
+    )
     write_store(Path("s.sqlite"), SOUND)
     Path("old.sqlite").write_bytes(Path("s.sqlite").read_bytes())
     with sqlite3.connect("old.sqlite") as old:
@@ -231,7 +248,7 @@ def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", interrupted)
+    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", interrupted)
     code, printed = shown(capsys, "--engine=mujoco", *options)
     assert code == 130
     assert f"interrupted: {kept}" in printed
@@ -243,6 +260,8 @@ def test_a_scenario_may_follow_the_record_of_a_user(capsys, monkeypatch) -> None
     write_store(Path("s.sqlite"), SOUND)
     _, printed = shown(capsys, "--no-run", "--store=s.sqlite", "--record=quake.csv", of="follows")
     assert "two-points: Along quake.csv?" in printed
+    code, printed = shown(capsys, NAME, "--no-run", "--store=s.sqlite", "--record=quake.csv", of="follows")
+    assert (code, "agrees with what is expected in all 4 numbers" in printed) == (0, True)
 
 
 def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
@@ -250,5 +269,5 @@ def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
     assert code == 0
     assert printed.endswith("mujoco:joint:tuned agrees with what is expected in all 2 numbers.")
     assert {row.run.config.engine for row in stored_results(Path("k.sqlite"))} == {"mujoco", "reference"}
-    monkeypatch.setattr("multibody_xval.scenarios.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
     assert shown(capsys, "--engine=mujoco", "--workers=1", "--store=k.sqlite")[0] == 0

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.claims import claim_cases
-from multibody_xval.scenarios.exact_values import ruler
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Result, Run, Status, failed
-from multibody_xval.scenarios.proven import proven
+from multibody_xval.scenarios.ruler.exact_values import ruler
+from multibody_xval.scenarios.ruler.proven import proven
 from multibody_xval.scenarios.store import opened
+from multibody_xval.scenarios.studies.claims import claim_cases
 from reference_lcp.process import run_command
 
 TUNED = Config("mujoco")
@@ -77,7 +77,7 @@ def test_figure_3_fails_where_a_judged_number_deviates_or_too_many_are_lost(tmp_
 )
 def test_wrong_input_is_refused_before_any_work(tmp_path: Path, capsys, monkeypatch, options, message) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", None)
+    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", None)
     assert run_command(app, ["run", *options]) == 2
     assert message in capsys.readouterr().err
 

@@ -18,12 +18,12 @@ import pytest
 import xarray as xr
 
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.dataset_file import read_dataset
-from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import Config, Result, Run, failed
+from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Store, opened
-from multibody_xval.scenarios.sweep_file import EXAMPLE, read_sweep
-from multibody_xval.scenarios.swept import stored_sweep, swept
+from multibody_xval.scenarios.sweeps.dataset import read_dataset
+from multibody_xval.scenarios.sweeps.file import EXAMPLE, read_sweep
+from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 
@@ -93,7 +93,9 @@ def test_a_row_a_configuration_and_the_finding_last(done: Path, capsys) -> None:
 
 
 def test_out_of_the_store_nothing_is_run_and_the_same_is_written(done: Path, monkeypatch, capsys) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.evaluate.run_missing", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(
+        "multibody_xval.scenarios.running.evaluate.run_missing", lambda *_, **__: pytest.fail("computed")
+    )
     assert run(done, "--no-run", "--out", str(done / "own.csv")) == ExitCode.DONE
     table, data = pd.read_csv(done / "own.csv"), read_dataset(done / "own.nc")
     np.testing.assert_array_equal(table.transmittance_db, data.transmittance_db.values.ravel())

@@ -9,13 +9,12 @@ import pytest
 from multibody_xval.reports import report
 from multibody_xval.reports.page.sources import stored_page
 from multibody_xval.reports.page.write import SECTIONS, write_page
-from multibody_xval.scenarios.dataset import dataset
-from multibody_xval.scenarios.dataset_file import write_dataset
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Result, Run
 from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
-from multibody_xval.scenarios.sweep_file import sweep_of
+from multibody_xval.scenarios.sweeps.dataset import dataset, write_dataset
+from multibody_xval.scenarios.sweeps.file import sweep_of
 from reference_lcp.errors import ParameterError
 from tests.reports.conftest import SWEEP, kept
 

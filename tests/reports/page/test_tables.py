@@ -6,10 +6,10 @@ import pytest
 from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Config, Result, Run
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS
 from multibody_xval.scenarios.result_tables import now, points
+from multibody_xval.scenarios.ruler.judge import judged
 from tests.reports.conftest import spoilt
 
 TUNED = Config("mujoco")

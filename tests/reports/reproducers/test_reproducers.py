@@ -25,10 +25,10 @@ from multibody_xval.engines.shared.script_units import script_in_si
 from multibody_xval.reports.reproducers import questions
 from multibody_xval.reports.reproducers.questions import SHOWN, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, header, script
+from multibody_xval.scenarios.cases.motions import Motion
 from multibody_xval.scenarios.catalogue.scenario import largest
-from multibody_xval.scenarios.compute.motions import motion
-from multibody_xval.scenarios.evaluate import Means
 from multibody_xval.scenarios.model import REFERENCE, Config, failed
+from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 
@@ -77,7 +77,7 @@ SINGLE_ROUNDINGS = 3
 
 def per_metre(shown: Reproduction, value: float) -> float:
     """Give what a metre of a position makes of a number at most."""
-    case = motion(shown.run)
+    case = shown.run.of(Motion)
     match shown.quantity.name:
         case "drift":  # µm/s, from two slips
             return 2 * 1e6 / (case.time / 2)
@@ -131,7 +131,7 @@ def position_tolerance(shown: Reproduction) -> float:
     The suite simulates a motion in parts, and a script in one. In single precision both round the same numbers, and
     differ where double precision rounds one of them to its other neighbour.
     """
-    config, steps, case = shown.run.config, shown.run.steps, motion(shown.run)
+    config, steps, case = shown.run.config, shown.run.steps, shown.run.of(Motion)
     left = config.preset.split_tolerance + PARTS_LEFT.get(str(config), 0.0)
     roundings = ROUNDINGS * steps * 2.0**-53
     if config.capabilities.precision == "single":

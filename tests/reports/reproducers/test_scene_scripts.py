@@ -92,8 +92,21 @@ def test_engines_with_scripts_of_scenes() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "scenario", "shown"),
+    [
+        ("mujoco", "stack-hold", "mujoco:contact:recommended"),
+        ("mujoco", "joint-hold", "mujoco:joint:recommended"),
+        ("mujoco:contact:default", "stack-hold", "mujoco:contact:default"),
+    ],
+)
+def test_a_bare_engine_shows_the_recipe_in_the_formulation_of_the_scene(name, scenario, shown) -> None:
+    assert checked_scene(name, scenario).run.config == Config.parse(shown)
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["reference", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
         (["mujoco:contact:tuned", "slope-hold"], "preset = tuned is for the chain"),
         (["mujoco:joint:default", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
         (["drake:contact:default", "grip"], "engine = drake has no script of grip; allowed: mujoco"),

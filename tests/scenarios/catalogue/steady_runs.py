@@ -37,7 +37,7 @@ def judged_copy(
     runs = [run for run in scenario.runs([config]) if run.config != config]
     ruler = [Stored(run, "1", result_of(run)) for run in runs]
     own = [
-        Stored(run, "1", spoilt(result_of(Run(REFERENCE, changed(run.steady), run.steps))))
+        Stored(run, "1", spoilt(result_of(Run(REFERENCE, changed(run.of(Case)), run.steps))))
         for run in scenario.own_runs(config).values()
     ]
     table = numbers(scenario, [*ruler, *own])

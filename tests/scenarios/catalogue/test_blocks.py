@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.presets import LARGEST_ACCURACY
+from multibody_xval.scenarios.cases.motions import Block, BlockMotion
 from multibody_xval.scenarios.catalogue.blocks import block, breakaway, held, thrown
 from multibody_xval.scenarios.catalogue.blocks.breakaway import BREAKAWAY
 from multibody_xval.scenarios.catalogue.blocks.held import RATCHET, STATIC_HOLD
@@ -19,9 +20,8 @@ from multibody_xval.scenarios.catalogue.blocks.published import (
     read,
 )
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
-from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Run
-from multibody_xval.scenarios.motions import Block, BlockMotion
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.errors import ParameterError
 from tests.scenarios.in_this_process import (

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.chains.broadband import (
     BANDS,
@@ -14,27 +15,25 @@ from multibody_xval.scenarios.catalogue.chains.broadband import (
     ROWS_PER_PERIOD,
     SWEPT_SINE,
     base_rows,
-    chain_motion,
     followed,
     linear_limits,
 )
 from multibody_xval.scenarios.edges.finding import brackets
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
-from multibody_xval.scenarios.motions import ChainMotion
+from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp import HarmonicBase, decibel, frictionless_transmittance
 from tests.scenarios.in_this_process import OTHER, SHARES, deviating, judged, judged_copy, result_of
 
 BELOW, WITHIN, ABOVE = "η_r 0.65–0.82", "η_r 0.9–1.35", "η_r 1.5–2"
 
-PULSE = chain_motion(RICKER_PULSE.cases["μλ_N/(k_c U0) = 0.03"])
+PULSE = RICKER_PULSE.cases["μλ_N/(k_c U0) = 0.03"]
 
 SHORT_PULSE = replace(RICKER_PULSE, cases=followed(PULSE.drive, 60, (0.03,)))
 """The pulse, not followed to its end."""
 
 
 def first(scenario) -> ChainMotion:
-    return chain_motion(next(iter(scenario.cases.values())))
+    return next(iter(scenario.cases.values()))
 
 
 def numbers_at(scenario, friction_ratio):

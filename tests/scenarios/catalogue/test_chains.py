@@ -8,8 +8,8 @@ import pytest
 from multibody_xval.engines.shared.wide_range import DESIGN
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.chains import steady_states as chains
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config
+from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp.defaults import CHAIN_STIFFNESS
 from tests.scenarios.catalogue.steady_runs import OTHER, SHARES, deviating, judged_copy, only
 

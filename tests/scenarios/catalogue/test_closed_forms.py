@@ -9,9 +9,9 @@ import pytest
 from multibody_xval.scenarios.catalogue.chains import closed_forms
 from multibody_xval.scenarios.catalogue.chains.closed_forms import DEN_HARTOG, FRICTIONLESS_LIMIT, LOCKED_LIMIT, SLIDING
 from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.exact_values import PROVEN_BAR, proven
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, Run
+from multibody_xval.scenarios.ruler.exact_values import PROVEN_BAR, proven
+from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp.chain.linear_response import stuck_response
 from reference_lcp.observables.stick_slip import Mode
 from tests.scenarios.catalogue.steady_runs import OTHER, SHARES, deviating, judged_copy, only, result_of

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.direction import DIRECTION, PART
-from multibody_xval.scenarios.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.model import EXACT, Config, Run
-from multibody_xval.scenarios.motions import BlockMotion
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from reference_lcp import Chain, Lane, StillBase
 from reference_lcp.errors import ParameterError
 from tests.installed import each_engine

@@ -13,8 +13,8 @@ from multibody_xval.scenarios.catalogue.chains.free_decay import (
     offsets,
     rest_time,
 )
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, Run
+from multibody_xval.scenarios.ruler.judge import AGREES
 from tests.scenarios.in_this_process import OTHER, SHARES, deviating, judged, judged_copy, result_of
 
 

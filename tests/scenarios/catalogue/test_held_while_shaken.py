@@ -10,13 +10,13 @@ import pytest
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY
 from multibody_xval.reports.reproducers.recipe import recipe_text
+from multibody_xval.scenarios.cases.scene_motion import swinging
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenes.scene import box_scene
 from multibody_xval.scenarios.catalogue.scenes.shaken_boxes import FRICTION, HELD_WHILE_SHAKEN, pushed
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.evaluate import Means, computed
 from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.scene_motion import swinging
+from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.store import Stored
 
 EVERY = {**HELD_WHILE_SHAKEN.cases, **HELD_WHILE_SHAKEN.held_out}

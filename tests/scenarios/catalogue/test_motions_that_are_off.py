@@ -12,8 +12,8 @@ from multibody_xval.scenarios.catalogue.chains.broadband import RICKER_PULSE
 from multibody_xval.scenarios.catalogue.chains.free_decay import FREE_DECAY
 from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
 from multibody_xval.scenarios.catalogue.scenario import steps_a_row
-from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE
 from multibody_xval.scenarios.model import Result
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE
 from tests.scenarios.in_this_process import OTHER, SHARES, judged_copy, only
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from multibody_xval.scenarios.catalogue.chains.normal_forces import MODULATED_NORMAL_FORCE
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, Case, Config, Result, Run
+from multibody_xval.scenarios.ruler.judge import AGREES
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 from tests.scenarios.catalogue.steady_runs import OTHER, SHARES, deviating, judged_copy, only, result_of

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.blocks import held, thrown
 from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
@@ -15,10 +16,9 @@ from multibody_xval.scenarios.catalogue.numbers import COLUMNS, numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.scenes import held_boxes, scene
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.judge import AGREES, DEVIATES, UNKNOWN
 from multibody_xval.scenarios.model import REFERENCE, AnyCase, Config, Result, Run, Status, failed
-from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.result_tables import full_name
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, UNKNOWN
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.chain.transient import QUIET, RickerPulse
 

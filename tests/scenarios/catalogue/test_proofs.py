@@ -11,11 +11,11 @@ from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.catalogue import edge_proofs, proofs
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.edges.finding import curves, hidden
-from multibody_xval.scenarios.exact_values import exact_values, ruler
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Result, Run, Status, linear_limits
-from multibody_xval.scenarios.proven import proven, proven_levels
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.ruler.exact_values import exact_values, ruler
+from multibody_xval.scenarios.ruler.proven import proven, proven_levels
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command

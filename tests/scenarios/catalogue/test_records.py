@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue.chains.broadband import chain_motion
+from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import Run
+from multibody_xval.scenarios.ruler.judge import AGREES
 from multibody_xval.scenarios.store import Stored
 from reference_lcp import ParameterError, RecordedBase
 from tests.scenarios.catalogue.example_record import PEAK, example_samples, write_example
@@ -35,7 +35,7 @@ def test_own_record_is_scaled_to_the_amplitude_of_the_friction_ratio(tmp_path) -
     own = 3.0 * np.sin(2 * math.pi * 5 * times) * np.sin(math.pi * times / 2) ** 2
     file.write_text("\n".join(f"{a},{b}" for a, b in zip(times, own, strict=True)))
     period = 2 * math.pi / math.sqrt(1000)
-    for case in map(chain_motion, following(file).cases.values()):
+    for case in following(file).cases.values():
         assert case.scale == pytest.approx(0.01)
         assert case.time == pytest.approx((math.ceil(2.0 / period) + 200) * period)
     assert list(following(file).cases) == list(RECORD.cases)
@@ -58,7 +58,7 @@ def test_steps_are_as_short_as_the_samples_of_a_record_are_near(tmp_path, spacin
     """A period 2π / ω_r takes 0.1987 s; ten rows of it are kept, and a fourth of the steps meets every sample."""
     scenario = following(written(tmp_path, spacing))
     (run, *_) = scenario.own_runs(SHARES).values()
-    case = chain_motion(run.case)
+    case = run.of(ChainMotion)
     assert 10 * run.steps == steps * case.rows
     assert case.lane(run.steps // 4).time_step <= spacing
 
@@ -77,5 +77,5 @@ def test_stored_results_of_a_record_are_judged_by_the_file_that_is_named() -> No
     table = numbers(scenario, stored)
     assert set(table[table.engine == "mujoco"].verdict) == {AGREES}
     assert table.equals(numbers(scenario, results))
-    other = replace(scenario, cases={"another": replace(chain_motion(results[-1].run.case), friction_ratio=0.2)})
+    other = replace(scenario, cases={"another": replace(results[-1].run.of(ChainMotion), friction_ratio=0.2)})
     assert numbers(other, stored).empty

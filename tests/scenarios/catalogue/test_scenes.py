@@ -10,6 +10,7 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario, scene_steps
@@ -24,9 +25,8 @@ from multibody_xval.scenarios.catalogue.scenes import (
 from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, UNIFORM
 from multibody_xval.scenarios.compute import scenes
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.judge import AGREES, DEVIATES, TOO_LARGE
 from multibody_xval.scenarios.model import Config
-from multibody_xval.scenarios.scene_motion import SceneMotion
+from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
 from tests.scenarios.point_mass import Wrong, point_mass_numbers

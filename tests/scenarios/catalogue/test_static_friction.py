@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks import static_friction
 from multibody_xval.scenarios.catalogue.blocks.static_friction import (
     FAST,
@@ -16,9 +17,8 @@ from multibody_xval.scenarios.catalogue.blocks.static_friction import (
     TWO_STEPS,
     load,
 )
-from multibody_xval.scenarios.judge import AGREES
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
-from multibody_xval.scenarios.motions import BlockMotion
+from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp.errors import ParameterError
 from tests.scenarios.in_this_process import (
     OTHER,

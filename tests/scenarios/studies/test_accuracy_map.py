@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.exact_values import ruler
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import Case, Config, Result, Run, Status, failed
-from multibody_xval.scenarios.proven import proven
 from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.ruler.exact_values import ruler
+from multibody_xval.scenarios.ruler.judge import judged
+from multibody_xval.scenarios.ruler.proven import proven
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.accuracy_map import (
     HEADINGS,

@@ -7,10 +7,10 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.judge import judged
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
-from multibody_xval.scenarios.proven import proven
 from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.ruler.judge import judged
+from multibody_xval.scenarios.ruler.proven import proven
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.accuracy_map import SIX
 from multibody_xval.scenarios.studies.step_study import (

@@ -11,7 +11,7 @@ import pytest
 
 from multibody_xval.scenarios.catalogue.proofs import exact_chain
 from multibody_xval.scenarios.model import Case
-from multibody_xval.scenarios.proven import proven_levels
+from multibody_xval.scenarios.ruler.proven import proven_levels
 from multibody_xval.scenarios.truth import problem_named, problems
 from multibody_xval.scenarios.truth.problem import Problem, problem_of, text_of
 from multibody_xval.scenarios.truth.record import FOLDER, recorded

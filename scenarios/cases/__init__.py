@@ -1,0 +1,1 @@
+"""Cases that are run: chains in ratios, motions from a state, scenes."""

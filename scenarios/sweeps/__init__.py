@@ -1,0 +1,1 @@
+"""Sweeps: their files, their runs, and their results as labelled arrays."""

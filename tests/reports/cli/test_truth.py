@@ -1,0 +1,33 @@
+"""``multibody-xval truth check``: what is printed of a motion that deviates."""
+
+from pathlib import Path
+
+import pytest
+
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.scenarios.truth import problem_named
+from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
+
+OFF = 1.23449e-3
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_what_a_motion_is_off_is_printed_in_four_digits_within_80_columns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], velocities: bool
+) -> None:
+    """A block that is held is off by as much as it is said to have moved."""
+    monkeypatch.setenv("COLUMNS", "80")
+    problem, file = problem_named("block-held"), tmp_path / "motion.csv"
+    columns = ["time", "x0", *(["v0"] if velocities else [])]
+    last = len(problem.times) - 1
+    rows = [
+        [time, place[0] + OFF * (k == last), *([speed[0] + 2 * OFF] if velocities else [])]
+        for k, (time, place, speed) in enumerate(zip(problem.times, problem.positions, problem.velocities, strict=True))
+    ]
+    file.write_text("\n".join(",".join(map(str, row)) for row in [columns, *rows]), encoding="utf-8")
+    assert run_command(app, ["truth", "check", "block-held", str(file)]) == ExitCode.FAILED
+    printed = capsys.readouterr().out
+    assert "0.001234 m " in printed
+    assert ("0.002469 m/s" in printed) == velocities
+    assert max(map(len, printed.splitlines())) <= 80

@@ -1,0 +1,162 @@
+"""A command that is interrupted, killed, or without room on its disk loses nothing: a second one goes on."""
+
+import contextlib
+import resource
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from multibody_xval.scenarios.model import REFERENCE
+from multibody_xval.scenarios.store import opened
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="worker processes need Linux"),
+]
+
+RUNS = 3000
+"""A second of two workers, with the reference's simulation of 100 steps per period."""
+
+PROGRAM = f"""
+import sys
+from pathlib import Path
+from multibody_xval.scenarios.running.evaluate import Means, computed
+from multibody_xval.scenarios.model import REFERENCE, Case, Run
+from reference_lcp.errors import RunError
+cases = [Case(friction_ratio=0.3, frequency_ratio=0.3 + number / {RUNS}, cells=2) for number in range({RUNS})]
+try:
+    found = computed([Run(REFERENCE, case, 100) for case in cases], Means(store=Path(sys.argv[1]), workers=2))
+except KeyboardInterrupt:
+    sys.exit(130)
+except RunError as problem:
+    sys.exit(str(problem))
+print(sum(own.result.status == "periodic" for own in found))
+"""
+
+
+@contextlib.contextmanager
+def begun(store: Path) -> Iterator[subprocess.Popen[str]]:
+    """Begin a command in a session of its own, as a terminal's is."""
+    command = [sys.executable, "-c", PROGRAM, str(store)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as own:
+        yield own
+
+
+def rows(store: Path) -> int:
+    """Results that a file has; none where it has no table."""
+    if not store.exists():
+        return 0
+    with contextlib.closing(sqlite3.connect(f"file:{store}?mode=ro", uri=True)) as file:
+        try:
+            return file.execute("SELECT count(*) FROM results").fetchone()[0]
+        except sqlite3.Error:
+            return 0
+
+
+BATCH = REFERENCE.batch_lanes
+"""Results that are stored at once."""
+
+
+def wait_for_rows(store: Path, most: int = 0) -> None:
+    """Wait until more results are stored than so many."""
+    end = time.monotonic() + 120
+    while rows(store) <= most:
+        assert time.monotonic() < end, "no result is stored"
+        time.sleep(0.02)
+
+
+def processes_of(session: int) -> list[int]:
+    """Processes of a session that have not ended."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            state, _, _, own = (folder / "stat").read_text().rpartition(")")[2].split()[:4]
+            found += [int(folder.name)] if int(own) == session and state != "Z" else []
+    return found
+
+
+def left_of(session: int) -> list[int]:
+    """Give the processes that have not ended 5 s after the command of their session."""
+    end = time.monotonic() + 5
+    while processes_of(session) and time.monotonic() < end:
+        time.sleep(0.1)
+    return processes_of(session)
+
+
+def goes_on(store: Path) -> None:
+    """A second command computes the rest alone."""
+    before = rows(store)
+    with begun(store) as again:
+        output, error = again.communicate(timeout=300)
+    assert output.split() == [str(RUNS)]
+    assert f" of {RUNS - before} runs" in error
+    assert rows(store) == RUNS
+    assert [own.name for own in store.parent.glob(f"{store.name}*")] == [store.name]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Path:
+    return tmp_path / "results.sqlite"
+
+
+def test_after_an_interrupt_nothing_runs_and_a_second_command_goes_on(store) -> None:
+    with begun(store) as own:
+        wait_for_rows(store)
+        own.send_signal(signal.SIGINT)
+        own.communicate(timeout=30)
+    assert own.returncode == 130
+    assert left_of(own.pid) == []
+    assert 0 < rows(store) < RUNS
+    goes_on(store)
+
+
+def test_after_a_kill_nothing_runs_and_a_copy_of_the_file_alone_lacks_the_last_batch_at_most(store) -> None:
+    with begun(store) as own:
+        wait_for_rows(store, 2 * BATCH)
+        own.kill()
+        own.communicate(timeout=30)
+    assert left_of(own.pid) == []
+    copy = Path(shutil.copy(store, store.with_name("copy.sqlite")))
+    with opened(copy) as found:
+        assert 0 < rows(store) - BATCH <= len(list(found.rows())) <= rows(store)
+    goes_on(store)
+
+
+def test_a_killed_worker_costs_nothing(store) -> None:
+    with begun(store) as own:
+        wait_for_rows(store)
+        for process in processes_of(own.pid):
+            with contextlib.suppress(OSError):
+                if Path(f"/proc/{process}/comm").read_text().startswith("xval-"):
+                    subprocess.run(["kill", "-9", str(process)], check=False)
+        output, _ = own.communicate(timeout=300)
+    assert output.split() == [str(RUNS)]
+
+
+def test_a_file_that_cannot_grow_ends_the_command_in_a_line_and_a_second_one_goes_on(store) -> None:
+    most = 200_000
+    with begun(store) as own:
+        resource.prlimit(own.pid, resource.RLIMIT_FSIZE, (most, most))
+        _, error = own.communicate(timeout=300)
+    last = error.splitlines()[-1]
+    assert last.startswith(f"store {store}: ")
+    assert last.endswith("what is stored stays, run again to go on")
+    assert "Traceback" not in error
+    assert rows(store) > 0
+    goes_on(store)
+
+
+def test_two_commands_share_a_file(store) -> None:
+    with begun(store) as one, begun(store) as other:
+        outputs = [own.communicate(timeout=300)[0].split() for own in (one, other)]
+    assert outputs == [[str(RUNS)], [str(RUNS)]]
+    assert rows(store) == RUNS

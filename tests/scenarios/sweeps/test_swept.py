@@ -1,0 +1,161 @@
+"""Sweeps against closed forms: every point is the steady state at its place, out of a run or out of a store."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import PchipInterpolator
+
+from multibody_xval.scenarios.model import Case, Result, Run, linear_limits
+from multibody_xval.scenarios.running.evaluate import Means
+from multibody_xval.scenarios.store import Store, Stored, opened
+from multibody_xval.scenarios.sweeps import swept as module
+from multibody_xval.scenarios.sweeps.dataset import judged_table
+from multibody_xval.scenarios.sweeps.file import sweep_of
+from multibody_xval.scenarios.sweeps.frequency_grid import level
+from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
+from reference_lcp import Chain, HarmonicBase, steady_state
+
+pytestmark = pytest.mark.usefixtures("here")
+
+GRID = {"friction_ratio": [0.0, 0.3], "frequency_ratio": [0.5, 0.9, 1.5], "mass_ratio": [0.5, 1.0]}
+SWEEP = sweep_of({"engines": ["reference", "mujoco"], "grid": GRID, "chain": {"cells": 2}})
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("swept") / "own.sqlite"
+
+
+@pytest.fixture(scope="module")
+def data(here, store: Path) -> xr.Dataset:
+    return swept(SWEEP, Means(store=store))
+
+
+def test_without_friction_exact_values_are_those_of_the_linear_chain(data: xr.Dataset) -> None:
+    for own in judged_table(data.sel(friction_ratio=0.0)).itertuples():
+        exact = linear_limits(own.case)[0]
+        assert own.exact_db == pytest.approx(20 * math.log10(abs(exact)), abs=1e-9)
+        assert own.error_db == pytest.approx(own.transmittance_db - own.exact_db, abs=1e-9)
+        assert own.verdict == "agrees"
+        assert own.stuck == (0.0, 0.0)
+
+
+def test_every_point_is_the_steady_state_at_its_place(data: xr.Dataset) -> None:
+    chain = Chain.from_ratios(cells=2, mass_ratio=0.5, friction_ratio=0.3)
+    expected = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), with_error_bar=False).transmittance_db
+    place = {"friction_ratio": 0.3, "frequency_ratio": 0.9, "mass_ratio": 0.5}
+    levels = data.transmittance_db.sel(place)
+    assert float(levels.sel(configuration="reference")) == pytest.approx(expected, abs=1e-9)
+    assert float(levels.sel(configuration="mujoco")) == pytest.approx(expected, abs=1e-4)
+    assert abs(float(data.transmittance_db.sel({**place, "mass_ratio": 1.0}, drop=True)[0]) - expected) > 0.1
+
+
+def test_a_store_alone_gives_the_same(data: xr.Dataset, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "computed", lambda *_, **__: pytest.fail("something is run"))
+    xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
+
+
+def test_a_second_sweep_runs_nothing(data: xr.Dataset, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    xr.testing.assert_identical(swept(SWEEP, Means(store=store)), data)
+
+
+def test_what_a_store_lacks_is_missing_and_the_rest_is_shown(store: Path, data: xr.Dataset) -> None:
+    wider = sweep_of({"engines": ["reference"], "grid": {**GRID, "friction_ratio": [0.0, 0.4]}, "chain": {"cells": 2}})
+    part = stored_sweep(wider, store)
+    assert set(part.status.sel(friction_ratio=0.4).values.ravel()) == {"missing"}
+    assert part.transmittance_db.sel(friction_ratio=0.4).isnull().all()
+    expected = data.transmittance_db.sel(configuration=["reference"], friction_ratio=[0.0])
+    xr.testing.assert_equal(part.transmittance_db.sel(friction_ratio=[0.0]), expected)
+
+
+def test_of_several_versions_the_installed_one_is_given(data, store, tmp_path, monkeypatch) -> None:
+    every = list(module.stored_results(store))
+    older = [Stored(own.run, "0.1", own.result) for own in every if own.run.config.engine == "mujoco"]
+    for both in ([*every, *older], [*older, *every]):
+        monkeypatch.setattr(module, "stored_results", lambda _store, both=both: both)
+        assert "0.1" not in set(stored_sweep(SWEEP, store).version.values.ravel())
+    monkeypatch.setattr(module, "stored_results", lambda _store: older)
+    assert set(stored_sweep(SWEEP, store).version.sel(configuration="mujoco").values.ravel()) == {"0.1"}
+
+
+ADAPTIVE = sweep_of({
+    "engines": ["reference", "mujoco"],
+    "grid": {
+        "friction_ratio": [0.0, 0.3],
+        "frequency_ratio": {"first": 0.5, "last": 1.5, "accuracy_db": 1.0, "least_spacing": 0.005},
+    },
+    "chain": {"cells": 2},
+    "drive": {"kind": "force", "amplitude": 5.0},
+})  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def adaptive(here, store: Path) -> xr.Dataset:
+    return swept(ADAPTIVE, Means(store=store))
+
+
+def test_adaptive_curves_are_right_between_their_points(adaptive: xr.Dataset) -> None:
+    """The frictionless curve, driven by a force, against the closed form; Euler's own error is part of it."""
+    curve = adaptive.transmittance_db.sel(configuration="reference", friction_ratio=0.0).dropna("frequency_ratio")
+    interpolated = PchipInterpolator(curve.frequency_ratio.values, [level(own) for own in curve.values])
+    eta = np.linspace(0.52, 1.48, 24)
+    cases = [Case(friction_ratio=0.0, frequency_ratio=own, cells=2, drive="force") for own in eta.tolist()]
+    exact = [level(20 * math.log10(abs(linear_limits(case)[0]))) for case in cases]
+    assert np.abs(interpolated(eta) - exact).max() < 1.5
+    assert float(adaptive.error_db.sel(friction_ratio=0.0).max()) < 0.5
+
+
+def test_curves_have_frequencies_of_their_own_and_the_same_with_an_equal_scheme(adaptive: xr.Dataset) -> None:
+    there = adaptive.status != "missing"
+    one, other = there.sel(configuration="reference").values
+    assert (one != other).any(), "the friction ratios need the same frequencies: the test says nothing"
+    np.testing.assert_array_equal(there.sel(configuration="mujoco"), there.sel(configuration="reference"))
+
+
+def test_an_adaptive_sweep_out_of_its_store_has_the_points_that_it_chose(adaptive: xr.Dataset, store: Path) -> None:
+    """Points of other frequencies, such as those that band edges add, are not among them."""
+    xr.testing.assert_identical(stored_sweep(ADAPTIVE, store), adaptive)
+    place = ADAPTIVE.places[0]
+    more = sweep_of({
+        "engines": ["reference"], "grid": {"friction_ratio": [0.0], "frequency_ratio": [0.777]},
+        "chain": {"cells": 2}, "drive": {"kind": "force", "amplitude": 5.0},
+    })  # fmt: skip
+    assert more.places[0] == place
+    swept(more, Means(store=store))
+    assert 0.777 not in stored_sweep(ADAPTIVE, store).frequency_ratio.values
+
+
+class Full(Exception):
+    """Ends a sweep in its midst."""
+
+
+def test_a_sweep_that_is_stopped_goes_on_with_the_same_points(adaptive, tmp_path, monkeypatch) -> None:
+    stopped = tmp_path / "stopped.sqlite"
+    adds, keep = iter(range(5)), Store.add
+
+    def add(own: Store, results: dict[Run, Result]) -> None:
+        keep(own, results)
+        if next(adds, None) is None:
+            raise Full
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Store, "add", add)
+        with pytest.raises(Full):
+            swept(ADAPTIVE, Means(store=stopped))
+    with opened(stopped) as kept:
+        assert 0 < len(list(kept.rows())) < int((adaptive.status != "missing").sum())
+    again = swept(ADAPTIVE, Means(store=stopped))
+    xr.testing.assert_identical(again.drop_vars("seconds"), adaptive.drop_vars("seconds"))
+
+
+@pytest.mark.parametrize(("tolerance", "verdict"), [(1e-9, "deviates"), (3.0, "agrees")])
+def test_a_tolerance_of_the_sweep_judges_its_points(tolerance: float, verdict: str) -> None:
+    own = sweep_of({
+        "engines": ["mujoco"], "grid": {"friction_ratio": [0.3], "frequency_ratio": [0.9]}, "chain": {"cells": 1},
+        "tolerances": {"transmittance_db": tolerance},
+    })  # fmt: skip
+    assert swept(own, Means()).verdict.item() == verdict
