@@ -50,10 +50,10 @@ _process = functools.cache(EngineProcess)
 
 
 @functools.cache
-def _versions_or_reason(engine: str, interpreter: str, server: Path) -> dict[str, str] | str:
+def _versions_or_reason(process: EngineProcess) -> dict[str, str] | str:
     """Give the versions that the server states, or why it cannot be used there: each Python is tried once."""
     try:
-        stated = _process(engine, interpreter, server).request("versions", START_LIMIT)
+        stated = process.request("versions", START_LIMIT)
     except EngineProcessError as problem:
         return str(problem)
     return {name: visible(str(value)) for name, value in stated.items()}
@@ -211,18 +211,15 @@ class OutOfProcessEngine(Engine):
 
     def unavailable_reason(self) -> str | None:
         """Reason why the engine cannot be used, and what to do; ``None`` if it can."""
-        versions, variable = self._versions_or_reason(), interpreter_variable(self.name)
+        versions, variable = _versions_or_reason(self.process()), interpreter_variable(self.name)
         remedy = f"apt install {self.capabilities.package}, or let {variable} name a Python that has it"
         return f"{remedy} ({versions})" if isinstance(versions, str) else None
 
     def _stated(self, name: str) -> str:
-        versions = self._versions_or_reason()
+        versions = _versions_or_reason(self.process())
         if isinstance(versions, str):
             raise EngineProcessError(versions)
         return versions[name]
-
-    def _versions_or_reason(self) -> dict[str, str] | str:
-        return _versions_or_reason(self.name, self.interpreter, self.server)
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         process = self.process()

@@ -184,8 +184,9 @@ def test_an_error_whose_text_no_file_takes_is_shown(process: EngineProcess) -> N
 def test_a_version_whose_text_no_file_takes_is_shown(tmp_path: Path) -> None:
     server = tmp_path / "server.py"
     server.write_text("def versions():\n    return {'engine': '1\\udc80'}\n")
-    assert out_of_process._versions_or_reason("tested", sys.executable, server)["engine"] == "1\\udc80"
-    out_of_process._process("tested", sys.executable, server).close()
+    process = EngineProcess("tested", sys.executable, server)
+    assert out_of_process._versions_or_reason(process)["engine"] == "1\\udc80"
+    process.close()
 
 
 def test_what_an_engine_prints_disturbs_nothing(process: EngineProcess, capfd: pytest.CaptureFixture[str]) -> None:
