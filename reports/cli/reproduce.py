@@ -9,7 +9,6 @@ import typer
 from multibody_xval.engines.completion import complete_variant
 from multibody_xval.reports.cli.options import NAME_METAVAR, Store, keeping
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
-from reference_lcp.errors import checked_choice
 
 app = typer.Typer(name="multibody-xval reproduce", add_completion=False, pretty_exceptions_enable=False)
 
@@ -47,17 +46,11 @@ def reproduce(
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from multibody_xval.engines.interface.variant import check_installed
-    from multibody_xval.reports.reproducers.questions import SHOWN
-    from multibody_xval.reports.reproducers.scene_script import SCENES, checked_scene, scene_script
     from multibody_xval.reports.reproducers.script import checked, script
     from multibody_xval.scenarios.evaluate import Means
 
-    check, write = {
-        **dict.fromkeys(SHOWN, (checked, script)),
-        **dict.fromkeys(SCENES, (checked_scene, scene_script)),
-    }[checked_choice("scenario", scenario, [*SHOWN, *SCENES])]
-    shown = check(configuration, scenario, case)
+    shown = checked(configuration, scenario, case)
     check_installed(shown.run.config.engine, shown.run.config.unavailable_reason)
     with keeping(store):
         number = shown.number(Means(store=store, workers=1, seconds_a_run=time_limit))
-    print(write(shown, number), end="")
+    print(script(shown, number), end="")

@@ -20,12 +20,24 @@ SHOWN = {
     "static-hold": "1 kg, load 0.99",
     "breakaway": "1 kg, 2 ms",
     "stopping-distance": "1 kg, 4.9 m/s",
+    "ratchet": "1 kg, load 0.5, shaken",
     "figure3": "friction 0.6, η_r 0.9",
     "unit-cell": "friction 0.6, η_r 0.9",
+    "slope-hold": "load 0.5",
+    "stack-hold": "3 boxes, 12°",
+    "heavy-on-light": "100 kg on 1 kg, 12°",
+    "grip": "1 kg, 15 N",
+    "held-while-shaken": "slope, 5 Hz",
+    "slope-slide": "μ 0.5, load 1.5",
+    "slide-to-stop": "3 m/s",
+    "conveyor": "1 m/s, μ 0.5",
+    "spin": "20 rad/s",
+    "joint-hold": "hinge, load 0.9",
+    "arm-hold": "6 hinges, load 0.9",
 }
-"""Scenarios of chains and blocks that can be reproduced, with the case that is shown unless another is named.
+"""Scenarios that can be reproduced, with the case that is shown unless another is named.
 
-The number is the first quantity of the scenario; a template that has its name reads it.
+The number is the first quantity of the scenario that the case has; a template that has its name reads it.
 """
 
 PERIODS = 30
@@ -104,7 +116,13 @@ class Reproduction:
 def reproduction(config: Config, name: str, case: str | None = None) -> Reproduction:
     """Give what is shown of a scenario: the case of that name, or the one of `SHOWN`."""
     scenario = SCENARIOS[checked_choice("scenario", name, list(SHOWN))]
-    scenario = from_rest(scenario) if scenario.quantities[0] is TRANSMITTANCE else scenario
-    runs = scenario.own_runs(config)
-    chosen = SHOWN[name] if case is None else checked_choice("case", case, list(runs))
-    return Reproduction(scenario, chosen, runs[chosen])
+    if scenario.quantities[0] is TRANSMITTANCE:
+        scenario = from_rest(scenario)
+    own, cases = SHOWN[name], {key: of for key, of in scenario.cases.items() if not getattr(of, "sleeping", False)}
+    chosen = own if case is None else checked_choice("case", case, list(cases))
+    return Reproduction(scenario, chosen, Run(config, cases[chosen], _steps(scenario, config, cases[chosen])))
+
+
+def _steps(scenario: Scenario, config: Config, case: AnyCase) -> int:
+    """Give the steps of a case: of a scene, those of the engine's own time step."""
+    return next(iter(scenario.steps(config, case).values()))

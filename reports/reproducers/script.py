@@ -14,9 +14,12 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
+from multibody_xval.reports.reproducers.scene_lines import scene_lines
 from multibody_xval.scenarios.catalogue.blocks import breakaway
 from multibody_xval.scenarios.compute.motions import is_pressed, motion
+from multibody_xval.scenarios.compute.scenes import unsupported_reason
 from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
@@ -37,7 +40,12 @@ LONGEST_PARAGRAPH = 800
 def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
     """Check what is to be shown, before any work."""
     shown = reproduction(Config.parse(name), scenario, case)
-    reproducer_of(shown.run.config)
+    if isinstance(shown.run.case, SceneMotion):
+        if (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
+            raise ParameterError(reason)
+        scene_lines(shown, Number(math.nan, 0.0))
+    else:
+        reproducer_of(shown.run.config)
     return shown
 
 
@@ -51,7 +59,14 @@ def reproducer_of(config: Config) -> Reproducer:
 
 
 def script(shown: Reproduction, number: Number) -> str:
-    """Write the script of one number of a chain or a block; the suite's own is in its header."""
+    """Write the script of one number; the suite's own is in its header."""
+    if isinstance(shown.run.case, SceneMotion):
+        return f'"""{header(shown, number)}\n"""\n\n{scene_lines(shown, number).rstrip()}\n'
+    return _lane_script(shown, number)
+
+
+def _lane_script(shown: Reproduction, number: Number) -> str:
+    """Write the script of a chain or a block."""
     run, case, quantity = shown.run, motion(shown.run), shown.quantity
     reproducer, preset = reproducer_of(run.config), run.config.preset
     lane, start = case.lane(run.steps, pressed=is_pressed(run)), case.initial_state()
