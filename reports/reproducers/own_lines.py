@@ -83,9 +83,33 @@ class Lines:
     names: dict[Any, str] = field(default_factory=dict)
     body: list[ast.stmt] = field(default_factory=list)
 
-    def add(self, build: Callable[..., Any], **bound: Any) -> None:
-        """Add what a function does that gives a `SteppedWorld`; leaves the functions of that under its own names."""
+    def add(self, build: Callable[..., Any], part: int, **bound: Any) -> None:
+        """Add what a function does that gives a `SteppedWorld`, whose functions keep their names.
+
+        Of a state, which is place, orientation and velocity, or the coordinates of joints, one `part` is left.
+        """
         self.body += self._flat(build, bound)
+        for line in self.body:
+            if isinstance(line, ast.FunctionDef) and line.name == "state":
+                assert isinstance(line.body[-1], ast.Return), "a state"
+                line.body[-1].value = self._part_of(line.body[-1].value, part)
+            elif isinstance(line, ast.Assign) and isinstance(line.value, ast.Lambda) and _names(line.targets[0]) == {"state"}:
+                line.value.body = self._part_of(line.value.body, part)
+
+    def _part_of(self, state: Any, part: int) -> ast.expr:
+        """Give a part of a state: where it is written part by part, and where a helper is given the parts."""
+        if isinstance(state, ast.Tuple) and len(state.elts) != 2:
+            return state.elts[part]
+        if isinstance(state, ast.Tuple):  # place and orientation are one array
+            pose = f"({ast.unparse(state.elts[0])}){'[3:]' if part else '[:3]'}"
+            return state.elts[1] if part == 2 else ast.parse(pose, mode="eval").body
+        for own in self.helpers.values():
+            if isinstance(own, ast.FunctionDef) and isinstance(state, ast.Call) and ast.unparse(state.func) == own.name:
+                value = own.body[-1].value.elts[part]  # type: ignore[attr-defined]
+                given = {name.arg: value for name, value in zip(own.args.args, state.args)}
+                if _loaded(value) <= set(given):
+                    return _Given(given).visit(value)  # type: ignore[no-any-return]
+        return ast.Subscript(state, ast.Constant(part), ast.Load())
 
     def _flat(self, build: Any, bound: Bound) -> list[ast.stmt]:
         tree, scope = _tree(build), _scope(build, bound)
@@ -102,7 +126,7 @@ class Lines:
             names = [own.name for own in fields(SteppedWorld)]
             given = {**dict(zip(names, value.args)), **{own.arg: own.value for own in value.keywords}}
             return [
-                ast.Assign([ast.Name(name)], self._expression(own, scope))
+                ast.Assign([ast.Name(name, ast.Store())], self._expression(own, scope))
                 for name, own in given.items()
                 if not (isinstance(own, ast.Name) and own.id == name)
             ]
@@ -112,7 +136,7 @@ class Lines:
 
     def text(self, first: str, frame: str) -> str:
         """Write the first line, and all that a frame, which follows, uses by its names."""
-        constants: list[ast.stmt] = [ast.Assign([ast.Name(name)], value) for name, value in self.constants.items()]
+        constants: list[ast.stmt] = [ast.Assign([ast.Name(name, ast.Store())], value) for name, value in self.constants.items()]
         lines = [*constants, *self.helpers.values(), *self.body]
         return script_text(list(self.imports), first, lines, frame)
 
@@ -213,7 +237,7 @@ class Lines:
         written = self._expression(call, scope)
         match written:
             case ast.Call(func=ast.Name(id="setattr"), args=[of, ast.Constant(value=name), value]):
-                return [ast.Assign([ast.Attribute(of, name)], value)]
+                return [ast.Assign([ast.Attribute(of, name, ast.Store())], value)]
         return [ast.Expr(written)]
 
     # Expressions
@@ -240,7 +264,7 @@ class Lines:
         """Write an expression with what is known in place."""
         if _mentions_object(node, scope):
             if isinstance(node, ast.Attribute) and node.attr == "time_step":
-                return ast.Name("TIME_STEP")
+                return ast.Name("TIME_STEP", ast.Load())
             found = self._value(node, scope)
             if found is not UNKNOWN and _is_plain(found):
                 return self._literal(found)
@@ -296,7 +320,7 @@ class Lines:
         elif _is_plain(found):
             self.constants[node.id] = self._literal(found)
         elif found.__module__.partition(".")[0] == SUITE:
-            return ast.Name(self._helper(found, {}))
+            return ast.Name(self._helper(found, {}), ast.Load())
         else:
             self.imports[f"from {found.__module__} import {node.id}"] = None
         return node
@@ -305,7 +329,7 @@ class Lines:
         if isinstance(node.func, ast.Name) and node.func.id.startswith("import_"):
             name = node.func.id.removeprefix("import_")
             self.imports[f"import {name}"] = None
-            return ast.Name(name)
+            return ast.Name(name, ast.Load())
         target, first = self._called(node.func, scope)
         if target is None:
             args = [self._expression(own, scope) for own in node.args]
@@ -313,7 +337,7 @@ class Lines:
         given = _arguments(target, node, skip=len(first))
         bound = {name: value for name, own in given.items() if _is_object(value := self._value(own, scope))}
         left = {id(own) for name, own in given.items() if name in bound}
-        func = ast.Name(self._helper(target, {**first, **bound}))
+        func = ast.Name(self._helper(target, {**first, **bound}), ast.Load())
         args = [self._expression(own, scope) for own in node.args if id(own) not in left]
         return ast.Call(func, args, self._keywords([own for own in node.keywords if id(own.value) not in left], scope))
 
@@ -373,7 +397,7 @@ class Lines:
             self.constants["Box"] = ast.parse("namedtuple('Box', 'mass side')", mode="eval").body
             return ast.parse(f"Box({value.mass!r}, {value.side!r})", mode="eval").body
         if isinstance(value, list | tuple):
-            return (ast.List if isinstance(value, list) else ast.Tuple)([self._literal(own) for own in value])
+            return (ast.List if isinstance(value, list) else ast.Tuple)([self._literal(own) for own in value], ast.Load())
         if isinstance(value, np.generic):
             value = value.item()
         if isinstance(value, float) and not math.isfinite(value):
@@ -391,6 +415,16 @@ def _function(name: str, args: ast.arguments, body: list[ast.stmt], lines: Lines
     args.defaults = [lines._expression(own, scope) for own in args.defaults]
     args.kw_defaults = [own and lines._expression(own, scope) for own in args.kw_defaults]
     return ast.FunctionDef(name, args, body, [])
+
+
+class _Given(ast.NodeTransformer):
+    """Writes arguments in the place of their names."""
+
+    def __init__(self, given: Mapping[str, ast.expr]):
+        self._given = given
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        return self._given.get(node.id, node)
 
 
 class _Kept(ast.NodeTransformer):

@@ -15,6 +15,10 @@ from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_a
 from multibody_xval.scenarios.model import Run
 
 
+PARTS = {"torque": 1, "friction": 2, "time": 2}
+"""What numbers are read from: orientations, or velocities; others from places, or coordinates of joints."""
+
+
 def scene_lines(shown: Reproduction, number: Number) -> str:
     """Write the scene in the engine's own API, its motion, and what reads the number."""
     run, case = shown.run, scene_of(shown.run)
@@ -25,7 +29,7 @@ def scene_lines(shown: Reproduction, number: Number) -> str:
     )
     lines = Lines()
     build = engine(config.engine).scene_worlds[Formulation(config.formulation)]
-    lines.add(build, scene=case.scene, setting=SceneSetting(config.preset, time_step))
+    lines.add(build, PARTS.get(shown.quantity.name, 0), scene=case.scene, setting=SceneSetting(config.preset, time_step))
     lines.imports["import numpy as np"] = None
     lines.imports["import math"] = None
     settling = round(case.settling / time_step)

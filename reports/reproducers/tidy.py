@@ -10,6 +10,9 @@ from collections.abc import Iterable, Sequence
 WIDTH = 116
 """Characters a line has at most, where it can be broken."""
 
+SHORT = 90
+"""Characters of a line of constants, at most."""
+
 LONG_TEXT = 100
 """Characters from which on a text stands before the line that has it: a model in XML."""
 
@@ -22,7 +25,7 @@ def script_text(imports: Sequence[str], first: str, lines: Sequence[ast.stmt], f
     loaded = _loads([*kept, *tail])
     wanted = [line for line in imports if {own.asname or own.name for own in _import(line).names} & loaded]
     texts: dict[str, str] = {}
-    written = "\n".join(_written(kept, texts))
+    written = "\n".join(_written(_together(kept), texts))
     models = "".join(f'{name} = """\n{_broken(text)}\n"""\n' for text, name in texts.items())
     body = ast.unparse(ast.parse("\n".join(sorted(wanted)))) + f"\n\n{first}\n{models}{written}"
     return f"{body}\n{frame}"
@@ -51,30 +54,30 @@ def _rename(lines: Sequence[ast.stmt]) -> None:
 
 
 def _loads(lines: Iterable[ast.AST]) -> set[str]:
-    """Give the names that are read, and those of attributes."""
+    """Give the names that are read, and those of attributes with a dot before."""
     every = [node for line in lines for node in ast.walk(line)]
     read = {node.id for node in every if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Store)}
-    return read | {node.attr for node in every if isinstance(node, ast.Attribute)}
+    read |= {node.target.id for node in every if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name)}
+    return read | {f".{node.attr}" for node in every if isinstance(node, ast.Attribute)}
 
 
 def _used(lines: Sequence[ast.stmt], roots: set[str]) -> list[ast.stmt]:
     """Leave out what nothing uses, again and again: names that are only set, functions and methods."""
     kept = [ast.parse(ast.unparse(ast.fix_missing_locations(line))).body[0] for line in lines]
     while True:
-        read = _loads(kept) | roots
         before = sum(1 for line in kept for _ in ast.walk(line))
-        kept = _without(kept, read)
+        kept = _without(kept, _loads(kept) | roots)
         if sum(1 for line in kept for _ in ast.walk(line)) == before:
             return kept
 
 
-def _without(lines: Sequence[ast.stmt], read: set[str]) -> list[ast.stmt]:
+def _without(lines: Sequence[ast.stmt], read: set[str], dot: str = "") -> list[ast.stmt]:
     kept: list[ast.stmt] = []
     for line, after in zip(lines, [*lines[1:], None], strict=True):
         if isinstance(line, ast.FunctionDef | ast.ClassDef):
-            if line.name not in read and not line.name.startswith("__"):
+            if dot + line.name not in read and not line.name.startswith("__"):
                 continue
-            line.body = _without(line.body, read) or [ast.Pass()]
+            line.body = _without(line.body, read, "." * isinstance(line, ast.ClassDef)) or [ast.Pass()]
         elif isinstance(line, ast.For | ast.If | ast.With):
             line.body = _without(line.body, read) or [ast.Pass()]
         elif isinstance(line, ast.Assign) and _idle(line.value):
@@ -107,6 +110,35 @@ class _Texts(ast.NodeTransformer):
         return node
 
 
+def _together(lines: Sequence[ast.stmt]) -> list[ast.stmt]:
+    """Put constants that follow each other into one line, as long as it is short."""
+    merged: list[ast.stmt] = []
+    for line in lines:
+        last = merged[-1] if merged else None
+        both = [own for own in (last, line) if isinstance(own, ast.Assign) and _constant(own)]
+        if len(both) == 2:
+            names, values = zip(*(_pairs(own) for own in both), strict=True)
+            joint = ast.Assign([ast.Tuple(sum(names, []))], ast.Tuple(sum(values, [])))
+            text = ast.unparse(ast.fix_missing_locations(joint)).replace("(", "", 1)
+            if len(text) <= SHORT:
+                merged[-1] = joint
+                continue
+        merged.append(line)
+    return merged
+
+
+def _constant(line: ast.Assign) -> bool:
+    own = line.targets[0]
+    names = own.elts if isinstance(own, ast.Tuple) else [own]
+    upper = all(isinstance(name, ast.Name) and name.id.isupper() for name in names)
+    return upper and not any(isinstance(node, ast.Name | ast.Call) for node in ast.walk(line.value))
+
+
+def _pairs(line: ast.Assign) -> tuple[list[ast.expr], list[ast.expr]]:
+    own, value = line.targets[0], line.value
+    return (own.elts, value.elts) if isinstance(own, ast.Tuple) else ([own], [value])  # type: ignore[attr-defined]
+
+
 def _written(lines: Sequence[ast.stmt], texts: dict[str, str]) -> Iterable[str]:
     """Write lines one by one, with a blank one around functions."""
     functions = Counter[bool]()
@@ -119,7 +151,7 @@ def _written(lines: Sequence[ast.stmt], texts: dict[str, str]) -> Iterable[str]:
         functions[block] += 1
         line = _Texts(texts).visit(line)
         for own in ast.unparse(ast.fix_missing_locations(line)).split("\n"):
-            if own or block:
+            if own:
                 yield from _lines(own)
 
 
