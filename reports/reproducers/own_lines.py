@@ -112,6 +112,8 @@ class Lines:
         return ast.Subscript(state, ast.Constant(part), ast.Load())
 
     def _flat(self, build: Any, bound: Bound) -> list[ast.stmt]:
+        if not isinstance(build, FunctionType):
+            raise NotWritable(f"scene = {build} is a class; allowed: a function that gives a SteppedWorld")
         tree, scope = _tree(build), _scope(build, bound)
         *lines, last = self._block(tree.body, scope, keep_return=True)
         assert isinstance(last, ast.Return), f"{build} gives nothing"

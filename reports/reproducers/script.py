@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from dataclasses import replace
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -13,6 +14,7 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
+from multibody_xval.reports.reproducers.own_lines import NotWritable
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
 from multibody_xval.scenarios.catalogue.blocks import breakaway
@@ -40,13 +42,24 @@ LONGEST_PARAGRAPH = 800
 def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
     """Check what is to be shown, before any work."""
     shown = reproduction(Config.parse(name), scenario, case)
-    if isinstance(shown.run.case, SceneMotion):
-        if (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
-            raise ParameterError(reason)
-        scene_lines(shown, Number(math.nan, 0.0))
-    else:
+    if not isinstance(shown.run.case, SceneMotion):
         reproducer_of(shown.run.config)
+    elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
+        raise ParameterError(reason)
+    elif not _writes(shown):
+        others = (replace(shown, run=replace(shown.run, config=own)) for own in shown.scenario.configs([]))
+        names = dict.fromkeys(other.run.config.engine for other in others if _writes(other))
+        engine_name = shown.run.config.engine
+        raise ParameterError(f"engine = {engine_name} has no script of {scenario}; allowed: {', '.join(names)}")
     return shown
+
+
+def _writes(shown: Reproduction) -> bool:
+    """Whether an adapter builds a scene in a way that can be written as a script."""
+    try:
+        return bool(scene_lines(shown, Number(math.nan, 0.0)))
+    except NotWritable:
+        return False
 
 
 def reproducer_of(config: Config) -> Reproducer:
