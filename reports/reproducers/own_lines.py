@@ -231,7 +231,8 @@ class Lines:
                 written += self._block(line.body, replace(scope, literal=scope.literal | own))
             return written
         scope.forget(_assigned_in([line]) | own)
-        return [ast.For(line.target, self._expression(line.iter, scope), self._block(line.body, scope), [])]
+        over, body = self._expression(line.iter, scope), self._block(line.body, scope)
+        return [ast.For(line.target, over, body, [])] if body else []
 
     def _call_alone(self, call: Any, scope: Scope) -> list[ast.stmt]:
         if self._value(call, scope) is not UNKNOWN:

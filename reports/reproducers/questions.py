@@ -21,6 +21,8 @@ SHOWN = {
     "breakaway": "1 kg, 2 ms",
     "stopping-distance": "1 kg, 4.9 m/s",
     "ratchet": "1 kg, load 0.5, shaken",
+    "direction": "1 kg, 4.9 m/s, 0°",
+    "published": "sdnd104-1.5",
     "figure3": "friction 0.6, η_r 0.9",
     "unit-cell": "friction 0.6, η_r 0.9",
     "slope-hold": "load 0.5",
@@ -76,6 +78,8 @@ class Number(NamedTuple):
 
     value: float
     exact: float
+    over: float = 1.0
+    """What a number is given over that is given over its exact value."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,9 @@ class Reproduction:
             reason = result.reason or result.status
             raise ParameterError(f"{config} has no number of {self.case!r}: {reason}; allowed: a case that it can run")
         rows = numbers(alone, stored).set_index("configuration")
-        return Number(*map(float, rows.loc[full_name(config), ["value", "exact"]]))
+        value, exact = map(float, rows.loc[full_name(config), ["value", "exact"]])
+        read = self.quantity.read
+        return Number(value, exact, read(result, self.run) / value if read and self.quantity.over_exact else 1.0)  # type: ignore[arg-type, operator]
 
 
 def reproduction(config: Config, name: str, case: str | None = None) -> Reproduction:

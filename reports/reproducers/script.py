@@ -2,10 +2,12 @@
 
 import math
 import textwrap
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
+from typing import Any
 
 from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader
 
@@ -17,12 +19,12 @@ from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.own_lines import NotWritable
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
-from multibody_xval.scenarios.catalogue.blocks import breakaway
+from multibody_xval.scenarios.catalogue.blocks import breakaway, published
 from multibody_xval.scenarios.compute.motions import is_pressed, motion
 from multibody_xval.scenarios.compute.scenes import unsupported_reason
-from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.model import AnyCase, Config
 from multibody_xval.scenarios.scene_motion import SceneMotion
-from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
+from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, shortened
@@ -44,6 +46,8 @@ def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
     shown = reproduction(Config.parse(name), scenario, case)
     if not isinstance(shown.run.case, SceneMotion):
         reproducer_of(shown.run.config)
+        if getattr(shown.run.case, "direction", 0.0):
+            raise ParameterError(f"case = {shown.case!r} has a row that is turned; allowed in a script: 0°")
     elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
         raise ParameterError(reason)
     elif not _writes(shown):
@@ -91,14 +95,29 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
     text = templates.get_template("engine").render(
         header=header(shown, number, protocol, "Here in SI units, there in its own." if converted else ""),
         lists=_lists(lane.chain, start, lane.time_step, run.steps),
-        base_motion=base_motion(lane.drive),
-        reading=reading.render(case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway).rstrip(),
+        load=load_lines(lane.drive),
+        reading=reading.render(
+            case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway, over=number.over, **_published(case)
+        ).rstrip(),
         metric=quantity.name,
         unit=f" {quantity.unit}" if quantity.unit else "",
         exact=_short(number.exact),
         **reproducer.numbers(lane, preset, start),
     )
     return text.rstrip() + "\n"
+
+
+def _published(case: AnyCase) -> Mapping[str, Any]:
+    """Give what a published number is given over, and how it is read of a slip."""
+    if case not in published.NUMBERS:
+        return {}
+    own = published.NUMBERS[case]
+    factor = published.ALONG if own.name.startswith("sdnd100") else 1.0
+    ahead = published.BEFORE_BRAKING if own is published.BRAKE else 0.0
+    rows = [round(time / case.time * own.steps) for time in (published.WEAR_FROM, published.WEAR_TO)]
+    wear = own.name.startswith("sdnd104")
+    return {"wear": wear, "rows": rows, "factor": factor, "ahead": ahead, "of": repr(own.over),
+            "force": published.WEAR_FORCE, "seconds": published.WEAR_TO - published.WEAR_FROM}  # fmt: skip
 
 
 def _templates(adapter: Engine, template: str) -> Environment:
@@ -167,15 +186,22 @@ def _list(values: FloatArray) -> str:
     return f"[{numbers[0]!r}] * {len(numbers)}" if len(numbers) > 2 and len(set(numbers)) == 1 else repr(numbers)
 
 
-def base_motion(drive: Drive) -> str:
-    """Give position and velocity of the base as expressions; an empty text where it stands still."""
+def load_lines(drive: Drive) -> list[str]:
+    """Write what a function does that gives the load on the first outer mass at a time t: what moves the base, or 0."""
     match drive:
         case StillBase():
-            return ""
+            return ["return 0.0"]
+        case ShakingForce(amplitude=force, angular_frequency=omega):
+            return [f"return {force!r} * np.sin({omega!r} * t)"]
         case HarmonicBase(amplitude=amplitude, angular_frequency=omega):
-            return f"{amplitude!r} * np.sin({omega!r} * t), {amplitude * omega!r} * np.cos({omega!r} * t)"
+            base, rate = f"{amplitude!r} * np.sin({omega!r} * t)", f"{amplitude * omega!r} * np.cos({omega!r} * t)"
         case Vibration(swing=swing, angular_frequency=omega):
-            return f"{swing!r} * (1 - np.cos({omega!r} * t)), {swing * omega!r} * np.sin({omega!r} * t)"
+            base, rate = f"{swing!r} * (1 - np.cos({omega!r} * t))", f"{swing * omega!r} * np.sin({omega!r} * t)"
         case GrowingAcceleration():
-            return f"{drive.amplitude / drive.duration**3!r} * t**3, {drive.jerk / 2!r} * t**2"
-    raise TypeError(f"{type(drive).__name__} is no drive of a reproducer")
+            base, rate = f"{drive.amplitude / drive.duration**3!r} * t**3", f"{drive.jerk / 2!r} * t**2"
+        case _:
+            raise TypeError(f"{type(drive).__name__} is no drive of a reproducer")
+    moved = [f"base, rate = {base}, {rate}  # m, m/s"]
+    if len(moved[0]) > WIDTH:
+        moved = [f"base = {base}  # m", f"rate = {rate}  # m/s"]
+    return [*moved, "return CHAIN_STIFFNESS[0] * base + CHAIN_DAMPING[0] * rate"]

@@ -90,6 +90,8 @@ def per_metre(shown: Reproduction, value: float) -> float:
             return 2 / case.scale
         case "transmittance":  # dB of an amplitude
             return 20 / math.log(10) / (case.scale * 10 ** (value / 20))
+        case "value":  # of a mean velocity, in which roundings of the clock add up
+            return 1e4
     return 0.0  # a slip is seen at the end of a step, and does not move by as little as a round-off
 
 
