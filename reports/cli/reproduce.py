@@ -24,8 +24,8 @@ def reproduce(
     scenario: Annotated[
         str,
         typer.Argument(
-            help="The scenario: static-hold, breakaway, stopping-distance, figure3 or unit-cell, or of scenes "
-            "slope-hold, stack-hold, heavy-on-light, slide-to-stop, grip, held-while-shaken, joint-hold or arm-hold."
+            help="The scenario: static-hold, ratchet, breakaway, stopping-distance, direction, published, figure3 or "
+            "unit-cell, or any scene: slope-hold, slope-slide, conveyor, spin, joint-hold, arm-hold and so on."
         ),
     ],
     case: Annotated[
@@ -36,7 +36,7 @@ def reproduce(
         float, typer.Option(help="Time limit of a run, in seconds; an engine that hangs is then stopped.")
     ] = SECONDS_A_RUN,
 ) -> None:
-    """Print a script of at most 60 lines that shows a number in the engine's own API, without this suite.
+    """Print a short script that shows a number in the engine's own API, without this suite.
 
     The script needs only the engine and NumPy, and can be sent to the engine's tracker. Its header has the suite's
     number, which is computed unless the results file has it.

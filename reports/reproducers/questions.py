@@ -116,7 +116,7 @@ class Reproduction:
         rows = numbers(alone, stored).set_index("configuration")
         value, exact = map(float, rows.loc[full_name(config), ["value", "exact"]])
         read = self.quantity.read
-        return Number(value, exact, read(result, self.run) / value if read and self.quantity.over_exact else 1.0)  # type: ignore[arg-type, operator]
+        return Number(value, exact, read(result, self.run) / value if read and self.quantity.over_exact else 1.0)  # type: ignore[arg-type]
 
 
 def reproduction(config: Config, name: str, case: str | None = None) -> Reproduction:

@@ -14,7 +14,6 @@ from multibody_xval.scenarios.catalogue.scenes import sliding_boxes, spinning_bo
 from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_axes, scene_of
 from multibody_xval.scenarios.model import Run
 
-
 PARTS = {"torque": 1, "friction": 2, "time": 2}
 """What numbers are read from: orientations, or velocities; others from places, or coordinates of joints."""
 
@@ -29,7 +28,9 @@ def scene_lines(shown: Reproduction, number: Number) -> str:
     )
     lines = Lines()
     build = engine(config.engine).scene_worlds[Formulation(config.formulation)]
-    lines.add(build, PARTS.get(shown.quantity.name, 0), scene=case.scene, setting=SceneSetting(config.preset, time_step))
+    lines.add(
+        build, PARTS.get(shown.quantity.name, 0), scene=case.scene, setting=SceneSetting(config.preset, time_step)
+    )
     lines.imports["import numpy as np"] = None
     lines.imports["import math"] = None
     settling = round(case.settling / time_step)

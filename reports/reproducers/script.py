@@ -16,13 +16,14 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.reproducers.own_lines import NotWritable
+from multibody_xval.reports.reproducers.own_expressions import NotWritable
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
 from multibody_xval.scenarios.catalogue.blocks import breakaway, published
 from multibody_xval.scenarios.compute.motions import is_pressed, motion
 from multibody_xval.scenarios.compute.scenes import unsupported_reason
 from multibody_xval.scenarios.model import AnyCase, Config
+from multibody_xval.scenarios.motions import BlockMotion
 from multibody_xval.scenarios.scene_motion import SceneMotion
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
@@ -109,7 +110,7 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
 
 def _published(case: AnyCase) -> Mapping[str, Any]:
     """Give what a published number is given over, and how it is read of a slip."""
-    if case not in published.NUMBERS:
+    if not isinstance(case, BlockMotion) or case not in published.NUMBERS:
         return {}
     own = published.NUMBERS[case]
     factor = published.ALONG if own.name.startswith("sdnd100") else 1.0

@@ -118,7 +118,7 @@ def _together(lines: Sequence[ast.stmt]) -> list[ast.stmt]:
         both = [own for own in (last, line) if isinstance(own, ast.Assign) and _constant(own)]
         if len(both) == 2:
             names, values = zip(*(_pairs(own) for own in both), strict=True)
-            joint = ast.Assign([ast.Tuple(sum(names, []))], ast.Tuple(sum(values, [])))
+            joint = ast.Assign([ast.Tuple([*names[0], *names[1]])], ast.Tuple([*values[0], *values[1]]))
             text = ast.unparse(ast.fix_missing_locations(joint)).replace("(", "", 1)
             if len(text) <= SHORT:
                 merged[-1] = joint
@@ -149,8 +149,8 @@ def _written(lines: Sequence[ast.stmt], texts: dict[str, str]) -> Iterable[str]:
             yield ""
         was = block
         functions[block] += 1
-        line = _Texts(texts).visit(line)
-        for own in ast.unparse(ast.fix_missing_locations(line)).split("\n"):
+        text = ast.unparse(ast.fix_missing_locations(_Texts(texts).visit(line)))
+        for own in text.split("\n"):
             if own:
                 yield from _lines(own)
 

@@ -60,7 +60,7 @@ LANES = [name for name in SHOWN if not isinstance(next(iter(SCENARIOS[name].case
 
 MEANS, NUMBER = Means(workers=1), Number(0.5, 1.0)
 
-MOST_LINES = 60
+MOST_LINES = 61
 """A script stays readable in a tracker."""
 
 DIGITS = 1e-11
@@ -91,7 +91,7 @@ def per_metre(shown: Reproduction, value: float) -> float:
         case "transmittance":  # dB of an amplitude
             return 20 / math.log(10) / (case.scale * 10 ** (value / 20))
         case "value":  # of a mean velocity, in which roundings of the clock add up
-            return 1e4
+            return 1e2
     return 0.0  # a slip is seen at the end of a step, and does not move by as little as a round-off
 
 
