@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from multibody_xval.reports.document import Folded, Part, document
 from multibody_xval.scenarios.changes import CHANGES, LEAST_STUCK, NEW
 from multibody_xval.scenarios.compare import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
 from multibody_xval.scenarios.result_tables import with_amplitude
-from multibody_xval.scenarios.table_text import csv_text, json_text, markdown_lines, markdown_list, records
+from multibody_xval.scenarios.table_text import csv_text, json_text, records
 
 MOST_SHOWN, MOST_FOLDED = 10, 200
 """Changed points that a comment shows, and that it has folded beneath: a comment of GitHub takes 65,536 characters."""
@@ -96,17 +97,15 @@ def _options(configuration: str, before: str, now: str) -> list[str]:
 
 def markdown(own: Comparison) -> str:
     """Give a comment for a pull request: one sentence, a table, versions, the worst points, the rest folded."""
-    lines = [f"## Engine regression: {'fails' if own.fails else 'passes'}", "", own.conclusion, ""]
-    lines += [*markdown_lines(overview(own.changes)), "", *markdown_list(identities(own.changes))]
     changed = changed_points(own.changes)
-    if len(changed):
-        lines += ["", *markdown_lines(changed[:MOST_SHOWN])]
-    if len(changed) > MOST_SHOWN:
-        folded = changed[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
-        left = len(changed) - MOST_SHOWN - len(folded)
-        title = f"{len(folded)} more points" + (f", and {left} that are not shown" if left else "")
-        lines += ["", f"<details><summary>{title}</summary>", "", *markdown_lines(folded), "", "</details>"]
-    return "\n".join([*lines, "", _explanation(own), ""])
+    parts: list[Part] = [
+        f"## Engine regression: {'fails' if own.fails else 'passes'}", own.conclusion, overview(own.changes),
+        identities(own.changes), changed[:MOST_SHOWN],
+    ]  # fmt: skip
+    folded = changed[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
+    left = len(changed) - MOST_SHOWN - len(folded)
+    title = f"{len(folded)} more points" + (f", and {left} that are not shown" if left > 0 else "")
+    return document([*parts, *[Folded(title, [folded])] * (len(folded) > 0), _explanation(own)])
 
 
 def _explanation(own: Comparison) -> str:

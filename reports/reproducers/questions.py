@@ -115,8 +115,9 @@ class Reproduction:
             raise ParameterError(f"{config} has no number of {self.case!r}: {reason}; allowed: a case that it can run")
         rows = numbers(alone, stored).set_index("configuration")
         value, exact = map(float, rows.loc[full_name(config), ["value", "exact"]])
-        read = self.quantity.read
-        return Number(value, exact, read(result, self.run) / value if read and self.quantity.over_exact else 1.0)  # type: ignore[arg-type]
+        read = self.quantity.read if self.quantity.over_exact and value else None
+        over = 1.0 if read is None else float(read(result, self.run)) / value  # type: ignore[arg-type]
+        return Number(value, exact, over)
 
 
 def reproduction(config: Config, name: str, case: str | None = None) -> Reproduction:
