@@ -45,7 +45,7 @@ IN_THE_SPACE = ("mujoco", "pybullet", "rapier", "dart")
 IN_THE_PLANE = ("box2d", "pymunk")
 
 MOST_LINES = 100
-"""A script of a scene has the lines by which its adapter makes bodies; half of them have fewer than 65."""
+"""A script of a scene has the lines by which its adapter makes bodies; half of them have at most 66."""
 
 
 def own_number(name: str, scenario: str) -> tuple[str, float]:
