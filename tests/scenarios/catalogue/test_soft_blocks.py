@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from multibody_xval.scenarios.motions import BlockMotion
 
+from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP, block_motion
 from multibody_xval.scenarios.catalogue.blocks.held import STATIC_HOLD
 from multibody_xval.scenarios.compute.motions import is_pressed
