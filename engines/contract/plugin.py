@@ -109,9 +109,9 @@ def _is_of_the_contract(item: pytest.Item) -> bool:
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, Any, Any]:
     """Print a line for a clause that fails; ``--tb=long`` or ``short`` print how it came to that."""
     report = yield
-    problem = call.excinfo and call.excinfo.value
-    failed = report.failed and isinstance(problem, AssertionError) and item.config.option.tbstyle == "auto"
-    if failed and _is_of_the_contract(item):
+    problem = call.excinfo.value if call.excinfo else None
+    speaks = item.config.option.tbstyle == "auto" and _is_of_the_contract(item)
+    if speaks and report.failed and isinstance(problem, AssertionError):
         from multibody_xval.engines.contract.failures import in_a_line
 
         report.longrepr = in_a_line(item.nodeid, problem)

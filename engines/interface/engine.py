@@ -143,11 +143,6 @@ class Engine(ABC):
             raise ParameterError(gap)
         return self._scene(scene, setting)
 
-    def scene_with(self, scene: Scene, preset: str, time_step: float, sleeping: bool) -> SceneWorld:
-        """Build a scene with a preset by its name, and options that follow it; see `scene_world`."""
-        own = self.preset(formulation_of(scene), preset)
-        return self.scene_world(scene, SceneSetting(own, time_step, sleeping))
-
     def _scene(self, scene: Scene, setting: SceneSetting) -> SceneWorld:
         """Build a scene of a kind that the engine has."""
         return self.scene_worlds[formulation_of(scene)](scene, setting)

@@ -137,7 +137,7 @@ class _Formulation:
         if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
             raise ParameterError(f"{where}: {key} = {value!r}; allowed: {words}")
         if CLAIMS[key] is NormalForce:
-            return NormalForce(checked_choice(f"{where}: {key}", value, list(map(str, NormalForce))))
+            return NormalForce(checked_choice(f"{where}: {key}", str(value), list(map(str, NormalForce))))
         return _value(where, key, value)
 
     def _changed(

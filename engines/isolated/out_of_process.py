@@ -36,21 +36,24 @@ def interpreter_variable(engine: str) -> str:
     return f"MULTIBODY_XVAL_{engine.upper()}_PYTHON"
 
 
+def interpreter_of(engine: str) -> str:
+    """Give an engine's Python, as a path or as a command."""
+    return os.environ.get(interpreter_variable(engine)) or system_python()
+
+
 def process_of(engine: str, server: Path) -> EngineProcess:
     """Give the worker process that runs a server in an engine's Python, which all that it builds share."""
-    return _process(engine, os.environ.get(interpreter_variable(engine)) or system_python(), server)
+    return _process(engine, interpreter_of(engine), server)
+
+
+_process = functools.cache(EngineProcess)
 
 
 @functools.cache
-def _process(engine: str, interpreter: str, server: Path) -> EngineProcess:
-    return EngineProcess(engine, shutil.which(interpreter) or interpreter, server)
-
-
-@functools.cache
-def _versions_or_reason(engine: str, interpreter: str, server: Path) -> dict[str, str] | str:
+def _versions_or_reason(process: EngineProcess) -> dict[str, str] | str:
     """Give the versions that the server states, or why it cannot be used there: each Python is tried once."""
     try:
-        stated = _process(engine, interpreter, server).request("versions", START_LIMIT)
+        stated = process.request("versions", START_LIMIT)
     except EngineProcessError as problem:
         return str(problem)
     return {name: visible(str(value)) for name, value in stated.items()}
@@ -190,24 +193,13 @@ class OutOfProcessEngine(Engine):
     lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
 
     @property
-    def variable(self) -> str:
-        """Environment variable that names its Python; the system's is taken without it."""
-        return interpreter_variable(self.name)
-
-    @property
     def interpreter(self) -> str:
         """The Python that is chosen, as a path or as a command."""
-        return os.environ.get(self.variable) or system_python()
+        return interpreter_of(self.name)
 
     def process(self) -> EngineProcess:
         """Give the worker process that all lanes of this engine share."""
-        return _process(self.name, self.interpreter, self.server)
-
-    def _stated(self, name: str) -> str:
-        versions = _versions_or_reason(self.name, self.interpreter, self.server)
-        if isinstance(versions, str):
-            raise EngineProcessError(versions)
-        return versions[name]
+        return process_of(self.name, self.server)
 
     def version(self) -> str:
         """Version of the engine, as its server states it."""
@@ -219,9 +211,15 @@ class OutOfProcessEngine(Engine):
 
     def unavailable_reason(self) -> str | None:
         """Reason why the engine cannot be used, and what to do; ``None`` if it can."""
-        versions = _versions_or_reason(self.name, self.interpreter, self.server)
-        remedy = f"apt install {self.capabilities.package}, or let {self.variable} name a Python that has it"
+        versions, variable = _versions_or_reason(self.process()), interpreter_variable(self.name)
+        remedy = f"apt install {self.capabilities.package}, or let {variable} name a Python that has it"
         return f"{remedy} ({versions})" if isinstance(versions, str) else None
+
+    def _stated(self, name: str) -> str:
+        versions = _versions_or_reason(self.process())
+        if isinstance(versions, str):
+            raise EngineProcessError(versions)
+        return versions[name]
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         process = self.process()

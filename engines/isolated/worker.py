@@ -109,10 +109,7 @@ class Service:
 
 
 def _end_at(seconds: float) -> None:
-    """Let the kernel end this process so late from now, even inside compiled code; never, for 0.
-
-    The other side keeps the limit itself; this one is for a worker whose parent is gone.
-    """
+    """Let the kernel end this process so late from now, even inside compiled code or without a parent; never, for 0."""
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
@@ -133,6 +130,7 @@ def _server(path: str) -> Any:
 def main() -> None:
     """Serve until the other side closes the pipe, or dies; a crash leaves on the error stream where it was."""
     faulthandler.enable(all_threads=False)
+    faulthandler.register(signal.SIGALRM, all_threads=False, chain=True)
     requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     # What an engine prints goes to the error stream, and it reads nothing: the pipes are the protocol's.
     os.dup2(2, 1)

@@ -13,7 +13,7 @@ from multibody_xval.engines.interface.scene import (
 )
 from multibody_xval.engines.mujoco.scene import contact_world, followed_box, joint_world
 from multibody_xval.engines.mujoco_warp.worlds import import_mujoco_warp
-from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp
+from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp, recorded_after
 
 MOST_CONTACTS, MOST_ROWS = 64, 300
 """Memory of a world: three boxes that lie flat have 12 contacts, with four rows each."""
@@ -58,19 +58,4 @@ def _world(model: Any, start: Any) -> tuple[Any, Callable[[], object]]:
         batched = engine.put_model(model)
         data = engine.put_data(model, start, nworld=1, nconmax=MOST_CONTACTS, njmax=MOST_ROWS)
     batched.opt.warn_overflow = 0
-    graph: Any = None
-    steps = 0
-
-    def step() -> None:
-        nonlocal graph, steps
-        steps += 1
-        if steps == 1:  # kernels are loaded
-            engine.step(batched, data)
-            return
-        if graph is None:
-            with warp.ScopedCapture(device=PROCESSOR) as capture:
-                engine.step(batched, data)
-            graph = capture.graph
-        warp.capture_launch(graph)
-
-    return data, step
+    return data, recorded_after(1, lambda: engine.step(batched, data))

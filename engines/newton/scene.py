@@ -1,7 +1,6 @@
 """Scenes as users of Newton write them, with SolverSteel: bodies, and drives of bounded effort as dry friction."""
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from multibody_xval.engines.interface.scene import (
     Vector,
 )
 from multibody_xval.engines.newton.worlds import NO_GRAVITY, STATE, import_newton
-from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp
+from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp, recorded_after
 
 STEP = 1 / 240
 """Of Newton's own examples with rigid contacts [s]; a solver has no default."""
@@ -51,7 +50,8 @@ class _World:
         self.pushes = import_warp().zeros_like(self.state.body_f)
         self._pipeline = newton.CollisionPipeline(self.model) if self.model.shape_count else None
         self._contacts = self._pipeline.contacts() if self._pipeline else None
-        self._time_step, self._steps, self._take_step = setting.time_step, 0, self._advance
+        self._time_step = setting.time_step
+        self.step = recorded_after(2, self._advance)
 
     def _advance(self) -> None:
         warp = import_warp()
@@ -62,16 +62,6 @@ class _World:
         self._solver.step(self.state, self._after, self.control, self._contacts, self._time_step)
         for name in STATE:
             warp.copy(getattr(self.state, name), getattr(self._after, name))
-
-    def step(self) -> None:
-        """Take a step; the third one is recorded, and repeated from then on."""
-        self._steps += 1
-        if self._steps == 3:  # kernels are loaded, and memory is allocated
-            warp = import_warp()
-            with warp.ScopedCapture(device=PROCESSOR) as capture:
-                self._advance()
-            self._take_step = partial(warp.capture_launch, capture.graph)
-        self._take_step()
 
     def push(self, body: int, force: Vector) -> None:
         """Push a body at its centre from now on."""

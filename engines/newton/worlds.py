@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.box_geometry import PressedBoxes
 from multibody_xval.engines.shared.units import Units
-from multibody_xval.engines.shared.warp_worlds import Rows, WarpWorlds, import_warp
+from multibody_xval.engines.shared.warp_worlds import PROCESSOR, Rows, WarpWorlds, import_warp
 from multibody_xval.engines.shared.worlds_simulation import WorldsSimulation
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -94,7 +94,7 @@ class NewtonWorlds(WarpWorlds):
             slide = chain.add_joint_prismatic(-1, outer, axis=newton.Axis.X)
             chain.add_articulation([slide, self._add_inner(chain, outer, inner, cell)])
         copies.replicate(chain, len(self._chains))
-        model = copies.finalize(device=self._device)
+        model = copies.finalize(device=PROCESSOR)
         masses = np.swapaxes(self._numbers("outer_mass", "inner_mass"), 1, 2).ravel()
         model.body_mass.assign(masses)
         model.body_inv_mass.assign(1 / masses)

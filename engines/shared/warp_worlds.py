@@ -36,15 +36,15 @@ class WarpWorlds(ABC):
     """
 
     def __init__(self, size: int, cells: int):
-        warp, self._device = import_warp(), PROCESSOR
-        with warp.ScopedDevice(self._device):
+        warp = import_warp()
+        with warp.ScopedDevice(PROCESSOR):
             self._step = warp.zeros(1, dtype=int)
             self._loads = warp.zeros((CHUNK, size), dtype=float)
             self._pressing = warp.zeros((CHUNK, size, cells), dtype=float)
             self._values = self._allocate()
             self._record = [warp.zeros((CHUNK, *values.shape), dtype=float) for values in self._values]
         self.eager_step()  # compiles what this machine has not kept
-        self.launch = self._captured(self.eager_step)
+        self.launch = recorded(self.eager_step)
 
     def set(self, positions: FloatArray, velocities: FloatArray) -> None:
         """Give every world a state in the engine's coordinates, shape (worlds, coordinates) each."""
@@ -93,7 +93,7 @@ class WarpWorlds(ABC):
         from multibody_xval.engines.shared import warp_kernels as kernels
 
         warp = import_warp()
-        with warp.ScopedDevice(self._device):
+        with warp.ScopedDevice(PROCESSOR):
             self._set_forces()
             self._advance()
             self._read_forces()
@@ -109,12 +109,27 @@ class WarpWorlds(ABC):
             for values, last in zip(rows, self._last, strict=True):
                 values[first:, world] = values[first - 1, world] if first > 0 else last[world]
 
-    def _captured(self, steps: Callable[[], None]) -> Callable[[], None]:
-        """Record what is launched as a graph; give the function that launches it again."""
-        warp = import_warp()
-        with warp.ScopedDevice(self._device), warp.ScopedCapture(self._device) as capture:
-            steps()
-        return functools.partial(warp.capture_launch, capture.graph)
+
+def recorded(step: Callable[[], object]) -> Callable[[], None]:
+    """Record what a step launches as a graph; give the function that launches it again."""
+    warp = import_warp()
+    with warp.ScopedDevice(PROCESSOR), warp.ScopedCapture(PROCESSOR) as capture:
+        step()
+    return functools.partial(warp.capture_launch, capture.graph)
+
+
+def recorded_after(eager: int, step: Callable[[], object]) -> Callable[[], None]:
+    """Give what takes a step: as it is so many times, which loads kernels and finds memory, and then as a graph."""
+    taken = 0
+
+    def take() -> None:
+        nonlocal taken, step
+        if taken == eager:
+            step = recorded(step)
+        taken += 1
+        step()
+
+    return take
 
 
 @functools.cache

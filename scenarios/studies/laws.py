@@ -101,7 +101,8 @@ def period_distances(config: Config) -> tuple[float, float]:
         own = CheckedSimulation(config.build([lane])).run(start, 0, STEPS)[0].positions
         stated = expected if law is None else law.positions(lane, start, STEPS)
         apart.append([np.max(np.abs(own - other)) / BASE_AMPLITUDE for other in (stated, expected)])
-    return tuple(map(float, np.max(apart, axis=0)))
+    own, others = np.max(apart, axis=0)
+    return float(own), float(others)
 
 
 def shown(table: pd.DataFrame) -> pd.DataFrame:

@@ -17,12 +17,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.presets import Option, Preset
+from multibody_xval.engines.interface.presets import Capabilities, FrictionLaw, Option, Preset
 from multibody_xval.engines.isolated import out_of_process
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from multibody_xval.engines.isolated.process import EngineProcess, EngineProcessError
 from multibody_xval.engines.isolated.worker import NotAMessage, read_message, write_message
-from multibody_xval.engines.ode import ODE
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import lane_of, random_state
@@ -121,14 +120,6 @@ def test_a_hang_in_compiled_code_is_killed_at_its_limit(process: EngineProcess) 
     assert run(process, "none")["position"].shape == (3, 2)
 
 
-@pytest.mark.slow
-def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_worker(process: EngineProcess) -> None:
-    process.request("build", LIMIT, number=1, trouble="none")
-    os.kill(process.pid, signal.SIGSTOP)
-    with pytest.raises(EngineProcessError, match=r"within 0\.5 s"):
-        process.request("run", 0.5, number=1, **{**STILL, "loads": np.zeros(1_000_000)})
-
-
 def test_a_message_is_read_as_it_was_written() -> None:
     written: dict[str, Any] = {
         "columns": np.arange(6.0).reshape(2, 3).T,
@@ -193,8 +184,9 @@ def test_an_error_whose_text_no_file_takes_is_shown(process: EngineProcess) -> N
 def test_a_version_whose_text_no_file_takes_is_shown(tmp_path: Path) -> None:
     server = tmp_path / "server.py"
     server.write_text("def versions():\n    return {'engine': '1\\udc80'}\n")
-    assert out_of_process._versions_or_reason("tested", sys.executable, server)["engine"] == "1\\udc80"
-    out_of_process._process("tested", sys.executable, server).close()
+    process = EngineProcess("tested", sys.executable, server)
+    assert out_of_process._versions_or_reason(process)["engine"] == "1\\udc80"
+    process.close()
 
 
 def test_what_an_engine_prints_disturbs_nothing(process: EngineProcess, capfd: pytest.CaptureFixture[str]) -> None:
@@ -252,7 +244,9 @@ def test_threads_take_turns(process: EngineProcess) -> None:
 
 
 def test_a_worker_ends_with_its_parent_even_if_that_is_killed() -> None:
-    with python("process.request('versions', 30.0); print(process.pid, flush=True); sys.stdin.read()") as parent:
+    with python(
+        "process.request('versions', 30.0); print(process._worker.process.pid, flush=True); sys.stdin.read()"
+    ) as parent:
         assert parent.stdout is not None
         worker = int(parent.stdout.readline())
         parent.kill()
@@ -262,9 +256,8 @@ def test_a_worker_ends_with_its_parent_even_if_that_is_killed() -> None:
 @pytest.mark.slow
 def test_a_hanging_worker_of_a_killed_parent_ends_at_its_limit() -> None:
     program = """
-        out_of_process.GRACE = 0.5
         process.request("build", 30.0, number=1, trouble="hang")
-        print(process.pid, flush=True)
+        print(process._worker.process.pid, flush=True)
         still = [0.0, 0.0]
         process.request("run", 2.0, number=1, position=still, velocity=still, loads=[0.0], record=True)
     """
@@ -278,7 +271,7 @@ def test_a_hanging_worker_of_a_killed_parent_ends_at_its_limit() -> None:
 
 
 def test_a_program_that_ends_takes_its_worker_along_without_a_message() -> None:
-    parent = python("process.request('versions', 30.0); print(process.pid)")
+    parent = python("process.request('versions', 30.0); print(process._worker.process.pid)")
     worker = int(parent.communicate()[0])
     assert parent.returncode == 0
     assert ends(worker, 1)
@@ -287,14 +280,14 @@ def test_a_program_that_ends_takes_its_worker_along_without_a_message() -> None:
 def test_a_forked_process_has_a_worker_of_its_own() -> None:
     parent = python("""
         process.request("versions", 30.0)
-        first = process.pid
+        first = process._worker.process.pid
         fork = os.fork()
         process.request("versions", 30.0)
         if fork == 0:
-            os._exit(process.pid == first)
+            os._exit(process._worker.process.pid == first)
         assert os.waitpid(fork, 0)[1] == 0
         process.request("versions", 30.0)
-        assert process.pid == first
+        assert process._worker.process.pid == first
     """)
     parent.communicate()
     assert parent.returncode == 0
@@ -303,8 +296,10 @@ def test_a_forked_process_has_a_worker_of_its_own() -> None:
 def test_a_lane_is_built_again_where_its_worker_was_lost(process: EngineProcess) -> None:
     model = lane_in(process)
     before = model.run(random_state(), 0, 5)
-    os.kill(process.pid, signal.SIGKILL)
-    assert ends(process.pid, 10)
+    assert process._worker is not None
+    worker = process._worker.process.pid
+    os.kill(worker, signal.SIGKILL)
+    assert ends(worker, 10)
     assert np.array_equal(model.run(random_state(), 0, 5).positions, before.positions)
     assert process.generation == 2
 
@@ -333,7 +328,7 @@ def test_a_state_that_is_not_finite_never_reaches_the_engine(process: EngineProc
 
 class Tested(OutOfProcessEngine):
     name = "tested"
-    capabilities = ODE.capabilities
+    capabilities = Capabilities("Tested", "python3-tested", "MIT", FrictionLaw.COULOMB, {})
     server = SERVER
 
 
@@ -342,7 +337,7 @@ def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.Mon
     reason = Tested().unavailable_reason()
     assert reason is not None
     assert "/nowhere/python3 does not start" in reason
-    remedy = "apt install python3-pyode, or let MULTIBODY_XVAL_TESTED_PYTHON name a Python that has it"
+    remedy = "apt install python3-tested, or let MULTIBODY_XVAL_TESTED_PYTHON name a Python that has it"
     assert reason.startswith(remedy)
 
 
@@ -356,3 +351,14 @@ def test_a_python_without_the_engine_is_tried_once(monkeypatch: pytest.MonkeyPat
     assert str(reasons.pop()).endswith("No module named 'no_such_engine')")
     assert log.read_text() == "asked "
     Tested().process().close()
+
+
+def test_an_interpreter_that_never_answers_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    interpreter = tmp_path / "python"
+    interpreter.write_text("#!/bin/sh\nexec sleep 100\n")
+    interpreter.chmod(0o755)
+    monkeypatch.setattr("multibody_xval.engines.isolated.process.GRACE", 0.1)
+    silent = EngineProcess("tested", str(interpreter), SERVER)
+    with pytest.raises(EngineProcessError, match=r"tested does not answer 'versions' within 0\.1 s"):
+        silent.request("versions", 0.1)
+    assert not silent.alive()

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 
 from multibody_xval.scenarios.cases.motions import BlockMotion
-from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP, block_motion
+from multibody_xval.scenarios.catalogue.blocks.block import TIME_STEP
 from multibody_xval.scenarios.catalogue.blocks.held import STATIC_HOLD
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import Config, Run
 
 
 def held_block(name: str) -> BlockMotion:
-    return block_motion(STATIC_HOLD.cases[name])
+    case = STATIC_HOLD.cases[name]
+    assert isinstance(case, BlockMotion)
+    return case
 
 
 def slip_after(config: Config, case: BlockMotion, steps: int) -> float:
