@@ -154,7 +154,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     builder.Connect(still.get_output_port(), plant.get_desired_state_input_port(model))
     simulator, step = _simulated(builder, setting.time_step)
     context = plant.GetMyContextFromRoot(simulator.get_context())
-    return SteppedWorld(step, lambda: (plant.GetPositions(context),))
+
+    def state() -> Any:
+        return (plant.GetPositions(context),)
+
+    return SteppedWorld(step, state)
 
 
 def _single(scene: JointScene) -> tuple[list[float], Any]:

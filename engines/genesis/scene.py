@@ -34,8 +34,7 @@ BELT_MASS = 1e6
 def _scene(setting: SceneSetting, gravity: float) -> Any:
     """Make an empty scene, with the options that the preset changes."""
     genesis = import_genesis()
-    changed = {name: setting.changed(name) for name in RECIPE_OPTIONS}
-    options = as_choices({name: value for name, value in changed.items() if value is not None})
+    options = as_choices(setting.changes(*RECIPE_OPTIONS))
     return genesis.Scene(
         show_viewer=False,
         sim_options=genesis.options.SimOptions(dt=setting.time_step, gravity=(0, 0, -gravity)),
@@ -61,9 +60,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         slides = add(genesis.morphs.MJCF(file=_sliding_box(BELT, BELT_MASS, (0, 0, -BELT[2]))))
     else:
         add(genesis.morphs.Plane(normal=scene.normal))
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        morph = genesis.morphs.Box(size=(box.side,) * 3, pos=place, quat=scene.orientation)
-        followed = add(morph, rho=box.mass / box.side**3)
+    for mass, side, place in scene.stack:
+        morph = genesis.morphs.Box(size=(side,) * 3, pos=place, quat=scene.orientation)
+        followed = add(morph, rho=mass / side**3)
     world.build()
     if scene.belt:
         slides.set_dofs_velocity([scene.belt])
@@ -95,7 +94,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     world.build()
     if isinstance(scene, JointScene):
         arm.control_dofs_force([scene.load])
-    return SteppedWorld(world.step, lambda: (arm.get_dofs_position().numpy(),), close=world.destroy)
+
+    def state() -> Any:
+        return (arm.get_dofs_position().numpy(),)
+
+    return SteppedWorld(world.step, state, close=world.destroy)
 
 
 def _sliding_box(half: Vector, mass: float, place: Vector) -> ElementTree.Element:

@@ -47,8 +47,8 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
         bodies.append(f'<body pos="0 0 -.1"><joint name="belt" type="slide" axis="1 0 0"/>{belt}</body>')
     else:
         bodies.append(f'<geom type="plane" size="{GROUND} {GROUND} 1" quat="{_text(scene.tilt)}" {rub}/>')
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        geom = f'<geom type="box" size="{_text([box.side / 2] * 3)}" mass="{box.mass}" {rub}/>'
+    for mass, side, place in scene.stack:
+        geom = f'<geom type="box" size="{_text([side / 2] * 3)}" mass="{mass}" {rub}/>'
         within = _shaker(scene) if place == scene.places[-1] else ""
         bodies.append(f'<body pos="{_text(place)}" quat="{_text(scene.orientation)}"><freejoint/>{geom}{within}</body>')
     if scene.grip:
@@ -145,9 +145,12 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
             data.xfrc_applied[-1, :3] = scene.along(force)
 
     def state() -> Any:
-        return data.qpos[place : place + 7], data.qvel[speed : speed + 3]
+        return data.qpos[place : place + 3], data.qpos[place + 3 : place + 7], data.qvel[speed : speed + 3]
 
-    return SteppedWorld(lambda: mujoco.mj_step(model, data), state, launch, push=push)
+    def step() -> None:
+        mujoco.mj_step(model, data)
+
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def followed_box(model: Any) -> tuple[int, int]:
@@ -163,4 +166,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     import mujoco
 
     model, data = joint_world(scene, setting)
-    return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos,))
+
+    def step() -> None:
+        mujoco.mj_step(model, data)
+
+    def state() -> Any:
+        return (data.qpos,)
+
+    return SteppedWorld(step, state)

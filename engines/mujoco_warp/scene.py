@@ -26,7 +26,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     data, step = _world(model, start)
 
     def state() -> Any:
-        return data.qpos.numpy()[0, place : place + 7], data.qvel.numpy()[0, speed : speed + 3]
+        coordinates = data.qpos.numpy()[0]
+        turned = coordinates[place + 3 : place + 7]
+        return coordinates[place : place + 3], turned, data.qvel.numpy()[0, speed : speed + 3]
 
     def launch(velocity: Vector, spin: float) -> None:
         speeds = data.qvel.numpy()
@@ -48,7 +50,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     data, step = _world(*joint_world(scene, setting))
-    return SteppedWorld(step, lambda: (data.qpos.numpy()[0],))
+
+    def state() -> Any:
+        return (data.qpos.numpy()[0],)
+
+    return SteppedWorld(step, state)
 
 
 def _world(model: Any, start: Any) -> tuple[Any, Callable[[], object]]:

@@ -51,7 +51,6 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         world.add_entity(entity)
         return body
 
-    pressed = belt = None
     if scene.grip:
         reach, height = scene.finger
         add(physx.PhysxRigidStaticComponent(), FINGER, (-reach, 0.0, height))
@@ -64,16 +63,16 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         add(physx.PhysxRigidStaticComponent(), (GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        body = add(physx.PhysxRigidDynamicComponent(), [box.side / 2] * 3, place, scene.orientation, box.mass)
+    for mass, side, place in scene.stack:
+        body = add(physx.PhysxRigidDynamicComponent(), [side / 2] * 3, place, scene.orientation, mass)
     time = 0.0
 
     def step() -> None:
         nonlocal time
         time += setting.time_step
-        if pressed is not None:
+        if scene.grip:
             pressed.add_force_torque(np.array([-scene.grip, 0.0, 0.0]), np.zeros(3))
-        if belt is not None:
+        if scene.belt:
             belt.set_kinematic_target(sapien.Pose([scene.belt * time, 0.0, -0.1]))
         system.step()
 
