@@ -17,6 +17,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, turned
 
@@ -93,7 +94,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body.linearVelocity, body.awake = in_plane(velocity, spin), True
 
     def push(force: float) -> None:
-        body.ApplyForceToCenter(scene.along(force)[::2], True)
+        body.ApplyForceToCenter(along(scene, force)[::2], True)
 
     return SteppedWorld(step, state, launch, push=push)
 

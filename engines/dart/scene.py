@@ -23,6 +23,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 
 STEP = 0.001
@@ -120,7 +121,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         skeleton.setVelocities(np.concatenate([rotation.T @ (0, 0, spin), rotation.T @ velocity]))
 
     def push(force: float) -> None:
-        body.setExtForce(scene.along(force))
+        body.setExtForce(along(scene, force))
 
     return SteppedWorld(step, state, launch, push=push)
 

@@ -16,6 +16,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.shared.solids import solids
 
@@ -61,7 +62,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         plant.SetFreeBodySpatialVelocity(context, bodies[-1], motion)
 
     def push(force: float) -> None:
-        pushes[0].F_Bq_W = drake.SpatialForce(np.zeros(3), np.array(scene.along(force)))
+        pushes[0].F_Bq_W = drake.SpatialForce(np.zeros(3), np.array(along(scene, force)))
         plant.get_applied_spatial_force_input_port().FixValue(context, pushes)
 
     return SteppedWorld(step, state, launch, push=push)

@@ -18,6 +18,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.mujoco.scene import joint_model
 
@@ -76,7 +77,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         return followed.get_pos().numpy(), followed.get_quat().numpy(), followed.get_vel().numpy()
 
     def push(force: float) -> None:
-        forces = np.array([scene.along(force)])
+        forces = np.array([along(scene, force)])
         world.rigid_solver.apply_links_external_force(force=forces, links_idx=[followed.base_link_idx])
 
     return SteppedWorld(world.step, state, launch, world.destroy, push)

@@ -121,11 +121,6 @@ class ContactScene:
         """Unit vector that points down the plane; x where it is level."""
         return math.cos(self.slope), 0.0, -math.sin(self.slope)
 
-    def along(self, force: float) -> Vector:
-        """Give a force down the plane [N] in the axes of the world."""
-        x, y, z = self.downhill
-        return force * x, force * y, force * z
-
     @property
     def tilt(self) -> Quaternion:
         """Of the plane."""
@@ -157,6 +152,12 @@ class ContactScene:
     def finger(self) -> tuple[float, float]:
         """Distance of the fingers' centres from the middle, and their height [m]."""
         return self.boxes[0].side / 2 + FINGER[0], self.places[0][2]
+
+
+def along(scene: ContactScene, force: float) -> Vector:
+    """Give a force down the plane [N] in the axes of the world."""
+    x, y, z = scene.downhill
+    return force * x, force * y, force * z
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,6 +20,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.newton.worlds import NO_GRAVITY, STATE, import_newton
 from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp, recorded_after
@@ -123,7 +124,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     def push(force: float) -> None:
         forces = pushes.numpy()
-        forces[body, :3] = scene.along(force)
+        forces[body, :3] = along(scene, force)
         pushes.assign(forces)
 
     return SteppedWorld(step, state, launch, push=push)

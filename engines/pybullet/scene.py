@@ -21,6 +21,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.pybullet.joint import import_pybullet
 
@@ -133,7 +134,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     def push(force: float) -> None:
         centre = bullet.getBasePositionAndOrientation(body)[0]
-        bullet.applyExternalForce(body, -1, scene.along(force), centre, bullet.WORLD_FRAME)
+        bullet.applyExternalForce(body, -1, along(scene, force), centre, bullet.WORLD_FRAME)
 
     return SteppedWorld(step, state, launch, bullet.disconnect, push)
 

@@ -19,6 +19,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, turned
 
@@ -90,7 +91,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body.velocity = in_plane(velocity, spin)
 
     def push(force: float) -> None:
-        body.apply_force_at_world_point(scene.along(force)[::2], body.position)
+        body.apply_force_at_world_point(along(scene, force)[::2], body.position)
 
     def state() -> Any:
         place, speed = body.position, body.velocity

@@ -20,6 +20,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.rapier.joint import new_world
 from reference_lcp.validation import FloatArray
@@ -103,7 +104,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     def push(force: float) -> None:
         body.reset_forces(True)
-        body.add_force(vector(*scene.along(force)), True)
+        body.add_force(vector(*along(scene, force)), True)
 
     return SteppedWorld(world.step, state, launch, push=push)
 

@@ -21,6 +21,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.sapien.joint import import_sapien, new_scene
 
@@ -86,7 +87,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body.set_angular_velocity((0, 0, spin))
 
     def push(force: float) -> None:
-        body.add_force_torque(np.array(scene.along(force)), np.zeros(3))
+        body.add_force_torque(np.array(along(scene, force)), np.zeros(3))
 
     return SteppedWorld(step, state, launch, push=push)
 

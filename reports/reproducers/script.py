@@ -16,9 +16,9 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.reproducers.own_expressions import NotWritable
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
+from multibody_xval.reports.reproducers.specialise import NotWritable
 from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.blocks import breakaway, published
