@@ -1,13 +1,14 @@
 """What scenarios have answered, as files for people and programs: a comment, every number."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from multibody_xval.reports.answers import asked, overview, tables, why
+from multibody_xval.reports.document import Folded, Part, document
 from multibody_xval.reports.formatting import flat, versions
 from multibody_xval.scenarios.catalogue.finding import conclusion, reasons_to_fail
 from multibody_xval.scenarios.catalogue.numbers import COLUMNS
@@ -15,8 +16,6 @@ from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.table_text import (
     csv_text,
     json_text,
-    markdown_lines,
-    markdown_list,
     markdown_text,
     records,
 )
@@ -55,15 +54,22 @@ class Answer(NamedTuple):
 
 def markdown(answer: Answer) -> str:
     """Give a comment for a pull request: one sentence, a table, all else folded."""
-    lines = [f"## Scenarios: {answer.outcome}", "", markdown_text(answer.conclusion), ""]
-    lines += [*markdown_lines(flat(overview(answer.rows))), ""]
-    for scenario in answer.scenarios:
-        rows = answer.of(scenario)
-        lines += [f"<details><summary>{scenario.name}</summary>", "", *markdown_list(asked(scenario, rows)), ""]
-        for name, table in tables(rows, details=True):
-            lines += [markdown_text(name), "", *markdown_lines(flat(table)), ""]
-        lines += [*markdown_list(why(rows)), "", "</details>", ""]
-    return "\n".join([*lines, f"Made by `{answer.command}`. {markdown_text(versions(answer.rows))}", ""])
+    folded = [Folded(own.name, list(_details(own, answer.of(own)))) for own in answer.scenarios]
+    first: list[Part] = [
+        f"## Scenarios: {answer.outcome}",
+        markdown_text(answer.conclusion),
+        flat(overview(answer.rows)),
+    ]
+    return document([*first, *folded, f"Made by `{answer.command}`. {markdown_text(versions(answer.rows))}"])
+
+
+def _details(scenario: Scenario, rows: pd.DataFrame) -> Iterator[Part]:
+    """Give what was asked, every number, and why some are not there."""
+    yield asked(scenario, rows)
+    for name, table in tables(rows, details=True):
+        yield markdown_text(name)
+        yield flat(table)
+    yield why(rows)
 
 
 def plain(rows: pd.DataFrame) -> pd.DataFrame:

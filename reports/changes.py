@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from multibody_xval.reports.document import Folded, Part, document
 from multibody_xval.reports.formatting import flat, number_text, numbered, size_text
 from multibody_xval.scenarios.compare.points import CHANGES, LEAST_STUCK, NEW
 from multibody_xval.scenarios.compare.stores import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
 from multibody_xval.scenarios.result_tables import rows_of, with_amplitude
-from multibody_xval.scenarios.table_text import csv_text, json_text, markdown_lines, markdown_list, records
+from multibody_xval.scenarios.table_text import csv_text, json_text, records
 
 MOST_SHOWN, MOST_FOLDED = 10, 100
 """Changed points, and as many numbers, that a comment shows and has folded beneath: GitHub takes 65,536 characters."""
@@ -121,21 +122,23 @@ def _options(configuration: str, before: str, now: str) -> list[str]:
 
 def markdown(own: Comparison) -> str:
     """Give a comment for a pull request: one sentence, a table, versions, the worst points, the rest folded."""
-    lines = [f"## Engine regression: {'fails' if own.fails else 'passes'}", "", own.conclusion, ""]
-    lines += [*markdown_lines(overview(own.changes)), "", *markdown_list(identities(own.changes))]
-    lines += [*_folded(changed_points(own.changes), "points"), *_folded(flat(changed_numbers(own.changes)), "numbers")]
-    return "\n".join([*lines, "", _explanation(own), ""])
+    parts: list[Part] = [
+        f"## Engine regression: {'fails' if own.fails else 'passes'}",
+        own.conclusion,
+        overview(own.changes),
+        identities(own.changes),
+        *_folded(changed_points(own.changes), "points"),
+        *_folded(flat(changed_numbers(own.changes)), "numbers"),
+    ]
+    return document([*parts, _explanation(own)])
 
 
-def _folded(changed: pd.DataFrame, name: str) -> list[str]:
-    """Give the lines of a table that shows the worst and folds the rest."""
-    lines = ["", *markdown_lines(changed[:MOST_SHOWN])] if len(changed) else []
-    if len(changed) > MOST_SHOWN:
-        folded = changed[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
-        left = len(changed) - MOST_SHOWN - len(folded)
-        title = f"{len(folded)} more {name}" + (f", and {left} that are not shown" if left else "")
-        lines += ["", f"<details><summary>{title}</summary>", "", *markdown_lines(folded), "", "</details>"]
-    return lines
+def _folded(changed: pd.DataFrame, name: str) -> list[Part]:
+    """Give a table that shows the worst and folds the rest."""
+    folded = changed[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
+    left = len(changed) - MOST_SHOWN - len(folded)
+    title = f"{len(folded)} more {name}" + (f", and {left} that are not shown" if left > 0 else "")
+    return [changed[:MOST_SHOWN], *[Folded(title, [folded])] * (len(folded) > 0)]
 
 
 def _explanation(own: Comparison) -> str:

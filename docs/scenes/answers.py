@@ -1,14 +1,18 @@
 """Writes `answers.csv`: the worst number of every scene, with default options and with the recipe, and its cost.
 
+The same numbers then stand in the recipes, beside the adapters.
+
 ``python docs/scenes/answers.py [STORE]`` runs what the store lacks, for all engines that are installed: ten minutes.
 """
 
 import sys
 from pathlib import Path
 
+import pages
 import pandas as pd
 
 from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue.recipes import recipe_results
 from multibody_xval.scenarios.running.evaluate import Means
 
@@ -31,6 +35,11 @@ def main(store: str | None = None) -> None:
     here = [name for name in engine_names() if engine(name).scene_worlds and engine(name).unavailable_reason() is None]
     table = pd.concat([answers(name, means) for name in here])
     table.to_csv(ANSWERS, index=False, float_format="%.4g", lineterminator="\n")
+    for name in here:
+        page = recipe_file(engine(name))
+        if page is not None:
+            text = pages.with_numbers(recipe_text(name), name, table[table.engine == name])
+            Path(str(page)).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Pages of scenes: a table of engines, its heat map, and what to write in one's own model, from one table.
+"""The heat map of scenes, which the documentation calls `write` for before it is built, and what recipes give.
 
-The documentation calls `write` before it is built; what it writes is not kept.
+Recipes are pages beside the adapters: what to write, by hand, and below it what it gives, from `answers.csv`.
 """
 
 import math
@@ -14,10 +14,11 @@ import pandas as pd
 from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
 from multibody_xval.reports.formatting import environment
-from multibody_xval.reports.reproducers.recipe import has_recipe, recipe_text
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 
 FOLDER = Path(__file__).parent
+
+FENCE = "```"
 
 DECADES = 6
 """Shades of the heat map: decades of a number over the smallest one that counts as none."""
@@ -27,14 +28,10 @@ LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0
 
 
 def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
-    """Write the heat map as HTML, and a page of Markdown an engine, to be included in that of the engine."""
+    """Write the heat map as HTML."""
     rows = pd.read_csv(table)
     pages = {name: f"../engines/{_page(name)}.html" for name in rows.engine.unique()}
     (folder / "heat_map.html").write_text(heat_map(rows[~rows.number.str.startswith("cost")], pages), encoding="utf-8")
-    (folder / "recipes").mkdir(exist_ok=True)
-    for name in filter(lambda each: has_recipe(registry.engine(each)), registry.engine_names()):
-        text = "\n".join(recipe_page(name, rows[rows.engine == name]))
-        (folder / "recipes" / f"{name}.md").write_text(text, encoding="utf-8")
 
 
 def heat_map(rows: pd.DataFrame, pages: Mapping[str, str]) -> str:
@@ -90,18 +87,19 @@ def _page(name: str) -> str:
     return own if (FOLDER.parent / "engines" / f"{own}.md").is_file() else own.partition("_")[0]
 
 
-def recipe_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
-    """Give what to write in one's own model, and what it gives."""
-    yield from ("## My blocks creep: what to write", "", "```text", recipe_text(name).rstrip(), "```", "")
-    yield from _reaches(name)
+def with_numbers(text: str, name: str, rows: pd.DataFrame) -> str:
+    """Give the page of a recipe with what it gives: all below what is to be written."""
+    written = text[: text.index(f"{FENCE}\n", text.index(FENCE) + 1) + len(FENCE)]
+    return "\n".join([written, "", *_reaches(name), *_numbers(name, rows)]).rstrip() + "\n"
+
+
+def _numbers(name: str, rows: pd.DataFrame) -> Iterator[str]:
     if rows.empty:
         return
-    command = f"`multibody-xval recipe {name}`"
-    yield f"Worst number of [each scene](../scenes/index.md) at the engine's own time step ({command}):"
+    yield f"Worst number of each scene at the engine's own time step (`multibody-xval recipe {name}`):"
     yield from ("", "| scene | default options | recipe |", "|---|---|---|")
     for row in rows.itertuples():
         if row.number.startswith("cost"):
             yield f"| {row.number.removesuffix(' [×]')} | 1 | ×{row.recommended:.2f} |"
         else:
             yield f"| {row.number} | {printed_number(row.default)} | {printed_number(row.recommended)} |"
-    yield ""

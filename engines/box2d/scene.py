@@ -17,8 +17,9 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
-from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, row
+from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, turned
 
 STEP = 1 / 60
 """Of Box2D's manual [s]; it has no default."""
@@ -30,66 +31,72 @@ LINK_HALF = (LINK_LENGTH / 2, 0.005)
 """Half sides of a link [m]."""
 
 
-class _World:
-    """A world, and its step."""
+def _new_world(setting: SceneSetting, gravity: float) -> Any:
+    import Box2D
 
-    def __init__(self, setting: SceneSetting, gravity: float):
-        import Box2D
+    return Box2D.b2World(gravity=(0, -gravity), doSleep=setting.sleeping)
 
-        self.box2d, self._setting = Box2D, setting
-        self.world = Box2D.b2World(gravity=(0, -gravity), doSleep=setting.sleeping)
-        self.still = self.world.CreateStaticBody()
 
-    def fixture(self, half: Sequence[float], friction: float, mass: float = 0.0, *, touches: bool = True) -> Any:
-        """Give a box; one without mass is of a body that is not moved by forces."""
-        shape = self.box2d.b2PolygonShape(box=(half[0], half[-1]))
-        density = mass / (4 * half[0] * half[-1])
-        touching = {} if touches else {"filter": self.box2d.b2Filter(maskBits=0)}
-        return self.box2d.b2FixtureDef(shape=shape, density=density, friction=friction, restitution=0.0, **touching)
+def _box(half: Sequence[float], friction: float, mass: float = 0.0) -> Any:
+    """Give a box; one without mass is of a body that is not moved by forces."""
+    import Box2D
 
-    def free(self, place: tuple[float, float], angle: float, fixture: Any) -> Any:
-        """Add a body; only its own switch keeps it from sleeping."""
-        sleeping = self._setting.sleeping
-        return self.world.CreateDynamicBody(position=place, angle=angle, fixtures=fixture, allowSleep=sleeping)
+    shape = Box2D.b2PolygonShape(box=(half[0], half[-1]))
+    density = mass / (4 * half[0] * half[-1])
+    return Box2D.b2FixtureDef(shape=shape, density=density, friction=friction, restitution=0.0)
 
-    def step(self) -> None:
-        """Take a step."""
-        iterations = (self._setting.preset[name] for name in ("velocityIterations", "positionIterations"))
-        self.world.Step(self._setting.time_step, *iterations)
-        self.world.ClearForces()
+
+def _untouched(half: Sequence[float], mass: float) -> Any:
+    """Give a box that passes through others."""
+    import Box2D
+
+    box = _box(half, 0.0, mass)
+    box.filter = Box2D.b2Filter(maskBits=0)
+    return box
+
+
+def _advance(world: Any, setting: SceneSetting) -> None:
+    world.Step(setting.time_step, setting.preset["velocityIterations"], setting.preset["positionIterations"])
+    world.ClearForces()
 
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
     check_planar(scene)
-    own, rub, pressed = _World(setting, GRAVITY), scene.friction, None
-    world = own.world
+    world, rub = _new_world(setting, GRAVITY), scene.friction
     if scene.grip:
         reach, height = scene.finger
-        world.CreateStaticBody(position=(-reach, height), fixtures=own.fixture(FINGER, rub))
-        pressed = own.free((reach, height), 0.0, own.fixture(FINGER, rub, FINGER_MASS))
-        world.CreatePrismaticJoint(bodyA=own.still, bodyB=pressed, anchor=pressed.position, axis=(1, 0))
+        world.CreateStaticBody(position=(-reach, height), fixtures=_box(FINGER, rub))
+        finger = _box(FINGER, rub, FINGER_MASS)
+        pressed = world.CreateDynamicBody(position=(reach, height), fixtures=finger, allowSleep=setting.sleeping)
+        world.CreatePrismaticJoint(bodyA=world.CreateStaticBody(), bodyB=pressed, anchor=pressed.position, axis=(1, 0))
     elif scene.belt:
-        belt = own.fixture(BELT, rub)
-        world.CreateKinematicBody(position=(0, -0.1), linearVelocity=(scene.belt, 0), fixtures=belt)
+        world.CreateKinematicBody(position=(0, -0.1), linearVelocity=(scene.belt, 0), fixtures=_box(BELT, rub))
     else:
         x, _, z = scene.normal
-        world.CreateStaticBody(position=(-x, -z), angle=-scene.slope, fixtures=own.fixture((GROUND, 1.0), rub))
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        body = own.free((place[0], place[2]), -scene.slope, own.fixture([box.side / 2] * 2, rub, box.mass))
+        world.CreateStaticBody(position=(-x, -z), angle=-scene.slope, fixtures=_box((GROUND, 1.0), rub))
+    for mass, side, place in scene.stack:
+        body = world.CreateDynamicBody(
+            position=(place[0], place[2]), angle=-scene.slope, fixtures=_box([side / 2] * 2, rub, mass),
+            allowSleep=setting.sleeping,
+        )  # fmt: skip
 
     def step() -> None:
-        if pressed is not None:
+        if scene.grip:
             pressed.ApplyForceToCenter((-scene.grip, 0), True)
-        own.step()
+        _advance(world, setting)
+
+    def state() -> Any:
+        place, speed = body.position, body.linearVelocity
+        return (place[0], 0.0, place[1]), turned(body.angle), (speed[0], 0.0, speed[1])
 
     def launch(velocity: Vector, spin: float) -> None:
         body.linearVelocity, body.awake = in_plane(velocity, spin), True
 
     def push(force: float) -> None:
-        body.ApplyForceToCenter(scene.along(force)[::2], True)
+        body.ApplyForceToCenter(along(scene, force)[::2], True)
 
-    return SteppedWorld(step, lambda: row(body.position, body.angle, body.linearVelocity), launch, push=push)
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -98,45 +105,49 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
 
 
 def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
-    own, hinge = _World(setting, 0.0), scene.kind == "hinge"
-    body = own.free((0, 0), 0.0, own.fixture((UNIT_INERTIA, UNIT_INERTIA), 0.0, 1.0, touches=False))
-    motor: dict[str, Any] = {
-        "bodyA": own.still,
-        "bodyB": body,
-        "anchor": (0, 0),
-        "enableMotor": True,
-        "motorSpeed": 0.0,
-    }
+    world, hinge = _new_world(setting, 0.0), scene.kind == "hinge"
+    still, box = world.CreateStaticBody(), _untouched((UNIT_INERTIA, UNIT_INERTIA), 1.0)
+    body = world.CreateDynamicBody(position=(0, 0), fixtures=box, allowSleep=setting.sleeping)
     if hinge:
-        own.world.CreateRevoluteJoint(**motor, maxMotorTorque=scene.friction)
+        world.CreateRevoluteJoint(
+            bodyA=still, bodyB=body, anchor=(0, 0), enableMotor=True, motorSpeed=0.0, maxMotorTorque=scene.friction
+        )
     else:
-        own.world.CreatePrismaticJoint(**motor, axis=(1, 0), maxMotorForce=scene.friction)
+        world.CreatePrismaticJoint(
+            bodyA=still, bodyB=body, anchor=(0, 0), axis=(1, 0), enableMotor=True, motorSpeed=0.0,
+            maxMotorForce=scene.friction,
+        )  # fmt: skip
 
     def step() -> None:
         if hinge:
             body.ApplyTorque(scene.load, True)
         else:
             body.ApplyForceToCenter((scene.load, 0), True)
-        own.step()
+        _advance(world, setting)
 
-    return SteppedWorld(step, lambda: ([body.angle if hinge else body.position[0]],))
+    def state() -> Any:
+        return ([body.angle if hinge else body.position[0]],)
+
+    return SteppedWorld(step, state)
 
 
 def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
-    own = _World(setting, GRAVITY)
-    before, links = own.still, []
+    world, links = _new_world(setting, GRAVITY), []
+    before = world.CreateStaticBody()
     for link, bound in enumerate(scene.friction):
-        rod = own.fixture(LINK_HALF, 0.0, LINK_MASS, touches=False)
-        body = own.free((LINK_LENGTH * (link + 0.5), 0), 0.0, rod)
-        own.world.CreateRevoluteJoint(
-            bodyA=before,
-            bodyB=body,
-            anchor=(LINK_LENGTH * link, 0),
-            enableMotor=True,
-            motorSpeed=0.0,
+        place, rod = (LINK_LENGTH * (link + 0.5), 0), _untouched(LINK_HALF, LINK_MASS)
+        body = world.CreateDynamicBody(position=place, fixtures=rod, allowSleep=setting.sleeping)
+        world.CreateRevoluteJoint(
+            bodyA=before, bodyB=body, anchor=(LINK_LENGTH * link, 0), enableMotor=True, motorSpeed=0.0,
             maxMotorTorque=bound,
-        )
+        )  # fmt: skip
         links.append(body)
         before = body
 
-    return SteppedWorld(own.step, lambda: (hinge_angles(link.angle for link in links),))
+    def step() -> None:
+        _advance(world, setting)
+
+    def state() -> Any:
+        return (hinge_angles(link.angle for link in links),)
+
+    return SteppedWorld(step, state)

@@ -23,6 +23,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 
 STEP = 0.001
@@ -90,7 +91,6 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         world.addSkeleton(skeleton)
         return skeleton
 
-    pressed = None
     if scene.grip:
         reach, height = scene.finger
         fixed(FINGER, (-reach, 0.0, height))
@@ -100,15 +100,15 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         fixed((GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
-    for box, place in zip(scene.boxes, scene.places, strict=True):
+    for mass, side, place in scene.stack:
         skeleton = new_skeleton()
         joint, body = skeleton.createFreeJointAndBodyNodePair()
-        _add_box(body, [box.side / 2] * 3, box.mass, rub)
+        _add_box(body, [side / 2] * 3, mass, rub)
         joint.setPositions(dartpy.dynamics.FreeJoint.convertToPositions(_pose(place, scene.orientation)))
         world.addSkeleton(skeleton)
 
     def step() -> None:
-        if pressed is not None:
+        if scene.grip:
             pressed.setForces([-scene.grip])
         world.step()
 
@@ -121,7 +121,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         skeleton.setVelocities(np.concatenate([rotation.T @ (0, 0, spin), rotation.T @ velocity]))
 
     def push(force: float) -> None:
-        body.setExtForce(scene.along(force))
+        body.setExtForce(along(scene, force))
 
     return SteppedWorld(step, state, launch, push=push)
 
@@ -165,4 +165,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
             skeleton.setForces([scene.load])
         world.step()
 
-    return SteppedWorld(step, lambda: (skeleton.getPositions(),))
+    def state() -> Any:
+        return (skeleton.getPositions(),)
+
+    return SteppedWorld(step, state)

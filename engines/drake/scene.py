@@ -16,6 +16,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.shared.solids import solids
 
@@ -61,7 +62,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         plant.SetFreeBodySpatialVelocity(context, bodies[-1], motion)
 
     def push(force: float) -> None:
-        pushes[0].F_Bq_W = drake.SpatialForce(np.zeros(3), np.array(scene.along(force)))
+        pushes[0].F_Bq_W = drake.SpatialForce(np.zeros(3), np.array(along(scene, force)))
         plant.get_applied_spatial_force_input_port().FixValue(context, pushes)
 
     return SteppedWorld(step, state, launch, push=push)
@@ -154,7 +155,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     builder.Connect(still.get_output_port(), plant.get_desired_state_input_port(model))
     simulator, step = _simulated(builder, setting.time_step)
     context = plant.GetMyContextFromRoot(simulator.get_context())
-    return SteppedWorld(step, lambda: (plant.GetPositions(context),))
+
+    def state() -> Any:
+        return (plant.GetPositions(context),)
+
+    return SteppedWorld(step, state)
 
 
 def _single(scene: JointScene) -> tuple[list[float], Any]:

@@ -18,6 +18,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.mujoco.scene import joint_model
 
@@ -34,8 +35,7 @@ BELT_MASS = 1e6
 def _scene(setting: SceneSetting, gravity: float) -> Any:
     """Make an empty scene, with the options that the preset changes."""
     genesis = import_genesis()
-    changed = {name: setting.changed(name) for name in RECIPE_OPTIONS}
-    options = as_choices({name: value for name, value in changed.items() if value is not None})
+    options = as_choices(setting.changes(*RECIPE_OPTIONS))
     return genesis.Scene(
         show_viewer=False,
         sim_options=genesis.options.SimOptions(dt=setting.time_step, gravity=(0, 0, -gravity)),
@@ -61,9 +61,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         slides = add(genesis.morphs.MJCF(file=_sliding_box(BELT, BELT_MASS, (0, 0, -BELT[2]))))
     else:
         add(genesis.morphs.Plane(normal=scene.normal))
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        morph = genesis.morphs.Box(size=(box.side,) * 3, pos=place, quat=scene.orientation)
-        followed = add(morph, rho=box.mass / box.side**3)
+    for mass, side, place in scene.stack:
+        morph = genesis.morphs.Box(size=(side,) * 3, pos=place, quat=scene.orientation)
+        followed = add(morph, rho=mass / side**3)
     world.build()
     if scene.belt:
         slides.set_dofs_velocity([scene.belt])
@@ -77,7 +77,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         return followed.get_pos().numpy(), followed.get_quat().numpy(), followed.get_vel().numpy()
 
     def push(force: float) -> None:
-        forces = np.array([scene.along(force)])
+        forces = np.array([along(scene, force)])
         world.rigid_solver.apply_links_external_force(force=forces, links_idx=[followed.base_link_idx])
 
     return SteppedWorld(world.step, state, launch, world.destroy, push)
@@ -95,7 +95,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     world.build()
     if isinstance(scene, JointScene):
         arm.control_dofs_force([scene.load])
-    return SteppedWorld(world.step, lambda: (arm.get_dofs_position().numpy(),), close=world.destroy)
+
+    def state() -> Any:
+        return (arm.get_dofs_position().numpy(),)
+
+    return SteppedWorld(world.step, state, close=world.destroy)
 
 
 def _sliding_box(half: Vector, mass: float, place: Vector) -> ElementTree.Element:

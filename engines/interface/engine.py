@@ -3,8 +3,8 @@
 import math
 import platform
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from multibody_xval.engines.interface.changed_options import changed_preset
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preparation, Preset
@@ -48,8 +48,6 @@ class Engine(ABC):
     """What builds scenes as its users write them, by the formulation of the friction; none is needed."""
     scene_shakers: ClassVar[bool] = False
     """Whether boxes of scenes may have a `Shaker`."""
-    scene_models: ClassVar[Mapping[Formulation, Callable[[Any, SceneSetting], str]]] = {}
-    """What writes such scenes as texts, of an engine whose users write models so."""
     no_scenes: ClassVar[str] = "its adapter builds none"
     """Why there are no scenes of a formulation that is not in `scene_worlds`."""
 

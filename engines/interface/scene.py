@@ -121,11 +121,6 @@ class ContactScene:
         """Unit vector that points down the plane; x where it is level."""
         return math.cos(self.slope), 0.0, -math.sin(self.slope)
 
-    def along(self, force: float) -> Vector:
-        """Give a force down the plane [N] in the axes of the world."""
-        x, y, z = self.downhill
-        return force * x, force * y, force * z
-
     @property
     def tilt(self) -> Quaternion:
         """Of the plane."""
@@ -149,9 +144,20 @@ class ContactScene:
         return [(x * height, y * height, z * height) for height in heights]
 
     @property
+    def stack(self) -> list[tuple[float, float, Vector]]:
+        """Mass [kg], side [m] and centre [m] of every box, from below."""
+        return [(box.mass, box.side, place) for box, place in zip(self.boxes, self.places, strict=True)]
+
+    @property
     def finger(self) -> tuple[float, float]:
         """Distance of the fingers' centres from the middle, and their height [m]."""
         return self.boxes[0].side / 2 + FINGER[0], self.places[0][2]
+
+
+def along(scene: ContactScene, force: float) -> Vector:
+    """Give a force down the plane [N] in the axes of the world."""
+    x, y, z = scene.downhill
+    return force * x, force * y, force * z
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -267,6 +273,10 @@ class SceneSetting:
         option = self.preset.options.get(name)
         unchanged = option is None or option.value == option.default
         return None if unchanged else self.preset.value(name, self.time_step)
+
+    def changes(self, *names: str) -> dict[str, Any]:
+        """Give those of these options that the preset sets, as the engine takes them."""
+        return {name: value for name in names if (value := self.changed(name)) is not None}
 
 
 SceneBuilder = Callable[[Any, SceneSetting], SceneWorld]

@@ -8,7 +8,7 @@ from multibody_xval.engines.interface.presets import Capabilities, Formulation, 
 from multibody_xval.engines.mujoco.contact import compiled_contacts
 from multibody_xval.engines.mujoco.joint import compiled_joints
 from multibody_xval.engines.mujoco.reproducer import CONTACT, JOINT
-from multibody_xval.engines.mujoco.scene import STEP, contact_model, contacts, joint_model, joints
+from multibody_xval.engines.mujoco.scene import STEP, contacts, joints
 from multibody_xval.engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -37,7 +37,6 @@ class MuJoCo(PipEngine):
     scene_step: ClassVar[float] = STEP
     scene_shakers: ClassVar[bool] = True
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
-    scene_models: ClassVar = {Formulation.JOINT: joint_model, Formulation.CONTACT: contact_model}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         modulated = any(lane.preload is not None for lane in lanes)

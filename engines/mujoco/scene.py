@@ -18,6 +18,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 
 STEP = 0.002
@@ -47,10 +48,12 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
         bodies.append(f'<body pos="0 0 -.1"><joint name="belt" type="slide" axis="1 0 0"/>{belt}</body>')
     else:
         bodies.append(f'<geom type="plane" size="{GROUND} {GROUND} 1" quat="{_text(scene.tilt)}" {rub}/>')
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        geom = f'<geom type="box" size="{_text([box.side / 2] * 3)}" mass="{box.mass}" {rub}/>'
-        within = _shaker(scene) if place == scene.places[-1] else ""
-        bodies.append(f'<body pos="{_text(place)}" quat="{_text(scene.orientation)}"><freejoint/>{geom}{within}</body>')
+    for mass, side, place in scene.stack:
+        geom = f'<geom type="box" size="{_text([side / 2] * 3)}" mass="{mass}" {rub}/>'
+        free = "<freejoint/>"
+        if place == scene.places[-1]:
+            free, geom = '<freejoint name="box"/>', geom + _shaker(scene)
+        bodies.append(f'<body pos="{_text(place)}" quat="{_text(scene.orientation)}">{free}{geom}</body>')
     if scene.grip:
         finger = f'<geom type="box" size="{_text(FINGER)}" mass="{FINGER_MASS}" {rub}/>'
         slide = '<joint name="finger" type="slide" axis="1 0 0"/>'
@@ -104,7 +107,7 @@ def _text(values: Any) -> str:
 
 
 def contact_world(scene: ContactScene, setting: SceneSetting) -> tuple[Any, Any]:
-    """Compile a scene with contacts; gives the model and its data. The followed box has the last free joint."""
+    """Compile a scene with contacts; gives the model and its data. The joint of the followed box is ``box``."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(contact_model(scene, setting))
@@ -132,30 +135,24 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     import mujoco
 
     model, data = contact_world(scene, setting)
-
-    place, speed = followed_box(model)
+    box = data.joint("box")
 
     def launch(velocity: Vector, spin: float) -> None:
-        data.qvel[speed : speed + 6] = *velocity, 0.0, 0.0, spin
+        box.qvel[:] = *velocity, 0.0, 0.0, spin
 
     def push(force: float) -> None:
         if scene.shaker:
             data.joint("shaker").qfrc_applied[0] = force
         else:
-            data.xfrc_applied[-1, :3] = scene.along(force)
+            data.xfrc_applied[-1, :3] = along(scene, force)
 
     def state() -> Any:
-        return data.qpos[place : place + 7], data.qvel[speed : speed + 3]
+        return box.qpos[:3], box.qpos[3:], box.qvel[:3]
 
-    return SteppedWorld(lambda: mujoco.mj_step(model, data), state, launch, push=push)
+    def step() -> None:
+        mujoco.mj_step(model, data)
 
-
-def followed_box(model: Any) -> tuple[int, int]:
-    """Give where the coordinates of the last free joint begin, and its velocities."""
-    import mujoco
-
-    last = [joint for joint in range(model.njnt) if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE][-1]
-    return int(model.jnt_qposadr[last]), int(model.jnt_dofadr[last])
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -163,4 +160,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     import mujoco
 
     model, data = joint_world(scene, setting)
-    return SteppedWorld(lambda: mujoco.mj_step(model, data), lambda: (data.qpos,))
+
+    def step() -> None:
+        mujoco.mj_step(model, data)
+
+    def state() -> Any:
+        return (data.qpos,)
+
+    return SteppedWorld(step, state)

@@ -10,8 +10,9 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
-from multibody_xval.engines.mujoco.scene import contact_world, followed_box, joint_world
+from multibody_xval.engines.mujoco.scene import contact_world, joint_world
 from multibody_xval.engines.mujoco_warp.worlds import import_mujoco_warp
 from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp, recorded_after
 
@@ -20,13 +21,15 @@ MOST_CONTACTS, MOST_ROWS = 64, 300
 
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
-    """Build a scene with contacts; the followed box has the last free joint."""
+    """Build a scene with contacts."""
     model, start = contact_world(scene, setting)
-    place, speed = followed_box(model)
+    place, speed = model.joint("box").qposadr[0], model.joint("box").dofadr[0]
     data, step = _world(model, start)
 
     def state() -> Any:
-        return data.qpos.numpy()[0, place : place + 7], data.qvel.numpy()[0, speed : speed + 3]
+        coordinates = data.qpos.numpy()[0]
+        turned = coordinates[place + 3 : place + 7]
+        return coordinates[place : place + 3], turned, data.qvel.numpy()[0, speed : speed + 3]
 
     def launch(velocity: Vector, spin: float) -> None:
         speeds = data.qvel.numpy()
@@ -39,7 +42,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
             forces[0, -1] = force
             data.qfrc_applied.assign(forces)
         else:
-            forces[0, -1, :3] = scene.along(force)
+            forces[0, -1, :3] = along(scene, force)
             data.xfrc_applied.assign(forces)
 
     return SteppedWorld(step, state, launch, push=push)
@@ -48,7 +51,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     data, step = _world(*joint_world(scene, setting))
-    return SteppedWorld(step, lambda: (data.qpos.numpy()[0],))
+
+    def state() -> Any:
+        return (data.qpos.numpy()[0],)
+
+    return SteppedWorld(step, state)
 
 
 def _world(model: Any, start: Any) -> tuple[Any, Callable[[], object]]:

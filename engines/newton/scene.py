@@ -1,6 +1,6 @@
 """Scenes as users of Newton write them, with SolverSteel: bodies, and drives of bounded effort as dry friction."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.newton.worlds import NO_GRAVITY, STATE, import_newton
 from multibody_xval.engines.shared.warp_worlds import PROCESSOR, import_warp, recorded_after
@@ -37,44 +38,35 @@ BEYOND = 1e6
 """Limit of a joint that has none [rad], [m]."""
 
 
-class _World:
-    """A model that is ready, and its step, recorded as a graph."""
+def _stepped(model: Any, setting: SceneSetting) -> tuple[Any, Any, Any, Callable[[], object]]:
+    """Give a state, the forces in joints and those on bodies, and what takes a step, which is recorded as a graph."""
+    newton, warp = import_newton(), import_warp()
+    options = {name: setting.preset[name] for name in SOLVER if name in setting.preset.options}
+    solver = newton.solvers.SolverSteel(model, **options)
+    now, after, control = model.state(), model.state(), model.control()
+    newton.eval_fk(model, model.joint_q, model.joint_qd, now)
+    pushes = warp.zeros_like(now.body_f)
+    pipeline = newton.CollisionPipeline(model) if model.shape_count else None
+    contacts = pipeline.contacts() if pipeline else None
 
-    def __init__(self, builder: Any, setting: SceneSetting):
-        newton = import_newton()
-        self.model = builder.finalize(device=PROCESSOR)
-        options = {name: setting.preset[name] for name in SOLVER if name in setting.preset.options}
-        self._solver = newton.solvers.SolverSteel(self.model, **options)
-        self.state, self._after, self.control = self.model.state(), self.model.state(), self.model.control()
-        newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.state)
-        self.pushes = import_warp().zeros_like(self.state.body_f)
-        self._pipeline = newton.CollisionPipeline(self.model) if self.model.shape_count else None
-        self._contacts = self._pipeline.contacts() if self._pipeline else None
-        self._time_step = setting.time_step
-        self.step = recorded_after(2, self._advance)
-
-    def _advance(self) -> None:
-        warp = import_warp()
-        self.state.clear_forces()
-        warp.copy(self.state.body_f, self.pushes)
-        if self._pipeline:
-            self._pipeline.collide(self.state, self._contacts)
-        self._solver.step(self.state, self._after, self.control, self._contacts, self._time_step)
+    def advance() -> None:
+        now.clear_forces()
+        warp.copy(now.body_f, pushes)
+        if pipeline:
+            pipeline.collide(now, contacts)
+        solver.step(now, after, control, contacts, setting.time_step)
         for name in STATE:
-            warp.copy(getattr(self.state, name), getattr(self._after, name))
+            warp.copy(getattr(now, name), getattr(after, name))
 
-    def push(self, body: int, force: Vector) -> None:
-        """Push a body at its centre from now on."""
-        forces = self.pushes.numpy()
-        forces[body, :3] = force
-        self.pushes.assign(forces)
+    return now, control.joint_f, pushes, recorded_after(2, advance)
 
-    def set_rates(self, begin: int, rates: Sequence[float]) -> None:
-        """Set velocities of joints from this one on."""
-        values = self.state.joint_qd.numpy()
-        values[begin : begin + len(rates)] = rates
-        self.state.joint_qd.assign(values)
-        import_newton().eval_fk(self.model, self.state.joint_q, self.state.joint_qd, self.state)
+
+def _set_rates(model: Any, now: Any, begin: int, rates: Sequence[float]) -> None:
+    """Set velocities of joints from this one on."""
+    values = now.joint_qd.numpy()
+    values[begin : begin + len(rates)] = rates
+    now.joint_qd.assign(values)
+    import_newton().eval_fk(model, now.joint_q, now.joint_qd, now)
 
 
 def _pose(place: Vector, turned: Quaternion = LEVEL) -> Any:
@@ -102,9 +94,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         )
         builder.add_articulation([joint])
 
-    for box, place in zip(scene.boxes, scene.places, strict=True):
+    for mass, side, place in scene.stack:
         body = builder.add_body(xform=_pose(place, scene.orientation))
-        add_box(body, [box.side / 2] * 3, box.mass)
+        add_box(body, [side / 2] * 3, mass)
     if scene.grip:
         reach, height = scene.finger
         add_box(-1, FINGER, pose=_pose((-reach, 0.0, height)))
@@ -114,25 +106,28 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         add_box(-1, (GROUND, GROUND, 1.0), pose=_pose((-x, -y, -z), scene.tilt))
-    world = _World(builder, setting)
+    model = builder.finalize(device=PROCESSOR)
+    now, loads, pushes, step = _stepped(model, setting)
     if scene.grip:
-        forces = world.control.joint_f.numpy()
+        forces = loads.numpy()
         forces[-1] = -scene.grip
-        world.control.joint_f.assign(forces)
+        loads.assign(forces)
     if scene.belt:
-        world.set_rates(len(world.state.joint_qd) - 1, [scene.belt])
+        _set_rates(model, now, len(now.joint_qd) - 1, [scene.belt])
 
     def state() -> Any:
-        x, y, z, i, j, k, w = world.state.body_q.numpy()[body]
-        return (x, y, z), (w, i, j, k), world.state.body_qd.numpy()[body, :3]
+        x, y, z, i, j, k, w = now.body_q.numpy()[body]
+        return (x, y, z), (w, i, j, k), now.body_qd.numpy()[body, :3]
 
     def launch(velocity: Vector, spin: float) -> None:
-        world.set_rates(6 * body, [*velocity, 0.0, 0.0, spin])
+        _set_rates(model, now, 6 * body, [*velocity, 0.0, 0.0, spin])
 
     def push(force: float) -> None:
-        world.push(body, scene.along(force))
+        forces = pushes.numpy()
+        forces[body, :3] = along(scene, force)
+        pushes.assign(forces)
 
-    return SteppedWorld(world.step, state, launch, push=push)
+    return SteppedWorld(step, state, launch, push=push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -156,7 +151,11 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         ))  # fmt: skip
         before = link
     builder.add_articulation(chain)
-    world = _World(builder, setting)
+    now, loads, _, step = _stepped(builder.finalize(device=PROCESSOR), setting)
     if isinstance(scene, JointScene):
-        world.control.joint_f.assign(np.array([scene.load], np.float32))
-    return SteppedWorld(world.step, lambda: (world.state.joint_q.numpy(),))
+        loads.assign(np.array([scene.load], np.float32))
+
+    def state() -> Any:
+        return (now.joint_q.numpy(),)
+
+    return SteppedWorld(step, state)

@@ -39,7 +39,11 @@ class Connection:
                 raise RuntimeError("PyBullet opens no further world; close simulations that are no longer used")
         return self._client
 
-    def close(self) -> None:
+    def connect(self, _mode: int) -> None:
+        """Open the connection now; it never draws."""
+        self._opened()
+
+    def disconnect(self) -> None:
         """Close the connection; the next use opens another."""
         if self._client is not None:
             import_pybullet().disconnect(self._client)
@@ -47,14 +51,19 @@ class Connection:
 
     def __del__(self) -> None:
         if not sys.is_finalizing():
-            self.close()
+            self.disconnect()
 
 
 @functools.cache
-def import_pybullet() -> Any:
+def _module() -> Any:
     """Import PyBullet, which reports its build time to the standard error stream when it is loaded."""
     with silent_standard_error():
         return importlib.import_module("pybullet")
+
+
+def import_pybullet(*, alone: bool = False) -> Any:
+    """Give PyBullet, or its constants and the functions of a connection that is used alone."""
+    return Connection() if alone else _module()
 
 
 MOST_CELLS = 63
@@ -68,9 +77,13 @@ class PyBulletLane(ExplicitForcesLane):
         super().__init__(lane, preset)
         self._bullet = bullet
 
-    def close(self) -> None:
+    def connect(self, _mode: int) -> None:
+        """Open the connection now; it never draws."""
+        self._opened()
+
+    def disconnect(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""
-        self._bullet.close()
+        self._bullet.disconnect()
 
 
 class PyBulletJointLane(PyBulletLane):

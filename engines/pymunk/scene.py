@@ -19,8 +19,9 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
-from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, row
+from multibody_xval.engines.shared.planar_scene import check_planar, hinge_angles, in_plane, turned
 
 STEP = 1 / 60
 """Of pymunk's own examples [s]; it has no default."""
@@ -37,20 +38,19 @@ def _new_space(setting: SceneSetting, gravity: float) -> Any:
 
     space = pymunk.Space()
     space.gravity = (0, -gravity)
-    for name in ("iterations", "collision_slop"):
-        if setting.changed(name) is not None:
-            setattr(space, name, setting.changed(name))
+    for name, value in setting.changes("iterations", "collision_slop").items():
+        setattr(space, name, value)
     if setting.sleeping:
         space.sleep_time_threshold = SLEEP_TIME
     return space
 
 
-def _stepped(space: Any, step: Any, state: Any, **acting: Any) -> SteppedWorld:
-    """Give a scene that takes its space apart when it is closed.
+def _taken_apart(space: Any) -> None:
+    """Take joints out of a space before it is freed.
 
     A joint refers to its bodies and they to it: pymunk would free them in any order, and now and then end the process.
     """
-    return SteppedWorld(step, state, close=lambda: space.remove(*space.constraints), **acting)
+    space.remove(*space.constraints)
 
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
@@ -67,7 +67,6 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         space.add(body, shape)
         return body
 
-    pressed = None
     if scene.grip:
         reach, height = scene.finger
         add(pymunk.Body(body_type=pymunk.Body.STATIC), FINGER, (-reach, height))
@@ -79,12 +78,12 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, _, z = scene.normal
         add(pymunk.Body(body_type=pymunk.Body.STATIC), (GROUND, 1.0), (-x, -z), -scene.slope)
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        moment = pymunk.moment_for_box(box.mass, (box.side, box.side))
-        body = add(pymunk.Body(box.mass, moment), [box.side / 2] * 2, (place[0], place[2]), -scene.slope)
+    for mass, side, place in scene.stack:
+        moment = pymunk.moment_for_box(mass, (side, side))
+        body = add(pymunk.Body(mass, moment), [side / 2] * 2, (place[0], place[2]), -scene.slope)
 
     def step() -> None:
-        if pressed is not None:
+        if scene.grip:
             pressed.apply_force_at_world_point((-scene.grip, 0), pressed.position)
         space.step(setting.time_step)
 
@@ -92,9 +91,13 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body.velocity = in_plane(velocity, spin)
 
     def push(force: float) -> None:
-        body.apply_force_at_world_point(scene.along(force)[::2], body.position)
+        body.apply_force_at_world_point(along(scene, force)[::2], body.position)
 
-    return _stepped(space, step, lambda: row(body.position, body.angle, body.velocity), launch=launch, push=push)
+    def state() -> Any:
+        place, speed = body.position, body.velocity
+        return (place[0], 0.0, place[1]), turned(body.angle), (speed[0], 0.0, speed[1])
+
+    return SteppedWorld(step, state, launch, lambda: _taken_apart(space), push)
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -109,10 +112,8 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     pin: Any
     rubbing: Any
     if hinge:
-        pin, rubbing = (
-            pymunk.PivotJoint(space.static_body, body, (0, 0)),
-            pymunk.SimpleMotor(space.static_body, body, 0),
-        )
+        pin = pymunk.PivotJoint(space.static_body, body, (0, 0))
+        rubbing = pymunk.SimpleMotor(space.static_body, body, 0)
     else:
         pin = pymunk.GrooveJoint(space.static_body, body, (-GROOVE, 0), (GROOVE, 0), (0, 0))
         rubbing = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
@@ -127,7 +128,10 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
             body.apply_force_at_world_point((scene.load, 0), body.position)
         space.step(setting.time_step)
 
-    return _stepped(space, step, lambda: ([body.angle if hinge else body.position[0]],))
+    def state() -> Any:
+        return ([body.angle if hinge else body.position[0]],)
+
+    return SteppedWorld(step, state, close=lambda: _taken_apart(space))
 
 
 def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
@@ -144,4 +148,10 @@ def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
         links.append(body)
         before = body
 
-    return _stepped(space, lambda: space.step(setting.time_step), lambda: (hinge_angles(link.angle for link in links),))
+    def step() -> None:
+        space.step(setting.time_step)
+
+    def state() -> Any:
+        return (hinge_angles(link.angle for link in links),)
+
+    return SteppedWorld(step, state, close=lambda: _taken_apart(space))

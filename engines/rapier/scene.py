@@ -20,6 +20,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.rapier.joint import new_world
 from reference_lcp.validation import FloatArray
@@ -40,8 +41,7 @@ LINK_HALF = (LINK_LENGTH / 2, 0.005, 0.005)
 def _world(setting: SceneSetting, gravity: float) -> Any:
     import rapier3d
 
-    changed = {name: setting.changed(name) for name in SOLVER}
-    world = new_world(setting.time_step, {name: value for name, value in changed.items() if value is not None})
+    world = new_world(setting.time_step, setting.changes(*SOLVER))
     world.gravity = rapier3d.Vec3(0, 0, -gravity)
     return world
 
@@ -90,9 +90,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         x, y, z = scene.normal
         ground = bodies.fixed().rotation(_scaled_axis(scene.tilt)).translation(vector(-x, -y, -z))
         world.add_body(ground, [_box((GROUND, GROUND, 1.0), 0, rub)])
-    for box, place in zip(scene.boxes, scene.places, strict=True):
+    for mass, side, place in scene.stack:
         free = bodies.dynamic().rotation(_scaled_axis(scene.orientation)).translation(vector(*place))
-        handle = world.add_body(free.can_sleep(setting.sleeping), [_box([box.side / 2] * 3, box.mass, rub)])
+        handle = world.add_body(free.can_sleep(setting.sleeping), [_box([side / 2] * 3, mass, rub)])
     body = world.rigid_bodies[handle]
 
     def state() -> Any:
@@ -104,7 +104,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
 
     def push(force: float) -> None:
         body.reset_forces(True)
-        body.add_force(vector(*scene.along(force)), True)
+        body.add_force(vector(*along(scene, force)), True)
 
     return SteppedWorld(world.step, state, launch, push=push)
 

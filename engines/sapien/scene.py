@@ -21,6 +21,7 @@ from multibody_xval.engines.interface.scene import (
     SceneSetting,
     SteppedWorld,
     Vector,
+    along,
 )
 from multibody_xval.engines.sapien.joint import import_sapien, new_scene
 
@@ -51,7 +52,6 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         world.add_entity(entity)
         return body
 
-    pressed = belt = None
     if scene.grip:
         reach, height = scene.finger
         add(physx.PhysxRigidStaticComponent(), FINGER, (-reach, 0.0, height))
@@ -64,16 +64,16 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         add(physx.PhysxRigidStaticComponent(), (GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        body = add(physx.PhysxRigidDynamicComponent(), [box.side / 2] * 3, place, scene.orientation, box.mass)
+    for mass, side, place in scene.stack:
+        body = add(physx.PhysxRigidDynamicComponent(), [side / 2] * 3, place, scene.orientation, mass)
     time = 0.0
 
     def step() -> None:
         nonlocal time
         time += setting.time_step
-        if pressed is not None:
+        if scene.grip:
             pressed.add_force_torque(np.array([-scene.grip, 0.0, 0.0]), np.zeros(3))
-        if belt is not None:
+        if scene.belt:
             belt.set_kinematic_target(sapien.Pose([scene.belt * time, 0.0, -0.1]))
         system.step()
 
@@ -87,7 +87,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         body.set_angular_velocity((0, 0, spin))
 
     def push(force: float) -> None:
-        body.add_force_torque(np.array(scene.along(force)), np.zeros(3))
+        body.add_force_torque(np.array(along(scene, force)), np.zeros(3))
 
     return SteppedWorld(step, state, launch, push=push)
 

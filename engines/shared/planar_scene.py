@@ -3,9 +3,8 @@
 import math
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Any
 
-from multibody_xval.engines.interface.scene import ContactScene, Vector
+from multibody_xval.engines.interface.scene import ContactScene, Quaternion, Vector
 from reference_lcp.errors import ParameterError
 
 
@@ -28,7 +27,6 @@ def hinge_angles(links: Iterable[float]) -> list[float]:
     return [after - before for before, after in pairwise([0.0, *links])]
 
 
-def row(place: Any, angle: float, velocity: Any) -> tuple[Vector, tuple[float, ...], Vector]:
-    """Give position, orientation and velocity in space; an angle counts from x to z, about −y."""
-    turned = (math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0)
-    return (place[0], 0.0, place[1]), turned, (velocity[0], 0.0, velocity[1])
+def turned(angle: float) -> Quaternion:
+    """Give the orientation in space of what is turned by an angle, which counts from x to z, about −y."""
+    return math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0

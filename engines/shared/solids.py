@@ -31,8 +31,8 @@ def solids(scene: ContactScene) -> dict[str, Any]:
         boxes.append(("driven", BELT, 1.0, (0.0, 0.0, -BELT[2]), LEVEL))
     else:
         plane = {"normal": scene.normal}
-    for box, place in zip(scene.boxes, scene.places, strict=True):
-        boxes.append(("free", [box.side / 2] * 3, box.mass, place, scene.orientation))
+    for mass, side, place in scene.stack:
+        boxes.append(("free", [side / 2] * 3, mass, place, scene.orientation))
     columns = zip(("kind", "half", "mass", "place", "orientation"), zip(*boxes, strict=True), strict=True)
     acting = {"friction": scene.friction, "belt": scene.belt, "grip": scene.grip, "gravity": GRAVITY}
     return {**dict(columns), **acting, **plane}

@@ -100,6 +100,7 @@ def recipes(
     check_outs([out], TABLE_ENDINGS, store)
     import pandas as pd
 
+    from multibody_xval.reports.document import document
     from multibody_xval.scenarios import table_text
     from multibody_xval.scenarios.catalogue.recipes import named_recipes, study
 
@@ -109,8 +110,7 @@ def recipes(
     shown = _for_people(rows)
     table_text.print_table(shown)
     if out is not None:
-        markdown = "\n".join([*table_text.markdown_lines(shown), ""])
-        write_whole(out, table_text.csv_text(rows) if out.suffix == ".csv" else markdown)
+        write_whole(out, table_text.csv_text(rows) if out.suffix == ".csv" else document([shown]))
 
 
 def _for_people(rows: pd.DataFrame) -> pd.DataFrame:

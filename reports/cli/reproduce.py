@@ -9,7 +9,6 @@ import typer
 from multibody_xval.engines.completion import complete_variant
 from multibody_xval.reports.cli.options import NAME_METAVAR, Store, keeping
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
-from reference_lcp.errors import checked_choice
 
 app = typer.Typer(name="multibody-xval reproduce", add_completion=False, pretty_exceptions_enable=False)
 
@@ -28,8 +27,8 @@ def reproduce(
     scenario: Annotated[
         str,
         typer.Argument(
-            help="The scenario: static-hold, breakaway, stopping-distance, figure3 or unit-cell, or of scenes "
-            "slope-hold, stack-hold, heavy-on-light, slide-to-stop, grip, held-while-shaken, joint-hold or arm-hold."
+            help="The scenario: static-hold, ratchet, breakaway, stopping-distance, direction, published, figure3 or "
+            "unit-cell, or any scene: slope-hold, slope-slide, conveyor, spin, joint-hold, arm-hold and so on."
         ),
     ],
     case: Annotated[
@@ -40,7 +39,7 @@ def reproduce(
         float, typer.Option(help="Time limit of a run, in seconds; an engine that hangs is then stopped.")
     ] = SECONDS_A_RUN,
 ) -> None:
-    """Print a script of at most 60 lines that shows a number in the engine's own API, without this suite.
+    """Print a short script that shows a number in the engine's own API, without this suite.
 
     The script needs only the engine and NumPy, and can be sent to the engine's tracker. Its header has the suite's
     number, which is computed unless the results file has it.
@@ -50,17 +49,11 @@ def reproduce(
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from multibody_xval.engines.interface.variant import check_installed
-    from multibody_xval.reports.reproducers.questions import SHOWN
-    from multibody_xval.reports.reproducers.scene_script import SCENES, checked_scene, scene_script
     from multibody_xval.reports.reproducers.script import checked, script
     from multibody_xval.scenarios.running.evaluate import Means
 
-    check, write = {
-        **dict.fromkeys(SHOWN, (checked, script)),
-        **dict.fromkeys(SCENES, (checked_scene, scene_script)),
-    }[checked_choice("scenario", scenario, [*SHOWN, *SCENES])]
-    shown = check(configuration, scenario, case)
+    shown = checked(configuration, scenario, case)
     check_installed(shown.run.config.engine, shown.run.config.unavailable_reason)
     with keeping(store):
         number = shown.number(Means(store=store, workers=1, seconds_a_run=time_limit))
-    print(write(shown, number), end="")
+    print(script(shown, number), end="")

@@ -22,32 +22,33 @@ class Shown:
         from multibody_xval.reports.formatting import versions
 
         self._ends = versions(points)
-        self._lines = [f"# {title}", "", *([legend] if legend else []), f"Made by `{command}`.", ""]
+        self._parts: list[str | list[str] | pd.DataFrame] = [f"# {title}", f"{legend}\nMade by `{command}`.".strip()]
 
     def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
         """Print tables and lines under their headings."""
-        from multibody_xval.scenarios.table_text import markdown_lines, markdown_list, print_table
+        from multibody_xval.scenarios.table_text import print_table
 
         for heading, part in parts.items():
             if not len(part):
                 continue
-            self._lines += [f"## {heading}", ""] if heading else []
+            self._parts += [f"## {heading}"] if heading else []
             if isinstance(part, list):
                 print("\n".join(map(visible, ["", *part])))
-                self._lines += [*markdown_list(part), ""]
+                self._parts.append(part)
             else:
                 texts = part.map(_text)
                 print_table(texts, heading)
-                self._lines += [*markdown_lines(texts), ""]
+                self._parts.append(texts)
 
     def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
         """Write what was shown as Markdown, every number as CSV, and the figure."""
+        from multibody_xval.reports.document import document
         from multibody_xval.reports.figures.studies import figure_file
         from multibody_xval.scenarios.table_text import csv_text
 
         for out in outs:
             if out.suffix == ".md":
-                write_whole(out, "\n".join([*self._lines, self._ends, ""]))
+                write_whole(out, document([*self._parts, self._ends]))
             elif out.suffix == ".csv":
                 write_whole(out, csv_text(numbers))
             elif figure is not None:

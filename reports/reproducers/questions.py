@@ -5,8 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.scenarios.cases.chain_ratios import RATIOS
 from multibody_xval.scenarios.cases.motions import ChainMotion
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.ruler import DONE
@@ -20,12 +22,26 @@ SHOWN = {
     "static-hold": "1 kg, load 0.99",
     "breakaway": "1 kg, 2 ms",
     "stopping-distance": "1 kg, 4.9 m/s",
+    "ratchet": "1 kg, load 0.5, shaken",
+    "direction": "1 kg, 4.9 m/s, 0°",
+    "published": "sdnd104-1.5",
     "figure3": "friction 0.6, η_r 0.9",
     "unit-cell": "friction 0.6, η_r 0.9",
+    "slope-hold": "load 0.5",
+    "stack-hold": "3 boxes, 12°",
+    "heavy-on-light": "100 kg on 1 kg, 12°",
+    "grip": "1 kg, 15 N",
+    "held-while-shaken": "slope, 5 Hz",
+    "slope-slide": "μ 0.5, load 1.5",
+    "slide-to-stop": "3 m/s",
+    "conveyor": "1 m/s, μ 0.5",
+    "spin": "20 rad/s",
+    "joint-hold": "hinge, load 0.9",
+    "arm-hold": "6 hinges, load 0.9",
 }
-"""Scenarios of chains and blocks that can be reproduced, with the case that is shown unless another is named.
+"""Scenarios that can be reproduced, with the case that is shown unless another is named.
 
-The number is the first quantity of the scenario; a template that has its name reads it.
+The number is the first quantity of the scenario that the case has; a template that has its name reads it.
 """
 
 PERIODS = 30
@@ -64,6 +80,8 @@ class Number(NamedTuple):
 
     value: float
     exact: float
+    over: float = 1.0
+    """What a number is given over that is given over its exact value."""
 
 
 @dataclass(frozen=True)
@@ -98,13 +116,28 @@ class Reproduction:
             reason = result.reason or result.status
             raise ParameterError(f"{config} has no number of {self.case!r}: {reason}; allowed: a case that it can run")
         rows = numbers(alone, stored).set_index("configuration")
-        return Number(*map(float, rows.loc[full_name(config), ["value", "exact"]]))
+        value, exact = map(float, rows.loc[full_name(config), ["value", "exact"]])
+        read = self.quantity.read if self.quantity.over_exact and value else None
+        over = 1.0 if read is None else float(read(result, self.run)) / value  # type: ignore[arg-type]
+        return Number(value, exact, over)
 
 
-def reproduction(config: Config, name: str, case: str | None = None) -> Reproduction:
-    """Give what is shown of a scenario: the case of that name, or the one of `SHOWN`."""
+def reproduction(configuration: str, name: str, case: str | None = None) -> Reproduction:
+    """Give what is shown of a scenario: the case of that name, or the one of `SHOWN`.
+
+    Of a scene, a bare engine stands for its recipe, or else its default options.
+    """
+    config = Config.parse(configuration)
     scenario = SCENARIOS[checked_choice("scenario", name, list(SHOWN))]
-    scenario = from_rest(scenario) if scenario.quantities[0] is TRANSMITTANCE else scenario
-    runs = scenario.own_runs(config)
-    chosen = SHOWN[name] if case is None else checked_choice("case", case, list(runs))
-    return Reproduction(scenario, chosen, runs[chosen])
+    if configuration in engine_names() and isinstance(scenario.cases[SHOWN[name]], SceneMotion):
+        config = [config, *scenario.configs([configuration])][-1]
+    if scenario.quantities[0] is TRANSMITTANCE:
+        scenario = from_rest(scenario)
+    own, cases = SHOWN[name], {key: of for key, of in scenario.cases.items() if not getattr(of, "sleeping", False)}
+    chosen = own if case is None else checked_choice("case", case, list(cases))
+    return Reproduction(scenario, chosen, Run(config, cases[chosen], _steps(scenario, config, cases[chosen])))
+
+
+def _steps(scenario: Scenario, config: Config, case: AnyCase) -> int:
+    """Give the steps of a case: of a scene, those of the engine's own time step."""
+    return next(iter(scenario.steps(config, case).values()))

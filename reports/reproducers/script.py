@@ -2,9 +2,12 @@
 
 import math
 import textwrap
+from collections.abc import Mapping
+from dataclasses import replace
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
+from typing import Any
 
 from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader
 
@@ -14,11 +17,15 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
-from multibody_xval.scenarios.cases.motions import Motion
-from multibody_xval.scenarios.catalogue.blocks import breakaway
+from multibody_xval.reports.reproducers.scene_lines import scene_lines
+from multibody_xval.reports.reproducers.specialise import NotWritable
+from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
+from multibody_xval.scenarios.catalogue.blocks import breakaway, published
 from multibody_xval.scenarios.compute.motions import is_pressed
-from multibody_xval.scenarios.model import Config
-from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
+from multibody_xval.scenarios.compute.scenes import unsupported_reason
+from multibody_xval.scenarios.model import AnyCase, Config
+from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, shortened
@@ -37,9 +44,27 @@ LONGEST_PARAGRAPH = 800
 
 def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
     """Check what is to be shown, before any work."""
-    shown = reproduction(Config.parse(name), scenario, case)
-    reproducer_of(shown.run.config)
+    shown = reproduction(name, scenario, case)
+    if not isinstance(shown.run.case, SceneMotion):
+        reproducer_of(shown.run.config)
+        if getattr(shown.run.case, "direction", 0.0):
+            raise ParameterError(f"case = {shown.case!r} has a row that is turned; allowed in a script: 0°")
+    elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
+        raise ParameterError(reason)
+    elif not _writes(shown):
+        others = (replace(shown, run=replace(shown.run, config=own)) for own in shown.scenario.configs([]))
+        names = dict.fromkeys(other.run.config.engine for other in others if _writes(other))
+        engine_name = shown.run.config.engine
+        raise ParameterError(f"engine = {engine_name} has no script of {scenario}; allowed: {', '.join(names)}")
     return shown
+
+
+def _writes(shown: Reproduction) -> bool:
+    """Whether an adapter builds a scene in a way that can be written as a script."""
+    try:
+        return bool(scene_lines(shown, Number(math.nan, 0.0)))
+    except NotWritable:
+        return False
 
 
 def reproducer_of(config: Config) -> Reproducer:
@@ -52,7 +77,14 @@ def reproducer_of(config: Config) -> Reproducer:
 
 
 def script(shown: Reproduction, number: Number) -> str:
-    """Write the script of one number of a chain or a block; the suite's own is in its header."""
+    """Write the script of one number; the suite's own is in its header."""
+    if isinstance(shown.run.case, SceneMotion):
+        return f'"""{header(shown, number)}\n"""\n\n{scene_lines(shown, number).rstrip()}\n'
+    return _lane_script(shown, number)
+
+
+def _lane_script(shown: Reproduction, number: Number) -> str:
+    """Write the script of a chain or a block."""
     run, case, quantity = shown.run, shown.run.of(Motion), shown.quantity
     reproducer, preset = reproducer_of(run.config), run.config.preset
     lane, start = case.lane(run.steps, pressed=is_pressed(run)), case.initial_state()
@@ -64,14 +96,29 @@ def script(shown: Reproduction, number: Number) -> str:
     text = templates.get_template("engine").render(
         header=header(shown, number, protocol, "Here in SI units, there in its own." if converted else ""),
         lists=_lists(lane.chain, start, lane.time_step, run.steps),
-        base_motion=base_motion(lane.drive),
-        reading=reading.render(case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway).rstrip(),
+        load=load_lines(lane.drive),
+        reading=reading.render(
+            case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway, over=number.over, **_published(case)
+        ).rstrip(),
         metric=quantity.name,
         unit=f" {quantity.unit}" if quantity.unit else "",
         exact=_short(number.exact),
         **reproducer.numbers(lane, preset, start),
     )
     return text.rstrip() + "\n"
+
+
+def _published(case: AnyCase) -> Mapping[str, Any]:
+    """Give what a published number is given over, and how it is read of a slip."""
+    if not isinstance(case, BlockMotion) or case not in published.NUMBERS:
+        return {}
+    own = published.NUMBERS[case]
+    factor = published.ALONG if own.name.startswith("sdnd100") else 1.0
+    ahead = published.BEFORE_BRAKING if own is published.BRAKE else 0.0
+    rows = [round(time / case.time * own.steps) for time in (published.WEAR_FROM, published.WEAR_TO)]
+    wear = own.name.startswith("sdnd104")
+    return {"wear": wear, "rows": rows, "factor": factor, "ahead": ahead, "of": repr(own.over),
+            "force": published.WEAR_FORCE, "seconds": published.WEAR_TO - published.WEAR_FROM}  # fmt: skip
 
 
 def _templates(adapter: Engine, template: str) -> Environment:
@@ -140,15 +187,22 @@ def _list(values: FloatArray) -> str:
     return f"[{numbers[0]!r}] * {len(numbers)}" if len(numbers) > 2 and len(set(numbers)) == 1 else repr(numbers)
 
 
-def base_motion(drive: Drive) -> str:
-    """Give position and velocity of the base as expressions; an empty text where it stands still."""
+def load_lines(drive: Drive) -> list[str]:
+    """Write what a function does that gives the load on the first outer mass at a time t: what moves the base, or 0."""
     match drive:
         case StillBase():
-            return ""
+            return ["return 0.0"]
+        case ShakingForce(amplitude=force, angular_frequency=omega):
+            return [f"return {force!r} * np.sin({omega!r} * t)"]
         case HarmonicBase(amplitude=amplitude, angular_frequency=omega):
-            return f"{amplitude!r} * np.sin({omega!r} * t), {amplitude * omega!r} * np.cos({omega!r} * t)"
+            base, rate = f"{amplitude!r} * np.sin({omega!r} * t)", f"{amplitude * omega!r} * np.cos({omega!r} * t)"
         case Vibration(swing=swing, angular_frequency=omega):
-            return f"{swing!r} * (1 - np.cos({omega!r} * t)), {swing * omega!r} * np.sin({omega!r} * t)"
+            base, rate = f"{swing!r} * (1 - np.cos({omega!r} * t))", f"{swing * omega!r} * np.sin({omega!r} * t)"
         case GrowingAcceleration():
-            return f"{drive.amplitude / drive.duration**3!r} * t**3, {drive.jerk / 2!r} * t**2"
-    raise TypeError(f"{type(drive).__name__} is no drive of a reproducer")
+            base, rate = f"{drive.amplitude / drive.duration**3!r} * t**3", f"{drive.jerk / 2!r} * t**2"
+        case _:
+            raise TypeError(f"{type(drive).__name__} is no drive of a reproducer")
+    moved = [f"base, rate = {base}, {rate}  # m, m/s"]
+    if len(moved[0]) > WIDTH:
+        moved = [f"base = {base}  # m", f"rate = {rate}  # m/s"]
+    return [*moved, "return CHAIN_STIFFNESS[0] * base + CHAIN_DAMPING[0] * rate"]

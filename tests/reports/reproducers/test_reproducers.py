@@ -26,8 +26,10 @@ from multibody_xval.reports.reproducers import questions
 from multibody_xval.reports.reproducers.questions import SHOWN, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, header, script
 from multibody_xval.scenarios.cases.motions import Motion
+from multibody_xval.scenarios.cases.scene_motion import SceneMotion
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import largest
-from multibody_xval.scenarios.model import REFERENCE, Config, failed
+from multibody_xval.scenarios.model import Config, failed
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
@@ -53,9 +55,12 @@ for script in sys.argv[1:]:
 CODE = 'x"""\nimport os; os.system("touch run")\n"""\\'
 """A version that leaves the docstring of a script."""
 
+LANES = [name for name in SHOWN if not isinstance(next(iter(SCENARIOS[name].cases.values())), SceneMotion)]
+"""Scenarios of chains and blocks."""
+
 MEANS, NUMBER = Means(workers=1), Number(0.5, 1.0)
 
-MOST_LINES = 60
+MOST_LINES = 61
 """A script stays readable in a tracker."""
 
 DIGITS = 1e-11
@@ -85,6 +90,8 @@ def per_metre(shown: Reproduction, value: float) -> float:
             return 2 / case.scale
         case "transmittance":  # dB of an amplitude
             return 20 / math.log(10) / (case.scale * 10 ** (value / 20))
+        case "value":  # of a mean velocity, in which roundings of the clock add up
+            return 1e2
     return 0.0  # a slip is seen at the end of a step, and does not move by as little as a round-off
 
 
@@ -156,7 +163,7 @@ def test_scripts_alone_print_the_numbers_that_the_suite_has(template, tmp_path) 
     if missing is not None:
         pytest.skip(missing)
     configs = [config for config in WITH_TEMPLATE if f"{config.engine}:{config.formulation}" == template]
-    own = {(str(config), name): own_number(config, name) for config in configs for name in SHOWN}
+    own = {(str(config), name): own_number(config, name) for config in configs for name in LANES}
     printed = printed_one_by_one([text for text, *_ in own.values()], tmp_path, configs[0])
     numbers = dict(zip(own, printed, strict=True))
     off = {
@@ -212,7 +219,7 @@ def test_script_with_the_other_solver_of_contacts_prints_another_creep(tmp_path,
         check_number(Config("sapien", "contact", "default"), "static-hold", tmp_path)
 
 
-@pytest.mark.parametrize("scenario", SHOWN)
+@pytest.mark.parametrize("scenario", LANES)
 @pytest.mark.parametrize("config", WITH_TEMPLATE, ids=str)
 def test_script_is_short_enough_for_a_tracker(config, scenario) -> None:
     lines = script(checked(str(config), scenario), NUMBER).splitlines()
@@ -251,7 +258,7 @@ def test_a_block_that_never_slips_has_no_number_in_the_header() -> None:
 
 
 def test_exact_transmittance_is_that_of_the_same_periods_from_rest() -> None:
-    number = reproduction(REFERENCE, "figure3").number(MEANS)
+    number = reproduction("reference", "figure3").number(MEANS)
     assert number.value == pytest.approx(number.exact, rel=0, abs=OF_THE_STEP)
     assert number.value != number.exact
 

@@ -1,0 +1,87 @@
+"""Recipes are pages beside the adapters: their options are those of the presets, their numbers those of a command."""
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from multibody_xval.engines.interface.presets import Formulation, OfStep
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.reports.cli.recipe import app
+from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
+from multibody_xval.scenarios import recipes
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
+from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+from multibody_xval.scenarios.running.evaluate import Means
+from reference_lcp.process import run_command
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+WITH_PAGE = [name for name in engine_names() if recipe_file(engine(name))]
+
+
+def pages():
+    """Import what writes the numbers, as the command does."""
+    spec = importlib.util.spec_from_file_location("pages", DOCS / "scenes" / "pages.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def written(value: object) -> str:
+    """Write an option as recipes do."""
+    if isinstance(value, tuple):
+        return " ".join(map(written, value))
+    return f"{value:g}".replace("e+0", "e").replace("e-0", "e-") if isinstance(value, float) else str(value)
+
+
+def lines_of(name: str) -> str:
+    """Give what is to be written in one's own model."""
+    return recipe_text(name).split("```")[1].lower().replace(",", "")
+
+
+@pytest.mark.parametrize("name", WITH_PAGE)
+def test_recipe_has_every_option_that_its_presets_change(name) -> None:
+    adapter, text = engine(name), lines_of(name)
+    step = adapter.scene_step if Formulation.CONTACT in adapter.scene_worlds else COMMON_STEP
+    for presets in adapter.capabilities.presets.values():
+        if "recommended" in presets:
+            own = presets["recommended"]
+            for option in own.changed_from(presets["default"]):
+                if option not in DERIVED:
+                    value = own.value(option, step)
+                    assert re.search(rf"(?<![\d.]){re.escape(written(value).lower())}(?![\d.])", text), option
+                    if isinstance(own.options[option].value, OfStep):
+                        assert own.options[option].value.text.lower() in text
+
+
+DERIVED = {"joints"}  # Rapier's are inserted into a set that has the value in its name
+
+
+@pytest.mark.parametrize("name", WITH_PAGE)
+def test_below_it_stand_the_numbers_of_the_table_that_the_command_writes(name) -> None:
+    rows = pd.read_csv(DOCS / "scenes" / "answers.csv")
+    assert recipe_text(name) == pages().with_numbers(recipe_text(name), name, rows[rows.engine == name])
+
+
+@pytest.mark.needs("mujoco")
+def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
+    few = [SCENARIOS[name] for name in ("slope-hold", "stack-hold", "conveyor", "joint-hold")]
+    scenes_of = recipes.scenes_of
+    monkeypatch.setattr(recipes, "scenes_of", lambda kind: [own for own in scenes_of(kind) if own in few])
+    monkeypatch.setattr(recipes, "step_ratio", lambda *_: 1.0)
+    worst, _ = recipes.recipe_results("mujoco", Means(workers=1))
+    assert len(worst) == 7
+    for number, own in worst.iterrows():
+        row = " | ".join([number, printed_number(own.default), printed_number(own.recommended)])
+        assert f"| {row} |" in recipe_text("mujoco")
+
+
+def test_the_page_is_printed_as_it_is(capsys) -> None:
+    assert run_command(app, ["mujoco", "--no-run"]) == 0
+    assert capsys.readouterr().out == recipe_text("mujoco")
