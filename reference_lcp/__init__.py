@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from reference_lcp.exact.proof.prove import prove as prove
     from reference_lcp.exact.proof.prove import prove_steady_state as prove_steady_state
     from reference_lcp.lcp.lemke import lemke as lemke
-    from reference_lcp.lcp.polyhedral_friction import PolyhedralStep as PolyhedralStep
-    from reference_lcp.lcp.polyhedral_friction import solve_polyhedral_step as solve_polyhedral_step
     from reference_lcp.lcp.systems import FrictionalSystem as FrictionalSystem
     from reference_lcp.lcp.systems import FrictionContact as FrictionContact
     from reference_lcp.lcp.systems import Harmonic as Harmonic
@@ -72,7 +70,6 @@ _NAMES = {
     "deadline": ["NotProven"],
     "exact.proof.prove": ["ProvenSteadyState", "prove", "prove_steady_state"],
     "lcp.lemke": ["lemke"],
-    "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],
     "lcp.systems": [
         "FrictionContact",
         "FrictionalSystem",

@@ -112,7 +112,7 @@ class SteadyState:
         matplotlib.figure.Figure
             Three columns, a row a cell; over the displacement scale, that times ω, and the friction bound [-].
         """
-        from reference_lcp.studies.plot import plot_period
+        from reference_lcp.plot import plot_period
 
         return plot_period(self.orbit)
 

@@ -18,7 +18,7 @@ from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.sweep_plan import FREQUENCY
 from reference_lcp.errors import ParameterError
 from reference_lcp.output import replacing, shown_in_notebooks
-from reference_lcp.studies.plot import checked_picture
+from reference_lcp.plot import checked_picture
 
 PAGE_WIDTH, PANEL_HEIGHT = 7.2, 2.0
 """Width of two columns of a journal, and height of a row of panels [inch]."""

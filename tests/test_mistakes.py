@@ -42,7 +42,7 @@ COMMAND_LINES = [
     ("reference --cells 100000 --solver lemke", r"cells = 100000 is more than the solver 'lemke' takes; .* <= 100,"),
     ("reference --mass-ratio 1e9", r"needs 1.21e\+06 steps; allowed: <= 1000000, as with a frequency 1.21 times"),
     ("reference --plot ''", r"--plot = '' is empty; allowed: "),
-    ("reference bench 7", r"unexpected extra argument"),
+    ("reference 7", r"unexpected extra argument"),
     ("truth show block-stop", r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"),
     ("truth check block-stops missing.csv", r"motion = 'missing.csv' is no file"),
     ("truth check block-stops sweep.toml", r"columns of sweep.toml = .* lack time; allowed: 'time, x0'"),

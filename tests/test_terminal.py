@@ -15,7 +15,6 @@ from reference_lcp.terminal import visible
 LINES = [
     *(f"{name} --help" for name in COMMANDS),
     "reference --cells 2",
-    "reference bench --help",
     "engines",
     "engines --json",
     "run",

@@ -1,4 +1,4 @@
-"""``multibody-xval reference``: the steady state of one chain, and how fast it is found."""
+"""``multibody-xval reference``: the steady state of one chain."""
 
 from __future__ import annotations
 
@@ -132,10 +132,9 @@ class ProofOptions:
             return {"proof": {"status": "not proven", "reason": str(problem), **missing, "seconds": seconds}}
 
 
-@app.callback(invoke_without_command=True)
+@app.command()
 @grouped
 def run(
-    context: typer.Context,
     *,
     friction_ratio: Annotated[float, Ratio(help="Friction ratio μλ_N / (k_c U0).")] = 0.3,
     frequency_ratio: Annotated[float, Ratio(help="Frequency ratio ω / ω_r.")] = 0.9,
@@ -160,13 +159,11 @@ def run(
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
-    if context.invoked_subcommand is not None:
-        return
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
     from reference_lcp.chain.simulation import steps_per_period_for
     from reference_lcp.one_call import steady_state
-    from reference_lcp.studies.plot import checked_picture, save_picture
+    from reference_lcp.plot import checked_picture, save_picture
 
     if plot is not None:
         checked_picture("--plot", plot)
@@ -256,18 +253,3 @@ def _transitions_of(state: SteadyState, cell: int) -> str:
     missing = [] if bar is None else [change for change in bar.missing_transitions if change.cell == cell]
     lines += [f"{change.time:.5f} {change.kind} (with other steps only)" for change in missing]
     return ", ".join(lines) or "none"
-
-
-@app.command("bench")
-def print_bench(as_json: AsJson = False) -> None:
-    """Measure the speed of the reference on this machine.
-
-    Exit code 0: measured; 2: wrong input; 130: interrupted.
-
-    Example: multibody-xval reference bench
-    """
-    from reference_lcp.studies.bench import bench
-
-    announce_compilation()
-    numbers = bench()
-    _show(as_json, numbers, lambda: print(*(f"{name}: {number:.4g}" for name, number in numbers.items()), sep="\n"))

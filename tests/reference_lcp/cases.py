@@ -2,7 +2,15 @@
 
 import numpy as np
 
-from reference_lcp import Chain, HarmonicBase, simulate_system
+from reference_lcp import (
+    Chain,
+    CompiledSimulation,
+    HarmonicBase,
+    Lane,
+    PeriodicOrbit,
+    periodic_orbits,
+    simulate_system,
+)
 
 EXACT_DB = {
     (0.1, 0.6): 7.865,
@@ -22,6 +30,16 @@ def driven(frequency_ratio: float, **ratios) -> tuple[Chain, HarmonicBase]:
     """A chain of these ratios, and a base that drives it at its default amplitude."""
     chain = Chain.from_ratios(**ratios)
     return chain, HarmonicBase.from_ratio(chain, frequency_ratio)
+
+
+def canonical_lane(friction_ratio: float, frequency_ratio: float) -> Lane:
+    """A point of figure 3 with 400 steps per period."""
+    return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio), 400)
+
+
+def euler_orbit(chain: Chain, drive: HarmonicBase, steps: int, **limits) -> PeriodicOrbit:
+    """The periodic orbit of Euler's scheme with so many steps per period."""
+    return periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, **limits)[0]
 
 
 def random_chain(rng: np.random.Generator, cells: int) -> Chain:
