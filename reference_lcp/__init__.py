@@ -8,7 +8,7 @@ folders themselves.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from reference_lcp.process import ensure_kernel_cache
+from reference_lcp.environment import ensure_kernel_cache
 
 if TYPE_CHECKING:
     from reference_lcp.chain.drives import HarmonicBase as HarmonicBase

@@ -9,9 +9,9 @@ import typer
 
 import reference_lcp.one_call
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.sweep_file import EXAMPLE
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 LONGEST_LINE = 2000
 """Characters of a message: of what was given, only a part is shown."""

@@ -8,13 +8,13 @@ import pytest
 
 import reference_lcp
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.dataset_file import write_dataset
 from multibody_xval.scenarios.functions import sweep
 from multibody_xval.scenarios.store import Store
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.output import checked_output_file, checked_output_folder
-from reference_lcp.process import run_command
 from tests.scenarios.catalogue.example_record import write_example
 
 SWEEP = """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,14 +16,17 @@ import typer
 
 from multibody_xval.reports.cli.options import AsJson, grouped
 from reference_lcp import defaults
-from reference_lcp.deadline import watched
+from reference_lcp.deadline import Watcher, watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
 from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import SearchLines, announce_compilation, print_table, said_if_long
+from reference_lcp.terminal import announce_compilation, print_table
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain
     from reference_lcp.one_call import SteadyState
+
+LINE_SECONDS = 10.0
+"""Between two lines about a search that takes long."""
 
 app = typer.Typer(name="multibody-xval reference", add_completion=False, pretty_exceptions_enable=False)
 
@@ -32,7 +36,7 @@ def typed_number(value: str | float) -> TypedNumber:
     try:
         return TypedNumber(value)
     except ValueError:
-        raise typer.BadParameter("no valid number") from None
+        raise typer.BadParameter("not a valid number") from None
 
 
 class TypedNumber(float):
@@ -132,7 +136,7 @@ class ProofOptions:
             return {"proof": {"status": "not proven", "reason": str(problem), **missing, "seconds": seconds}}
 
 
-@app.command()
+@app.command("reference")
 @grouped
 def run(
     *,
@@ -161,7 +165,6 @@ def run(
     """
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
-    from reference_lcp.chain.simulation import steps_per_period_for
     from reference_lcp.one_call import steady_state
     from reference_lcp.plot import checked_picture, save_picture
 
@@ -172,9 +175,7 @@ def run(
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
     ratios = {name: ratio for name, ratio in vars(parameters).items() if name != "base_amplitude"}
     question = proof.question({"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **ratios})
-    needed = steps_per_period_for(chain, drive, search.steps_per_period)
-    size = f"{chain.cells:,} cells, {needed:,} steps per period, at most {search.max_periods:,} periods"
-    with said_if_long(f"searching: {size}; Ctrl-C ends it"), watched(SearchLines()):
+    with watched(search_lines()):
         state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)
     told = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
@@ -184,6 +185,19 @@ def run(
         save_picture(state.plot(), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
+
+
+def search_lines() -> Watcher:
+    """Give what prints to standard error every `LINE_SECONDS` how far a search is."""
+    printed = time.monotonic()
+
+    def watch(what: str, done: int, most: int) -> None:
+        nonlocal printed
+        if time.monotonic() >= printed + LINE_SECONDS:
+            printed = time.monotonic()
+            print(f"{what}: {done:,} of at most {most:,} periods; Ctrl-C ends it", file=sys.stderr, flush=True)
+
+    return watch
 
 
 def _show(as_json: bool, content: object, show: Callable[[], None]) -> None:

@@ -1,16 +1,14 @@
 """Searches that take long say so, and chains that are too long for a solver are refused before any work."""
 
 import re
-import time
-from itertools import count
 from typing import Any
 
 import pytest
 
-from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, simulate, steady_state, terminal
+from multibody_xval.reports.cli import reference
+from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, simulate, steady_state
 from reference_lcp.deadline import tell, watched
 from reference_lcp.one_call import LONGEST_BARRED, LONGEST_CHAINS
-from reference_lcp.terminal import SearchLines, said_if_long
 
 
 def setting(cells: int, **ratios: Any) -> tuple[Chain, HarmonicBase]:
@@ -68,26 +66,8 @@ def test_a_motion_that_does_not_settle_is_told_too() -> None:
     assert any(what.startswith("no steady state so far") for what in heard)
 
 
-def test_a_line_comes_every_ten_seconds_with_the_time_of_all_periods(capsys) -> None:
-    seconds = count(0, 4)
-    lines = SearchLines(lambda: float(next(seconds)))
-    with watched(lines):
-        for period in range(1, 7):
-            tell("search", period, 400)
-        tell("finer", 1, 100)
-        tell("finer", 2, 100)
-    assert capsys.readouterr().err.splitlines() == [
-        "search: 3 of at most 400 periods; 12 s so far, all take about 27 min",
-        "search: 6 of at most 400 periods; 24 s so far, all take about 27 min",
-    ]
-
-
-def test_what_takes_seconds_says_what_it_is_and_what_is_quick_says_nothing(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(terminal, "SILENT_SECONDS", 0.05)
-    with said_if_long("searching"):
-        time.sleep(0.3)
-    assert capsys.readouterr().err == "searching\n"
-    with said_if_long("searching"):
-        pass
-    time.sleep(0.2)
-    assert not capsys.readouterr().err
+def test_a_line_about_a_long_search_comes_now_and_then(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(reference, "LINE_SECONDS", 0.0)
+    with watched(reference.search_lines()):
+        tell("search", 3, 400)
+    assert capsys.readouterr().err == "search: 3 of at most 400 periods; Ctrl-C ends it\n"

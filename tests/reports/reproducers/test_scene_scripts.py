@@ -4,6 +4,7 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.reproduce import app
 from multibody_xval.reports.reproducers.scene_script import (
     ON_A_PLANE,
@@ -15,7 +16,6 @@ from multibody_xval.reports.reproducers.scene_script import (
 from multibody_xval.reports.reproducers.script import LONGEST_LINE
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config
-from reference_lcp.process import run_command
 from tests.reports.reproducers.test_reproducers import (
     DIGITS,
     MEANS,
