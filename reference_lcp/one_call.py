@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,6 @@ from reference_lcp.steady.attraction import attracts_all
 from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count, checked_scalar
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
     {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}
@@ -103,18 +100,6 @@ class SteadyState:
         modes = {"stick": whole, "stick and slip": ~whole & (self.stuck_fraction > 0)}
         named = [f"{_ranges(own)} {mode}" for mode, own in modes.items() if own.any()]
         return f"; cells {'; '.join(named)}" if named else "; no contact sticks"
-
-    def plot(self) -> "Figure":
-        """Draw displacement, relative velocity and friction of every cell over one period; grey where it sticks.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Three columns, a row a cell; over the displacement scale, that times ω, and the friction bound [-].
-        """
-        from reference_lcp.plot import plot_period
-
-        return plot_period(self.orbit)
 
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; those of the error bar if there is one."""

@@ -7,10 +7,10 @@ import xarray as xr
 
 from multibody_xval.scenarios.dataset import COMPLEX, judged_table
 from multibody_xval.scenarios.model import CASE
+from multibody_xval.scenarios.output_files import write_whole
 from multibody_xval.scenarios.result_tables import CONFIG, file_columns
 from multibody_xval.scenarios.table_text import csv_text
 from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.output import write_whole
 
 LARGEST_DATASET = 2**30
 """Bytes of all arrays of a dataset in memory. A compressed file may claim more."""

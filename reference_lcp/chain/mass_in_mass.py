@@ -4,7 +4,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,9 +20,6 @@ from reference_lcp.validation import (
     checked_per_cell,
     checked_scalar,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _REQUIREMENTS = {
     "outer_mass": "> 0",
@@ -140,18 +137,6 @@ class Chain:
             f"friction bound {_span(self.friction_bound)} N",
         ]
         return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
-
-    def plot(self) -> "Figure":
-        """Draw the transmittance of the chain on a moving base with all contacts free, and with all of them stuck.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            [dB] over the frequency ratio η_r = ω / ω_r from 0.1 to 3.
-        """
-        from reference_lcp.chain.linear_response import plot_limits
-
-        return plot_limits(self)
 
     @property
     def friction_bound(self) -> FloatArray:

@@ -16,8 +16,8 @@ import typer
 from multibody_xval.engines.completion import complete_variant
 from multibody_xval.reports.cli.ending import Interrupted
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
+from multibody_xval.scenarios.output_files import checked_output_file
 from reference_lcp.errors import ParameterError, shown
-from reference_lcp.output import checked_output_file
 
 if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant

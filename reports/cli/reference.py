@@ -163,10 +163,11 @@ def run(
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
+    from multibody_xval.reports.figures.period import plot_period
+    from multibody_xval.reports.figures.picture_file import checked_picture, save_picture
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
     from reference_lcp.one_call import steady_state
-    from reference_lcp.plot import checked_picture, save_picture
 
     if plot is not None:
         checked_picture("--plot", plot)
@@ -182,7 +183,7 @@ def run(
     proven = proof.answer(question)
     _show(as_json, state.as_dict() | told | proven, lambda: _print(state, reason, proven))
     if plot is not None:
-        save_picture(state.plot(), plot)
+        save_picture(plot_period(state.orbit), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
 

@@ -19,8 +19,8 @@ from multibody_xval.reports.cli.options import (
     grouped,
     keeping,
 )
+from multibody_xval.scenarios.output_files import write_whole
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.output import write_whole
 from reference_lcp.terminal import announce_compilation
 
 if TYPE_CHECKING:
