@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from reference_lcp.exact.proof.prove import prove as prove
     from reference_lcp.exact.proof.prove import prove_steady_state as prove_steady_state
     from reference_lcp.lcp.lemke import lemke as lemke
-    from reference_lcp.lcp.systems import FrictionalSystem as FrictionalSystem
     from reference_lcp.lcp.systems import FrictionContact as FrictionContact
     from reference_lcp.lcp.systems import Harmonic as Harmonic
     from reference_lcp.lcp.systems import MassSpringSystem as MassSpringSystem
@@ -53,7 +52,6 @@ if TYPE_CHECKING:
     from reference_lcp.one_call import simulate as simulate
     from reference_lcp.one_call import steady_state as steady_state
     from reference_lcp.schemes.euler import CompiledSimulation as CompiledSimulation
-    from reference_lcp.steady.error_bar import measured_error_bars as measured_error_bars
     from reference_lcp.steady.orbits import periodic_orbits as periodic_orbits
 
 _NAMES = {
@@ -72,7 +70,6 @@ _NAMES = {
     "lcp.lemke": ["lemke"],
     "lcp.systems": [
         "FrictionContact",
-        "FrictionalSystem",
         "Harmonic",
         "MassSpringSystem",
         "Piecewise",
@@ -84,7 +81,6 @@ _NAMES = {
     "observables.transmittance": ["decibel", "transmittance"],
     "one_call": ["SteadyState", "exact_steady_state", "simulate", "steady_state"],
     "schemes.euler": ["CompiledSimulation"],
-    "steady.error_bar": ["measured_error_bars"],
     "steady.orbits": ["periodic_orbits"],
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}

@@ -83,21 +83,9 @@ def periodic_orbits(
     checked_count("longest_multiple", longest_multiple)
     for lane in simulation.lanes:
         _check_period(lane, steps_per_period)
-    if start is None:
-        balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
-        found = searched(
-            simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline
-        )
-        return found if longest_multiple == 1 else _judged(found, simulation)
-    orbits = _first_periods(simulation, start, steps_per_period, tolerance)
-    late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
-    if late and max_periods > 1:
-        ends = State.stack([orbits[lane].trajectory.end for lane in late])
-        part = part_of(simulation, late)
-        later = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple, deadline=deadline)
-        for number, orbit in zip(late, later, strict=True):
-            orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
-    return orbits
+    begin = harmonic_balance_start(simulation.lanes, steps_per_period) if start is None else start
+    found = searched(simulation, begin, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline)
+    return found if longest_multiple == 1 else _judged(found, simulation)
 
 
 def part_of(simulation: Simulation, lanes: Sequence[int]) -> Simulation:
@@ -125,23 +113,6 @@ def searched(
     orbits = [PeriodicOrbit(*one, orbit_status(one[2], tolerance)) for one in found]
     if longest_multiple > 1:
         _name_repetitions(orbits, simulation, starts, steps, tolerance, longest_multiple)
-    return orbits
-
-
-def _first_periods(simulation: Simulation, start: State, steps: int, tolerance: float) -> list[PeriodicOrbit]:
-    """Record one period from a start that may be in the steady state, and take its residual."""
-    scales = StateScales(simulation.lanes, steps)
-    orbits = []
-    for number, trajectory in enumerate(simulation.run(start, 0, steps)):
-        own, lane = start.subset([number]), [number]
-        scales.learn(None, own, lane)
-        scales.learn(own, trajectory.end, lane)
-        x = scales.vectors(own, lane)
-        change = scales.vectors(trajectory.end, lane) - x
-        residual = float(scales.residuals(x, change)[0])
-        orbits.append(
-            PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, orbit_status(residual, tolerance))
-        )
     return orbits
 
 
