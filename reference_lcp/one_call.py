@@ -34,12 +34,9 @@ SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
 )
 """Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
 
-LONGEST_CHAINS = {"lemke": 100, "exact": 500}
-"""Most cells by solver, where that is less than of any chain: a period of Lemke's method takes 12 s there, a search for
-the exact motion minutes, and both grow at least with the square of the cells."""
-
-LONGEST_BARRED = 1000
-"""Most cells of an error bar, whose matrices have four rows a cell: two minutes and 1.3 GB."""
+LONGEST_CHAINS = {"the solver 'lemke'": 100, "the solver 'exact'": 500, "an exact value": 500, "an error bar": 1000}
+"""Most cells, where that is less than of any chain: a period of Lemke's method takes 12 s there, a search for the exact
+motion minutes, both grow at least with the square of the cells; error bars have matrices of four rows a cell."""
 
 WHOLE_PERIOD = 1 - 1e-9
 """Stuck fraction from which on a contact sticks all the time: sums of durations have an error of round-off."""
@@ -170,7 +167,9 @@ def steady_state(
         If an argument is outside its range.
     """
     build = _solver(solver, chain)
-    _check_extras(chain, bar=with_error_bar and solver != "exact", exact=with_exact_value)
+    extras = {"an error bar": with_error_bar and solver != "exact", "an exact value": with_exact_value}
+    for name in [name for name, asked in extras.items() if asked]:
+        _check_length(name, chain)
     steps = steps_per_period_for(chain, drive, steps_per_period)
     exact = partial(exact_steady_state, chain, drive, steps_per_period=steps_per_period, max_periods=max_periods)
     if solver == "exact":
@@ -188,20 +187,13 @@ def steady_state(
 def _solver(name: str, chain: Chain) -> Callable[[list[Lane]], Simulation]:
     """Give what builds a simulation by the solver of a name, if it takes a chain of that length."""
     build = SOLVERS[checked_choice("solver", name, list(SOLVERS))]
-    _check_length(f"the solver {name!r}", chain, LONGEST_CHAINS.get(name, chain.cells))
+    _check_length(f"the solver {name!r}", chain)
     return build
 
 
-def _check_extras(chain: Chain, *, bar: bool, exact: bool) -> None:
-    """Refuse an error bar and an exact value of chains that are too long for them."""
-    if bar:
-        _check_length("an error bar", chain, LONGEST_BARRED)
-    if exact:
-        _check_length("an exact value", chain, LONGEST_CHAINS["exact"])
-
-
-def _check_length(name: str, chain: Chain, longest: int) -> None:
+def _check_length(name: str, chain: Chain) -> None:
     """Refuse a chain with friction that is too long for something; without friction all are as fast as they can be."""
+    longest = LONGEST_CHAINS.get(name, chain.cells)
     if chain.cells > longest and chain.friction_bound.any():
         raise ParameterError(f"cells = {chain.cells} is more than {name} takes; allowed: <= {longest}, or without it")
 

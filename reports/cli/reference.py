@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from multibody_xval.reports.cli.compiling import announce_compilation
 from multibody_xval.reports.cli.options import AsJson, grouped
+from multibody_xval.scenarios.terminal_table import print_table
 from reference_lcp import defaults
 from reference_lcp.deadline import Watcher, watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
 from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import announce_compilation, print_table
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain

@@ -76,14 +76,9 @@ class Equations:
         row[3 * self.dynamics.cells + cell] = arb(1)
         return row
 
-    def boundaries(self, y: list[arb]) -> list[arb]:
-        """Times at which stretches begin and end."""
-        start = arb(self.candidate.start)
-        return [start, *y[len(self.unknown) :], start + self.dynamics.length]
-
     def durations(self, y: list[arb]) -> list[arb]:
         """Lengths of all stretches."""
-        times = self.boundaries(y)
+        times = boundaries(self.dynamics, self.candidate.moved_to(y))
         return [later - earlier for earlier, later in pairwise(times)]
 
     def flows(self, y: list[arb]) -> list[Flow]:
@@ -94,16 +89,9 @@ class Equations:
             flows.append(Flow(pattern, time.mid()))
         return flows
 
-    def begin(self, y: list[arb]) -> Rows:
-        """Give z at t0, rows of one entry."""
-        motion = self.candidate.moved_to(y).state
-        return [[arb(value)] for value in motion] + [
-            [value] for value in self.dynamics.given(arb(self.candidate.start))
-        ]
-
     def shoot(self, y: list[arb], flows: list[Flow], *, gradients: bool = False) -> tuple[Rows, list[Rows]]:
         """Residuals, and z at the end of each stretch; with `gradients` each row goes on with its derivatives by y."""
-        begin, size = self.begin(y), len(self.unknown)
+        begin, size = state_at_start(self.dynamics, self.candidate.moved_to(y)), len(self.unknown)
         rows = begin
         if gradients:
             width = len(y)
@@ -137,6 +125,17 @@ class Equations:
                 rows[k][1 + size + place] += rate
             if place:
                 rows[k][size + place] -= rate
+
+
+def boundaries(dynamics: Dynamics, candidate: Candidate) -> list[arb]:
+    """Give the times at which stretches begin and end."""
+    start = arb(candidate.start)
+    return [start, *map(arb, candidate.times), start + dynamics.length]
+
+
+def state_at_start(dynamics: Dynamics, candidate: Candidate) -> Rows:
+    """Give z at t0, rows of one entry."""
+    return [[arb(value)] for value in (*candidate.state, *dynamics.given(arb(candidate.start)))]
 
 
 def _product(row: Row, rows: Rows) -> Row:

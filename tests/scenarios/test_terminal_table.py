@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from reference_lcp.terminal import NOTICE, print_table, tracked
+from multibody_xval.reports.cli.compiling import NOTICE
+from multibody_xval.scenarios.terminal_table import print_table
+from reference_lcp.terminal import tracked
 
 NAMES = ["exudyn-regularised:contact:default", "mujoco"]
 NUMBERS = [[f"{row}.{column:04d}e-12" for column in range(14)] for row in range(2)]
@@ -20,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 
 SCRIPT = """
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.terminal import announce_compilation
+from multibody_xval.reports.cli.compiling import announce_compilation
 announce_compilation()
 announce_compilation()
 print(Chain.from_ratios().highest_natural_frequency)
