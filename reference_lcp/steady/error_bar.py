@@ -120,16 +120,11 @@ def measured_error_bars(
         some = orbits[first : first + together]
         inverse = PeriodInverse.of(some)
         finer = refined_orbits(some, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
-        bars += _error_bars([some, *finer], 0, inverse.amplification)
+        bars += error_bars_of([some, *finer], 0, inverse.amplification)
     return bars
 
 
-def error_bar(orbits: Sequence[PeriodicOrbit], place: int = 0) -> ErrorBar:
-    """Estimate the error of the orbit at `place`, of two or more of one chain by ascending numbers of steps."""
-    return _error_bars([[orbit] for orbit in orbits], place, PeriodInverse.of([orbits[place]]).amplification)[0]
-
-
-def _error_bars(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
+def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
     """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
     judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
     modes = [[contact_modes(orbit) for orbit in orbits] for orbits in ladder]

@@ -11,6 +11,8 @@ from reference_lcp import (
     periodic_orbits,
     simulate_system,
 )
+from reference_lcp.steady.error_bar import ErrorBar, error_bars_of
+from reference_lcp.steady.neighbours import PeriodInverse
 
 EXACT_DB = {
     (0.1, 0.6): 7.865,
@@ -40,6 +42,12 @@ def canonical_lane(friction_ratio: float, frequency_ratio: float) -> Lane:
 def euler_orbit(chain: Chain, drive: HarmonicBase, steps: int, **limits) -> PeriodicOrbit:
     """The periodic orbit of Euler's scheme with so many steps per period."""
     return periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, **limits)[0]
+
+
+def error_bar(orbits, place: int = 0) -> ErrorBar:
+    """The error bar of one of the orbits of a chain, by ascending numbers of steps."""
+    amplification = PeriodInverse.of([orbits[place]]).amplification
+    return error_bars_of([[orbit] for orbit in orbits], place, amplification)[0]
 
 
 def random_chain(rng: np.random.Generator, cells: int) -> Chain:
