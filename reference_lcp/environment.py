@@ -23,7 +23,7 @@ def ensure_kernel_cache() -> None:
     """Let kernels be kept in a private folder while this process lives, where numba has no place for them."""
     cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "numba")  # noqa: PTH111 - "~" stays
     own = ROOT / "reference_lcp" / "chain" / "__pycache__"
-    if CACHE_VARIABLE in os.environ or is_writable(own) or (cache.is_absolute() and is_writable(cache)):
+    if CACHE_VARIABLE in os.environ or _writable(own) or (cache.is_absolute() and _writable(cache)):
         return
     _FOLDERS.append(tempfile.TemporaryDirectory(prefix="mbxv-kernels-", ignore_cleanup_errors=True))
     os.environ[CACHE_VARIABLE] = _FOLDERS[-1].name
@@ -31,7 +31,7 @@ def ensure_kernel_cache() -> None:
     print(f"{where}: compiled solvers are kept until the end only; {CACHE_VARIABLE} names a folder", file=sys.stderr)
 
 
-def is_writable(folder: Path) -> bool:
+def _writable(folder: Path) -> bool:
     """Tell whether files can be made in a folder, as numba does; `os.access` says yes where a sandbox forbids it."""
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,12 +1,12 @@
 """Output files: checked before any work, and complete or as they were, written beside and then renamed."""
 
 import os
+import tempfile
 import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from reference_lcp.environment import is_writable
 from reference_lcp.errors import ParameterError, RunError, checked_path
 
 DATABASE = b"SQLite format 3\0"
@@ -75,5 +75,9 @@ def _is_database(file: Path) -> bool:
 
 
 def _check_writable(name: str, folder: Path) -> None:
-    if not is_writable(folder):
-        raise ParameterError(f"{name}: the folder {folder} cannot be written; allowed: another")
+    """Make and remove a file: permissions alone do not decide on every file system."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as problem:
+        where = f"{name}: the folder {folder} cannot be written: {problem.strerror}"
+        raise ParameterError(f"{where}; allowed: another folder") from None

@@ -43,7 +43,7 @@ def test_kernels_are_kept_in_a_private_folder_where_no_absolute_place_can_be_wri
     kept = home.startswith("/") and can
     monkeypatch.delenv(environment.CACHE_VARIABLE, raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", home)
-    monkeypatch.setattr(environment, "is_writable", lambda folder: can and "__pycache__" not in str(folder))
+    monkeypatch.setattr(environment, "_writable", lambda folder: can and "__pycache__" not in str(folder))
     environment.ensure_kernel_cache()
     assert (environment.CACHE_VARIABLE not in os.environ) == kept
     assert ("compiled solvers are kept until the end only" in capsys.readouterr().err) != kept

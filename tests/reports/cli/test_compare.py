@@ -122,8 +122,11 @@ WRONG = [
     ("before.sqlite worse.sqlite --store=kept.sqlite", "--store = kept.sqlite with two stores"),
     ("before.sqlite worse.sqlite --workers=1", "--workers = 1 with two stores, of which nothing is computed"),
     ("before.sqlite worse.sqlite --db=0", "db = 0 is outside its range; allowed: > 0, 0.001 to 1000"),
-    ("before.sqlite worse.sqlite --db=one", "--db = 'one' is not a number; allowed: a number"),
-    ("before.sqlite worse.sqlite --db=1e5", "db = 100000 is outside its range; allowed: 0.001 to 1000"),
+    (
+        "before.sqlite worse.sqlite --db=one",
+        "unable to parse string as a number (given: 'one')",
+    ),
+    ("before.sqlite worse.sqlite --db=1e5", "db = 100000 is outside its range; allowed: > 0, 0.001 to 1000"),
     ("--engine=mujoco --engine=pybullet --db=nan", "db = nan is outside its range; allowed: > 0, 0.001 to 1000"),
     ("--engine=mujoco:joint:best --engine=pybullet", "best"),
     ("--engine=mujoco:contact:tuned --engine=mujoco:nose=3", "nose"),
