@@ -9,9 +9,9 @@ import typer
 
 import reference_lcp.one_call
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.sweeps.file import EXAMPLE
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 LONGEST_LINE = 2000
 """Characters of a message: of what was given, only a part is shown."""
@@ -77,7 +77,6 @@ LINES = (
     "reference --mass-ratio 1 --stiffness-ratio 1 --damping-ratio 0.01 --inner-damping-ratio 0 --error-bar",
     "reference --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --json",
     "reference --plot period.png --solver exact --cells 2",
-    "reference bench --json",
     "engines --json",
     "scenarios",
     "example",
@@ -123,7 +122,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, here: None) -> Path:
     monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
-    monkeypatch.setattr("reference_lcp.studies.bench.bench", planned)
     return tmp_path
 
 

@@ -21,8 +21,8 @@ OF_CATALOGUE = {"numpy", "numba", "scipy", "pandas"}
 
 HELP = """
 import contextlib, io, json, sys
-from reference_lcp.process import run_command
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 commands, heavy = json.loads(sys.argv[1])
 imported = {}
 for command in commands:
@@ -69,7 +69,7 @@ def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
     script = (
         "import json, sys\n"
         "from multibody_xval.reports.cli.engines import app\n"
-        "from reference_lcp.process import run_command\n"
+        "from multibody_xval.reports.cli.ending import run_command\n"
         "code = run_command(app, json.loads(sys.argv[1]))\n"
         "print()\n"
         "print(json.dumps([code, [name for name in json.loads(sys.argv[2]) if name in sys.modules]]))"

@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 COMMAND_LINES = [
     ("reference --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),
     ("reference --frequency-ratio 0", r"frequency_ratio = 0.*> 0"),
     ("reference --frequency-ratio nan", r"frequency_ratio = nan .*allowed: > 0, 1e-12 to 1e\+12"),
-    ("reference --friction-ratio inf", r"friction_ratio = inf .*allowed: >= 0, up to 1e\+12"),
+    ("reference --friction-ratio inf", r"friction_ratio = inf .*allowed: >= 0, 1e-12 to 1e\+12"),
     ("reference --cells 0", r"cells = 0.*>= 1"),
-    ("reference --cells 2.5", r"--cells = '2.5' is not a whole number; allowed: a whole number"),
+    ("reference --cells 2.5", r"'--cells': .*valid integer.* \(given: '2.5'\)"),
     ("reference --mass-ratio 0", r"mass_ratio = 0.*> 0"),
     ("reference --stiffness-ratio -1", r"stiffness_ratio = -1.*> 0"),
     ("reference --damping-ratio -0.01", r"damping_ratio = -0.01.*>= 0"),
@@ -28,7 +28,7 @@ COMMAND_LINES = [
     ("reference --max-periods 0", r"max_periods = 0.*>= 1"),
     ("reference --solver newton", r"solver = 'newton' is unknown; allowed: compiled, lemke, exact"),
     ("reference --friction 0.3", r"No such option.*--friction-ratio"),
-    ("reference --friction-ratio lots", r"--friction-ratio = 'lots' is not a number; allowed: a number"),
+    ("reference --friction-ratio lots", r"'--friction-ratio': not a valid number \(given: 'lots'\)"),
     ("reference --proof --digits 0", r"digits = 0.*>= 1"),
     ("reference --proof --time-limit 0", r"time_limit = 0.*> 0"),
     ("reference --proof --cells 101", r"cells = 101.*1 to 100"),
@@ -42,7 +42,7 @@ COMMAND_LINES = [
     ("reference --cells 100000 --solver lemke", r"cells = 100000 is more than the solver 'lemke' takes; .* <= 100,"),
     ("reference --mass-ratio 1e9", r"needs 1.21e\+06 steps; allowed: <= 1000000, as with a frequency 1.21 times"),
     ("reference --plot ''", r"--plot = '' is empty; allowed: "),
-    ("reference bench 7", r"unexpected extra argument"),
+    ("reference 7", r"unexpected extra argument"),
     ("truth show block-stop", r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"),
     ("truth check block-stops missing.csv", r"motion = 'missing.csv' is no file"),
     ("truth check block-stops sweep.toml", r"columns of sweep.toml = .* lack time; allowed: 'time, x0'"),
@@ -76,12 +76,12 @@ COMMAND_LINES = [
     ("run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
     ("run figure3 --no-run", r"--store"),
     ("compare a.sqlite b.sqlite", r"a.sqlite"),
-    ("compare other.sqlite other.sqlite --db 1e5", r"db = 100000 is outside its range; allowed: 0.001 to 1000"),
+    ("compare other.sqlite other.sqlite --db 1e5", r"db = 100000 is outside its range; allowed: > 0, 0.001 to 1000"),
     ("reference --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),
     ("reference --frequency-ratio 1e-9", r"a period of .* needs .* steps; allowed: .*<= 1000000"),
     (f"reference --cells {'9' * 4301}", r"--cells.*integer"),
     (f"reference --plot {'x' * 400}.png", r"File name too long"),
-    ("sweep sweep.toml --time-limit 1e300", r"time_limit = 1e\+300 .*allowed: 1e-06 to 1e\+06"),
+    ("sweep sweep.toml --time-limit 1e300", r"time_limit = 1e\+300 .*allowed: > 0, 1e-06 to 1e\+06"),
     ("sweep sweep.toml --workers 1000000", r"workers = 1000000.*1 to 1024"),
     (f"sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
     ("sweep /dev/zero", r"more than 10000000 bytes"),
@@ -95,7 +95,7 @@ COMMAND_LINES = [
     ("run work-precision --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
     ("run work-precision --steps 15", r"steps = 15.*>= 16"),
     ("run work-precision --steps 400 --steps 1000001", r"steps = 1000001.*16 to 1000000"),
-    ("run work-precision --steps 2.5", r"--steps = '2.5' is not a whole number; allowed: "),
+    ("run work-precision --steps 2.5", r"'--steps': .*valid integer.* \(given: '2.5'\)"),
     ("run work-precision --out speed.gif", r"ending '.gif'; allowed: .md or .csv or .svg or .pdf or .png"),
     ("run work-precision --out speed.md --out speed.md", r"speed.md"),
     ("run work-precision --workers 0", r"workers = 0.*>= 1"),
@@ -157,7 +157,7 @@ SWEEP_FILES = [
     ("steps_per_period = " + "9" * 4301 + SWEEP, r"is no TOML: .*4300 digits"),
     ("engines = " + "[" * 3000 + "]" * 3000, r"is no TOML: arrays and tables in one another"),
     (SWEEP.replace("[0.9]", "[nan]"), r"grid.frequency_ratio = nan .*allowed: > 0, 1e-12 to"),
-    (SWEEP.replace("[0.9]", "[1e-320]"), r"grid.frequency_ratio = .*e-321.*allowed: 1e-12 to 1e\+12"),
+    (SWEEP.replace("[0.9]", "[1e-320]"), r"grid.frequency_ratio = .*e-321.*allowed: > 0, 1e-12 to 1e\+12"),
     (SWEEP.replace("[0.9]", "{ first = 1, last = 2, points = 1" + "0" * 30 + " }"), r"points = 10*; .*1e\+06"),
     (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*<= 1e\+24"),
     (SWEEP + "[chain]\ncells = 1" + "0" * 30 + "\n", r"chain.cells = 10{9}.*100000"),

@@ -12,6 +12,7 @@ import pytest
 from multibody_xval.engines import engine
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.cli import console_script
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.formatting import MISSING, significant
 from multibody_xval.reports.page import tables
 from multibody_xval.scenarios.compute.batch import run_batch
@@ -19,7 +20,6 @@ from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
-from reference_lcp.process import run_command
 from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]

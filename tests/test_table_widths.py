@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 pytestmark = pytest.mark.slow
 

@@ -8,14 +8,13 @@ import sys
 import pytest
 
 from multibody_xval.reports.cli.console_script import COMMANDS, app
+from multibody_xval.reports.cli.ending import run_command
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from reference_lcp.terminal import visible
 
 LINES = [
     *(f"{name} --help" for name in COMMANDS),
     "reference --cells 2",
-    "reference bench --help",
     "engines",
     "engines --json",
     "run",
@@ -49,7 +48,7 @@ def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
     "arguments",
     [
         ["multibody_xval", "--help"],
-        ["reference_lcp", "--cells", "1", "--steps-per-period", "16", "--plot", "period.png"],
+        ["multibody_xval", "reference", "--cells", "1", "--steps-per-period", "16", "--plot", "period.png"],
     ],
 )
 def test_a_matplotlib_backend_that_there_is_not_ends_no_command(tmp_path, arguments) -> None:

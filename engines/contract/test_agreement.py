@@ -32,7 +32,7 @@ from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import BASE_AMPLITUDE, STICK_SLIP_POINTS
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.steady.neighbours import orbits_from_euler
+from reference_lcp.steady.neighbours import beside_euler
 from reference_lcp.steady.orbits import periodic_orbits
 
 UNINFORMED_POINTS = 1
@@ -68,7 +68,7 @@ def _orbits(tuned: Variant, lanes: list[Lane], start: State | None) -> list[Peri
     simulation, residual = tuned.build(lanes), tuned.capabilities.residual
     if start is None or tuned.preset.shares_scheme:
         return periodic_orbits(simulation, STEPS, start=start, tolerance=residual)
-    return orbits_from_euler(simulation, STEPS, start=start, tolerance=residual, anew=False)
+    return beside_euler(simulation, STEPS, start=start, tolerance=residual)
 
 
 def test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(exact: Variant) -> None:

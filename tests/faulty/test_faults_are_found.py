@@ -12,6 +12,7 @@ import pytest
 
 from multibody_xval.engines.interface.registry import registered_names
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.edges import judged_edges, propose
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import points
@@ -19,7 +20,6 @@ from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, failures, judged
 from multibody_xval.scenarios.running.evaluate import Means, computed
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.faulty.faults import FAULTS
 
 PLACES = ((0.17, 0.73), (0.3, 0.47), (0.42, 1.24), (0.9, 1.03), (0.23, 0.94), (0.61, 0.83), (0.12, 0.61))

@@ -13,11 +13,11 @@ import pytest
 
 import multibody_xval as xval
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.catalogue.chains.steady_states import UNIT_CELL
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.faulty.faults import FAULTS
 from tests.faulty.sizes import SIZED, is_noticed
 

@@ -10,11 +10,11 @@ import pytest
 
 from multibody_xval.reports.changes import Comparison, markdown
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.compare.stores import compare
 from multibody_xval.scenarios.model import REFERENCE, Run, failed
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.scenarios.stores import CASE, OTHER, STEPS, of, with_bound, write_store
 
 BEFORE = {CASE: with_bound(1.01), OTHER: with_bound(1.05, OTHER)}
@@ -122,8 +122,11 @@ WRONG = [
     ("before.sqlite worse.sqlite --store=kept.sqlite", "--store = kept.sqlite with two stores"),
     ("before.sqlite worse.sqlite --workers=1", "--workers = 1 with two stores, of which nothing is computed"),
     ("before.sqlite worse.sqlite --db=0", "db = 0 is outside its range; allowed: > 0, 0.001 to 1000"),
-    ("before.sqlite worse.sqlite --db=one", "--db = 'one' is not a number; allowed: a number"),
-    ("before.sqlite worse.sqlite --db=1e5", "db = 100000 is outside its range; allowed: 0.001 to 1000"),
+    (
+        "before.sqlite worse.sqlite --db=one",
+        "unable to parse string as a number (given: 'one')",
+    ),
+    ("before.sqlite worse.sqlite --db=1e5", "db = 100000 is outside its range; allowed: > 0, 0.001 to 1000"),
     ("--engine=mujoco --engine=pybullet --db=nan", "db = nan is outside its range; allowed: > 0, 0.001 to 1000"),
     ("--engine=mujoco:joint:best --engine=pybullet", "best"),
     ("--engine=mujoco:contact:tuned --engine=mujoco:nose=3", "nose"),

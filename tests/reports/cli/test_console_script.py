@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import COMMANDS, app, loaded
-from reference_lcp.process import run_command
+from multibody_xval.reports.cli.ending import run_command
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -20,14 +20,16 @@ def test_every_command_is_the_one_of_its_name(name: str) -> None:
 def test_help_names_every_command_and_imports_none(tmp_path: Path) -> None:
     code = (
         "import sys; sys.argv = ['multibody-xval', '--help']\n"
-        "from multibody_xval.reports.cli.console_script import main\n"
+        "from multibody_xval.reports.cli.entry_point import main\n"
         "try: main()\n"
         "finally: print(sorted(name for name in sys.modules if name.startswith('multibody_xval.reports.cli.')))"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert found.returncode == 0, found.stderr
     assert all(f" {name} " in found.stdout for name in COMMANDS)
-    assert found.stdout.splitlines()[-1] == "['multibody_xval.reports.cli.console_script']"
+    assert found.stdout.splitlines()[-1] == str(
+        [f"multibody_xval.reports.cli.{name}" for name in ("console_script", "ending", "entry_point")]
+    )
 
 
 def test_the_program_alone_shows_its_help(capsys: pytest.CaptureFixture[str]) -> None:

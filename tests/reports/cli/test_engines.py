@@ -7,8 +7,8 @@ import pytest
 from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.engines.pybullet import PyBullet
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.engines import app
-from reference_lcp.process import run_command
 
 
 def printed_by(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:

@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.truth import history as study
 from multibody_xval.scenarios.truth.problem import problem_of
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.process import run_command
 
 LISTED = "mujoco (4.0.0)\nAvailable versions: 4.0.0, 3.10.0, 3.3.7, 3.3.6, 3.2.0\n  INSTALLED: 3.3.6\n"
 LOCK = "sdist = { upload-time = 2025-10-14T17:34:40Z }\nwheels = [{ upload-time = 2025-10-13T17:34:00Z }]\n"

@@ -11,11 +11,11 @@ import pytest
 from multibody_xval.engines.interface.scene import JointScene, SceneSetting
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.mujoco.scene import contact_model, joint_model
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.probe import app
 from multibody_xval.scenarios.catalogue.scenes.held_boxes import SLOPE_HOLD, on_slope
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
-from reference_lcp.process import run_command
 
 pytestmark = pytest.mark.needs("mujoco")
 

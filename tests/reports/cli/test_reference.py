@@ -5,9 +5,9 @@ import re
 
 import pytest
 
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.reference import app
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.reference_lcp.cases import EXACT_DB
 
 

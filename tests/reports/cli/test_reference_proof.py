@@ -5,9 +5,9 @@ from decimal import Decimal
 
 import pytest
 
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.reference import app
 from reference_lcp.exact.proof import prove
-from reference_lcp.process import run_command
 
 POINT = ("--cells", "2", "--frequency-ratio", "0.6", "--proof")
 

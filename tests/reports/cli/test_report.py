@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.report import app
 from multibody_xval.reports.page import sources
 from multibody_xval.scenarios.compute.batch import run_batch
@@ -18,7 +19,6 @@ from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Store, Stored
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.reports.conftest import kept, spoilt
 
 TOML = """\

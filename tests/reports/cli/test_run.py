@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.run import STUDIES
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed, unsupported
 from multibody_xval.scenarios.running.evaluate import stored_results
 from multibody_xval.scenarios.store import opened
-from reference_lcp.process import run_command
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 NAME = "two-points"

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.proven import proven
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.studies.claims import claim_cases
-from reference_lcp.process import run_command
 
 TUNED = Config("mujoco")
 

@@ -18,6 +18,7 @@ import pytest
 import xarray as xr
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.model import Config, Result, Run, failed
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Store, opened
@@ -25,7 +26,6 @@ from multibody_xval.scenarios.sweeps.dataset import read_dataset
 from multibody_xval.scenarios.sweeps.file import EXAMPLE, read_sweep
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 pytestmark = pytest.mark.usefixtures("here")
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.truth import problem_named
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 OFF = 1.23449e-3
 

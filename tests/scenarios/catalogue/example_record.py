@@ -35,7 +35,7 @@ def example_samples() -> tuple[FloatArray, FloatArray]:
 
 
 def write_example(file: Path) -> None:
-    """Write the example as a table that `RecordedBase.from_csv` reads."""
+    """Write the example as a table that `read_record` reads."""
     lines = ["time [s],displacement [m]"]
     lines += [f"{time:.2f},{displacement:.8f}" for time, displacement in zip(*example_samples(), strict=True)]
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")

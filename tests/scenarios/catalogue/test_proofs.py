@@ -8,6 +8,7 @@ from decimal import Decimal
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.catalogue import edge_proofs, proofs
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.edges.finding import curves, hidden
@@ -18,7 +19,6 @@ from multibody_xval.scenarios.ruler.exact_values import exact_values, ruler
 from multibody_xval.scenarios.ruler.proven import proven, proven_levels
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 
 FLOATS_DB = 1e-8
 """Largest distance of the event-driven motion from what is proven [dB], see docs/proof.md."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from multibody_xval.scenarios.cases.motions import ChainMotion
+from multibody_xval.scenarios.catalogue.chains.record_file import read_record
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.model import Run
@@ -22,7 +23,7 @@ def test_example_record_is_its_formula_and_small(tmp_path) -> None:
     write_example(tmp_path / "again.csv")
     assert (tmp_path / "again.csv").read_text() == EXAMPLE.read_text()
     assert EXAMPLE.stat().st_size < 20_000
-    record = RecordedBase.from_csv(EXAMPLE)
+    record = read_record(EXAMPLE)
     times, displacements = example_samples()
     assert record == RecordedBase(tuple(times.tolist()), tuple(displacements.tolist()))
     assert record.amplitude == PEAK

@@ -96,7 +96,7 @@ def curve(**changes: float) -> dict[str, Any]:
 
 
 WRONG: list[tuple[dict[str, Any], str]] = [
-    (axis(friction_ratio=[-1.0]), "grid.friction_ratio = -1 is outside its range; allowed: >= 0, up"),
+    (axis(friction_ratio=[-1.0]), "grid.friction_ratio = -1 is outside its range; allowed: >= 0, 1e-"),
     ({"grid": {"friction_ratio": [0.3]}}, "grid.frequency_ratio is missing; allowed: at least one value"),
     (axis(mas_ratio=[1.0]), "grid.mas_ratio is unknown; allowed: friction_ratio, "),
     (axis(cells=[2.5]), "grid.cells = 2.5 is not a whole number; allowed: >= 1"),

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from reference_lcp import terminal
-from reference_lcp.terminal import NOTICE, ProgressLines, print_table, tracked
+from multibody_xval.reports.cli.compiling import NOTICE
+from multibody_xval.scenarios.terminal_table import print_table
+from reference_lcp.terminal import tracked
 
 NAMES = ["exudyn-regularised:contact:default", "mujoco"]
 NUMBERS = [[f"{row}.{column:04d}e-12" for column in range(14)] for row in range(2)]
@@ -21,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 
 SCRIPT = """
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.terminal import announce_compilation
+from multibody_xval.reports.cli.compiling import announce_compilation
 announce_compilation()
 announce_compilation()
 print(Chain.from_ratios().highest_natural_frequency)
@@ -94,75 +95,6 @@ def test_what_controls_a_terminal_is_shown() -> None:
     assert any("\\x1b[31m [red]" in line for line in printed(["name", "n"], [["\x1b[31m [red]", "1"]], 80))
 
 
-class Clock:
-    """Time as a test sets it."""
-
-    now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.fixture
-def clock() -> Clock:
-    return Clock()
-
-
-def test_a_line_is_printed_each_five_percent_with_the_time_that_is_left(clock: Clock, capsys) -> None:
-    lines = ProgressLines("points", clock)
-    lines.expect(1200)
-    lines.recall(200)
-    for _ in range(100):
-        clock.now += 6
-        lines.advance(1)
-    assert capsys.readouterr().err.splitlines() == [
-        "201 of 1,200 points (17%), 200 of them known before; 6 s so far, left: about 1 h 40 min",
-        "262 of 1,200 points (22%), 200 of them known before; 6 min so far, left: about 1 h 34 min",
-    ]
-
-
-def test_a_stage_is_named_and_nothing_is_estimated_while_the_work_grows(clock: Clock, capsys) -> None:
-    lines = ProgressLines("points", clock)
-    lines.stage("band edges")
-    lines.expect(4)
-    clock.now += 20
-    lines.advance(2)
-    lines.expect(6)
-    clock.now += 5
-    lines.advance(2)
-    clock.now += 35
-    lines.advance(2)
-    lines.recall(4)
-    lines.print_line()
-    assert capsys.readouterr().err.splitlines() == [
-        "band edges: 2 of 4 points (50%); 20 s so far, left: about 20 s",
-        "band edges: 6 of 10 points (60%); 60 s so far, left: about 40 s",
-        "band edges: 10 of 10 points (100%), 4 of them known before; 60 s so far",
-    ]
-
-
-def test_work_of_a_second_prints_no_line(clock: Clock, capsys) -> None:
-    lines = ProgressLines("points", clock)
-    lines.expect(100)
-    for _ in range(99):
-        clock.now += 0.01
-        lines.advance(1)
-    assert capsys.readouterr().err == ""
-
-
-def test_work_that_stands_still_prints_a_line_all_the_same(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    """The subject is time itself: with a hundredth of a second in place of ten, lines come with nothing done."""
-    monkeypatch.setattr(terminal, "LINE_SECONDS", 0.01)
-    lines = ProgressLines("points")
-    lines.expect(3)
-    printed = []
-    monkeypatch.setattr(terminal, "print", lambda text, **_: printed.append(text), raising=False)
-    with lines:
-        while len(printed) < 2:
-            lines._end.wait(0.01)
-    assert set(printed) == {"0 of 3 points (0%); 0 s so far, left: unknown"}
-
-
 def test_items_are_all_given_and_no_bar_is_drawn_without_a_terminal(capsys) -> None:
     assert list(tracked(["a", "b"], "letters")) == ["a", "b"]
     assert capsys.readouterr().err == ""
@@ -203,8 +135,8 @@ def test_a_pipe_is_not_told(tmp_path) -> None:
 
 @pytest.mark.slow  # compiles everything
 def test_a_command_says_before_its_results_that_it_compiles(tmp_path) -> None:
-    assert terminal_lines(tmp_path, "-m", "reference_lcp")[0] == NOTICE
-    assert NOTICE not in terminal_lines(tmp_path, "-m", "reference_lcp")
+    assert terminal_lines(tmp_path, "-m", "multibody_xval", "reference")[0] == NOTICE
+    assert NOTICE not in terminal_lines(tmp_path, "-m", "multibody_xval", "reference")
 
 
 @pytest.mark.slow  # compiles everything

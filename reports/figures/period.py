@@ -1,31 +1,16 @@
 """A picture of one period of a steady state."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.chain.simulation import PeriodicOrbit
-from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.observables.stick_slip import contact_modes
-from reference_lcp.output import checked_output_file, replacing, shown_in_notebooks
 from reference_lcp.validation import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-PICTURES = (".pdf", ".svg", ".png", ".eps", ".jpg", ".tif")
-"""Formats of pictures: what journals and pages take, and matplotlib writes everywhere without another program."""
-
-
-def checked_picture(name: str, file: str | Path) -> Path:
-    """Give the path of a picture, or raise `ParameterError` if its ending or its folder is none for one."""
-    path = checked_path(name, file)
-    if path.suffix.lower() not in PICTURES:
-        raise ParameterError(f"{name} = {path} has the ending {path.suffix!r}; allowed: {', '.join(PICTURES)}")
-    return checked_output_file(name, path)
 
 
 def plot_period(orbit: PeriodicOrbit) -> "Figure":
@@ -55,13 +40,7 @@ def plot_period(orbit: PeriodicOrbit) -> "Figure":
         axis.set_xlabel("time / period [-]")
     handles = axes[0, 0].get_legend_handles_labels()[0]
     figure.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
-    return shown_in_notebooks(figure)
-
-
-def save_picture(figure: "Figure", file: Path) -> None:
-    """Write a figure, complete or not at all."""
-    with replacing(file) as part:
-        figure.savefig(part, dpi=150)
+    return figure
 
 
 def _draw(axis: Any, phase: FloatArray, stuck: Any, curves: dict[str, FloatArray]) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from multibody_xval.scenarios.catalogue.chains.spectra import stationary_transmissibility, transient_transmissibility
 from reference_lcp import (
     Chain,
     FilteredNoise,
@@ -14,7 +15,6 @@ from reference_lcp import (
     simulate,
     stuck_transmittance,
 )
-from reference_lcp.observables.transmittance import stationary_transmissibility, transient_transmissibility
 
 PERIODS = 150
 ROWS = 20
