@@ -43,7 +43,7 @@ def chosen(names):
 
 
 def named(name: str) -> str:
-    return f"wrong-{name}:joint:tuned"
+    return f"faulty-{name}:joint:tuned"
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ UNNOTICED, NOTICED = 1e-10, 1e-6
 """Sizes of a fault that pass, and that are found: as parts of the number, or of the period for the time of the base."""
 
 
-@pytest.mark.parametrize("engine", ["wrong-sound", pytest.param("mujoco", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("engine", ["faulty-sound", pytest.param("mujoco", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("fault", SIZED)
 def test_a_millionth_of_a_fault_is_noticed_beside_the_reference_at_equal_steps(engine: str, fault: str) -> None:
     assert not is_noticed(UNIT_CELL, Config(engine), fault, UNNOTICED)
@@ -103,13 +103,13 @@ CONTRACT = "multibody_xval.engines.contract"
 
 def red(install, names: list[str], file: Path, *options: str) -> dict[str, set[str]]:
     """Run clauses of the contract for engines of the family; gives those that fail, by engine."""
-    engines = [part for name in names for part in ("--xval-engine", f"wrong-{name}")]
+    engines = [part for name in names for part in ("--xval-engine", f"faulty-{name}")]
     usual = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", f"--junitxml={file}", "--pyargs", CONTRACT]
     install("faulty").run(*usual, *options, *engines, code=1)
     failed: dict[str, set[str]] = {name: set() for name in names}
     for case in ElementTree.parse(file).getroot().iter("testcase"):
         if {part.tag for part in case} & {"failure", "error"}:
-            clause, _, engine = case.attrib["name"].partition("[wrong-")
+            clause, _, engine = case.attrib["name"].partition("[faulty-")
             failed[engine.removesuffix("]").partition("-joint-")[0]].add(clause)
     return failed
 
