@@ -128,7 +128,7 @@ def change_numpy(_batch: Batch) -> None:
 
 
 def dies(what: str, act: Callable[[], object], *, once: bool = False) -> Fault:
-    return Fault(what=what, around=at_the_deadly_point(act, once=once))
+    return Fault(what, around=at_the_deadly_point(act, once=once))
 
 
 PROCESSES: Mapping[str, Fault] = {
@@ -149,6 +149,6 @@ PROCESSES: Mapping[str, Fault] = {
     "thread": dies("a thread that never ends", leave_a_thread),
     "flood": dies("a hundred megabytes of output", flood, once=True),
     "daemon": dies("a process of its own", leave_a_daemon),
-    "changes": Fault(what="a function of NumPy is replaced", batch=change_numpy),
+    "changes": Fault("a function of NumPy is replaced", batch=change_numpy),
 }
 """Engines whose motion is sound, until they are asked at the deadly point."""

@@ -5,10 +5,14 @@ from types import SimpleNamespace
 
 from multibody_xval.engines import Capabilities, Engine, Formulation, FrictionLaw
 from tests.faulty.deadly import PROCESSES
-from tests.faulty.faults import FAULTS
+from tests.faulty.faults import SEEN
+from tests.faulty.of_clauses import OF_CLAUSES
 from tests.faulty.scheme import Batch, Fault
 
 PREFIX = "faulty-"
+
+FAULTS = {**SEEN, **OF_CLAUSES, **PROCESSES}
+"""All of them by name: each is the only thing that is wrong with its engine."""
 
 
 def family(name: str, fault: Fault) -> type[Engine]:
@@ -42,15 +46,15 @@ def family(name: str, fault: Fault) -> type[Engine]:
     return Faulty
 
 
-class TakesEverything(family("takes", Fault(what="any formulation, preset and lane is taken"))):
+class TakesEverything(family("takes", Fault("any formulation, preset and lane is taken"))):
     """It builds whatever it is asked for."""
 
     def build(self, lanes, formulation="joint", preset="tuned"):
         """Build the tuned joint."""
-        return Batch(lanes, FAULTS["sound"])
+        return Batch(lanes, SEEN["sound"])
 
 
 ENGINES = SimpleNamespace(
     takes=TakesEverything,
-    **{re.sub(r"\W", "_", name): family(name, fault) for name, fault in {**FAULTS, **PROCESSES}.items()},
+    **{re.sub(r"\W", "_", name): family(name, fault) for name, fault in FAULTS.items()},
 )

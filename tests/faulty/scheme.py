@@ -45,7 +45,7 @@ def coulomb(batch: "Batch", bound: FloatArray, stop: FloatArray, slip: FloatArra
 class Fault:
     """What is wrong with an engine; without anything it is sound."""
 
-    what: str
+    what: str = field(kw_only=False)
     """In words, for a table."""
     chain: Mapping[str, float] = field(default_factory=dict)
     """Factors on parameters of the chain, by name."""
