@@ -51,10 +51,6 @@ def single(_batch: Batch, x: FloatArray, v: FloatArray, _step: int) -> None:
     x[:], v[:] = x.astype(np.float32), v.astype(np.float32)
 
 
-def gain_energy(_batch: Batch, _x: FloatArray, v: FloatArray, _step: int) -> None:
-    v *= 1.005
-
-
 def in_one_cell(name: str, factor: float) -> Callable[[Batch], None]:
     """Scale the numbers of a batch in one cell."""
 
@@ -145,7 +141,6 @@ MOTIONS: Mapping[str, Fault] = {
     "drift": Fault("positions that drift by 1e-6 U0 per step", state=drift),
     "single": Fault("single precision that is called double", state=single),
     "nan": Fault("NaN in cell 4 in every 20th step", state=not_a_number),
-    "energy": Fault("velocities × 1.005 in every step", state=gain_energy),
 }
 """Engines that move otherwise: every command finds them."""
 

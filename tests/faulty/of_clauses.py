@@ -34,6 +34,10 @@ def round_positions(_batch: Batch, x: FloatArray, _v: FloatArray, _step: int) ->
     x[:] = 1e-17 * np.rint(x / 1e-17)
 
 
+def gain_energy(_batch: Batch, _x: FloatArray, v: FloatArray, _step: int) -> None:
+    v *= 1.005
+
+
 def cut_off(batch: Batch, _x: FloatArray, v: FloatArray, _step: int) -> None:
     frequency = np.array([[lane.chain.resonator_frequency] for lane in batch.lanes])
     v[:] = clipped(v, 50 * batch.scale * frequency)
@@ -140,6 +144,7 @@ OF_CLAUSES: Mapping[str, Fault] = {
         "friction coefficients of at least 0.05", batch=with_coefficients(lambda mu: np.maximum(mu, 0.05))
     ),
     "rubber": Fault("friction coefficients of at most 0.9", batch=with_coefficients(lambda mu: np.minimum(mu, 0.9))),
+    "energy": Fault("velocities × 1.005 in every step", state=gain_energy),
     "quantum": Fault("positions in multiples of 1e-17 m", state=round_positions),
     "cuts": Fault("no velocity above fifty times that of the drive", state=cut_off),
     "kilogram-force": Fault(
