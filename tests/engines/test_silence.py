@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.registry import engine
-from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.shared.pip_engine import PipEngine
-from reference_lcp.chain.trajectory import State
-from tests.engines.scheme_oracle import AMPLITUDE, unstable_lane
-from tests.installed import each_engine, each_variant
+from tests.installed import each_engine
 from tests.quiet_python import python_in
 
 STOPS = ("drake", "exudyn-regularised", "exudyn-bristle")
@@ -41,11 +37,3 @@ def test_it_is_imported_late_says_and_writes_nothing_and_survives_divergence(nam
     done = python_in(tmp_path, PROGRAM.format(module=adapter.module, name=name, unstable=unstable))
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("one", each_variant(map(Variant.parse, ["box2d", "ode", "rapier", "siconos:joint:euler"])))
-def test_an_unstable_motion_ends_as_numbers_and_leaves_later_runs_alone(one: Variant) -> None:
-    simulation = one.build([unstable_lane()])
-    before = simulation.advance(State.at_rest(1, 7), 0, 3)
-    assert np.max(np.abs(simulation.advance(State.at_rest(1, 7), 0, 400).positions)) > 1e6 * AMPLITUDE
-    assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before.positions)
