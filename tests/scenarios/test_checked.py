@@ -44,7 +44,7 @@ FAULTS = {
 @pytest.fixture(scope="module")
 def rows(install) -> dict[str, list[Result]]:
     """Results of every kind of case, by engine."""
-    with install("wrong_engines").visible():
+    with install("faulty").visible():
         return {name: [run_batch([run])[0] for run in runs_of(name)] for name in ("faulty-sound", *FAULTS)}
 
 

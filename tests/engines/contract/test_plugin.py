@@ -9,8 +9,7 @@ from types import SimpleNamespace
 import pytest
 from xdist.remote import Producer
 
-from multibody_xval.engines.contract import cases, plugin
-from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.contract import plugin
 
 
 def test_installed_engine_is_listed(install) -> None:
@@ -81,29 +80,15 @@ def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> 
     assert install("plugin").run(str(file)).strip() == "['agrees', 'agrees']"
 
 
-def test_presets_that_take_part_where_they_are_named_are_slow_unless_their_engine_is_named() -> None:
-    recommended, tuned = Variant("mujoco", "joint", "recommended"), Variant("mujoco")
-    (mark,) = cases.later_if_optional(recommended, []).marks
-    assert mark.name == "slow"
-    assert cases.later_if_optional(recommended, ["mujoco"]) is recommended
-    assert cases.later_if_optional(tuned, []) is tuned
-
-
 @pytest.mark.parametrize(
     ("name", "together"),
     [
-        ("site-packages/engines/contract/test_agreement.py::test_pulse[mujoco-warp-joint-tuned]", "mujoco-warp"),
         ("engines/contract/test_invariance.py::test_units[mujoco-warp-contact-default-micrometres]", "mujoco-warp"),
-        ("engines/contract/test_interface.py::test_unknown_preset[mujoco]", "mujoco"),
         ("tests/engines/test_folders.py::test_imports[mujoco-joint]", "tests/engines/test_folders.py"),
     ],
 )
 def test_one_worker_runs_all_clauses_for_an_engine(name: str, together: str) -> None:
+    """Its package is imported once."""
     settings = {"dist": "loadscope", "tx": ["2*popen"]}
     config = SimpleNamespace(getoption=settings.get, getvalue=settings.get)
     assert plugin.pytest_xdist_make_scheduler(config, Producer("test"))._split_scope(name) == together
-
-
-def test_tests_are_distributed_otherwise_where_that_is_asked_for() -> None:
-    config = SimpleNamespace(getoption={"dist": "load"}.get)
-    assert plugin.pytest_xdist_make_scheduler(config, None) is None

@@ -9,6 +9,6 @@ import pytest
 )
 def test_an_engine_that_always_fails_fails_the_run_and_is_named_in_the_last_lines(install, name, reason) -> None:
     command = ["-m", "multibody_xval", "run", "unit-cell", "--workers", "1", "--engine", f"faulty-{name}"]
-    printed = " ".join(install("wrong_engines").run(*command, code=1).split())
+    printed = " ".join(install("faulty").run(*command, code=1).split())
     last = printed.rpartition("It fails: ")[2]
     assert last.startswith(f"faulty-{name}:joint:tuned: 20 of 20 numbers failed: {reason}")

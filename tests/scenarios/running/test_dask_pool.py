@@ -40,9 +40,9 @@ def running(
 @pytest.fixture
 def cluster(install) -> Iterator[tuple[str, subprocess.Popen]]:
     """Address and process of a scheduler with two workers, for which the deadly engines are installed."""
-    environment = install("wrong_engines").environment
+    environment = install("faulty").environment
     scheduler = running("distributed.cli.dask_scheduler", "--port=0", environment=environment, says=r"tcp://\S+:\d+")
-    with install("wrong_engines").visible(), scheduler as (address, process):
+    with install("faulty").visible(), scheduler as (address, process):
         options = (address, "--nworkers=2", "--nthreads=1")
         with running("distributed.cli.dask_worker", *options, environment=environment, says="Registered to"):
             yield address, process

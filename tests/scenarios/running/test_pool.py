@@ -32,7 +32,7 @@ PATIENT = 60.0
 def child(install, tmp_path_factory) -> Iterator[Path]:
     """Show the engines of this family to all processes, and give the file in which they note what they leave behind."""
     file = tmp_path_factory.mktemp("faulty") / "child"
-    with install("wrong_engines").visible(), pytest.MonkeyPatch.context() as environment:
+    with install("faulty").visible(), pytest.MonkeyPatch.context() as environment:
         environment.setenv("FAULTY_CHILD", str(file))
         yield file
 

@@ -1,10 +1,10 @@
-"""The law of the default preset of the wrong engines."""
+"""The law of the family's default preset: friction that stops a contact by a part of its slip per step."""
 
 from multibody_xval.engines.interface.laws import Constant, Law
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law
 
 
-def four_steps(_preset, part=0.25):
+def stopping_in_parts(preset):
     def step(lane, of):
         linear = LinearStep.explicit(lane.chain, lane.time_step)
 
@@ -15,8 +15,8 @@ def four_steps(_preset, part=0.25):
 
     return Law(
         formula="equation (5), but a stick leaves 1 − s of its slip", step=step,
-        constants={"s": Constant(part, "", "the engine")},
+        constants={"s": Constant(preset["part"], "", "option part")},
     )  # fmt: skip
 
 
-LAWS = {"joint:default": four_steps}
+LAWS = {"joint:default": stopping_in_parts}
