@@ -1,0 +1,1 @@
+"""Agreement with the exact motion by pytest: the checks of `multibody_xval.agreement`, and fixtures for users' tests."""
