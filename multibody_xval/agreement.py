@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 
 
-def test_agrees(xval_check: Any, xval_line: Callable[[Any], Any], record_property: Callable[[str, object], None]) -> None:
+def test_agrees(xval_check: Any, xval_line: Callable[[Any], tuple[str, str]], request: pytest.FixtureRequest) -> None:
     """Its number is what it should be; see `multibody_xval.scenarios.agreement`."""
     outcome, text = xval_line(xval_check)
-    record_property("agreement", text)
+    request.node.user_properties.append(("agreement", text))
     if outcome == "failed":
         pytest.fail(text, pytrace=False)
     if outcome == "skipped":

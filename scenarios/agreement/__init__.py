@@ -1,1 +1,1 @@
-"""Agreement with the exact motion by pytest: the checks of `multibody_xval.agreement`, and fixtures for users' tests."""
+"""Agreement with the exact motion by pytest: checks of `multibody_xval.agreement`, fixtures for users' tests."""

@@ -7,7 +7,7 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import default_engine_names
 from multibody_xval.engines.interface.variant import GENERAL, variants_begun
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, Scenario, scene_steps
+from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP, STICK_SLIP, Scenario
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, headline_cases
 
@@ -77,8 +77,8 @@ BLOCKS = (
 
 
 def _at_one_step(scenario: Scenario) -> Scenario:
-    """Let scenes be run at the engine's own step alone, or at the common one."""
-    return replace(scenario, steps=lambda config, case: {"": next(iter(scene_steps(config, case).values()))})
+    """Let scenes be run at the step that is common to all engines alone."""
+    return replace(scenario, steps=lambda _config, case: {"": round(case.time / COMMON_STEP)})
 
 
 SCENES = {

@@ -15,7 +15,7 @@ from multibody_xval.scenarios.ruler.judge import AGREES, AT_EQUAL_STEPS, DEVIATE
 
 PASSED, FAILED, SKIPPED = "passed", "failed", "skipped"
 
-MEASURED = "measured, not judged"
+MEASURED = "measured"
 
 
 class Line(NamedTuple):
@@ -79,7 +79,7 @@ def level_error(row: Row) -> float:
 
 def _as_level(distance: float, expected: complex) -> str:
     """Give what a distance over U0 can change a level by, at most [dB]."""
-    return _digits(20 * math.log10(1 + distance / abs(expected))) if distance < math.inf else "any"
+    return _digits(20 * math.log10(1 + distance / abs(expected)), 1)
 
 
 def decibels(ratio: complex) -> str:
@@ -92,8 +92,8 @@ def _number(row: Row) -> str:
     unit = f" {row['unit']}" if row["unit"] else ""
     text = f"{row['quantity']} {_digits(row['value'], 3)}{unit}"
     if row["exact"]:
-        text += f", exact {_digits(row['exact'], 3)}"
-    return f"{text}, allowed {_digits(row['allowed'])}" if row["judged"] else text
+        text += f", {'reference' if row['expected'] == AT_EQUAL_STEPS else 'exact'} {_digits(row['exact'], 3)}"
+    return f"{text}, allowed {_digits(row['allowed'])}" if row["judged"] and (row["value"] or row["allowed"]) else text
 
 
 def _digits(value: float, digits: int = 2) -> str:

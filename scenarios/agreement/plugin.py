@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 
@@ -38,8 +38,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ALLOW,
         default=None,
         metavar="DB",
-        help="with --pyargs multibody_xval.agreement: fail where the transmittance of a preset that is not judged, such "
-        "as default options, differs by more from the exact motion",
+        help="with --pyargs multibody_xval.agreement: fail where the level of a preset that is not judged, such as "
+        "default options, differs by more from the exact motion",
     )
 
 
@@ -88,7 +88,9 @@ def xval_line(request: pytest.FixtureRequest) -> Callable[[Check], Line]:
     from multibody_xval.scenarios.agreement.measured import Key, Measured, key, measured
 
     items = (item for item in request.session.items if isinstance(item, pytest.Function))
-    asked = [item.callspec.params["xval_check"] for item in items if item.nodeid.startswith(f"{SHORT}::")]
+    asked: list[Check] = [
+        cast("Check", item.callspec.params["xval_check"]) for item in items if item.nodeid.startswith(f"{SHORT}::")
+    ]
     found: dict[Key, Measured] = {}
 
     def line(check: Check) -> Line:
@@ -101,8 +103,14 @@ def xval_line(request: pytest.FixtureRequest) -> Callable[[Check], Line]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_report_teststatus(report: pytest.CollectReport | pytest.TestReport) -> tuple[str, str, str] | None:
-    """Let a line stand in place of the letter of a check."""
-    return (report.outcome, "", "") if line_in(report) else None
+    """Let a line stand in place of the letter of a check; the summary, which comes later, has the usual word."""
+    return (report.outcome, "", "") if line_in(report) and not hasattr(report, PRINTED) else None
+
+
+NEW = "\n"
+
+PRINTED = "xval_printed"
+"""Attribute of reports whose line is there."""
 
 
 def line_in(report: pytest.CollectReport | pytest.TestReport) -> str:
@@ -120,11 +128,13 @@ class Lines:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Print the line of a check."""
         terminal: Any = self._config.pluginmanager.get_plugin("terminalreporter")
-        if terminal is None or not (line := line_in(report)) or self._config.option.verbose < -1:
+        line = line_in(report)
+        if terminal is None or not line or self._config.option.verbose < -1:
             return
-        terminal.ensure_newline()
-        failed = "FAILED " if report.failed else "skipped " if report.skipped else ""
-        terminal.write_line(f"{failed}{line}", red=report.failed, yellow=report.skipped)
+        setattr(report, PRINTED, True)
+        word = "FAILED " if report.failed else "skipped " if report.skipped else ""
+        begun = terminal.currentfspath is not None  # the name of the file, which is not to be written before each line
+        terminal.write(f"{NEW * begun}{word}{line}{NEW * (not begun)}", red=report.failed, yellow=report.skipped)
 
 
 @pytest.fixture(scope="session")
