@@ -88,6 +88,7 @@ def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
         "multibody_xval.scenarios",
         "multibody_xval.reports",
         "multibody_xval.engines.contract.plugin",
+        "multibody_xval.scenarios.agreement.plugin",
     ],
 )
 def test_package_is_imported_without_anything_that_computes(module) -> None:
