@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from xdist.remote import Producer
 
-from multibody_xval.engines.contract import plugin
+from multibody_xval.engines.contract import cases, plugin
 
 
 def test_installed_engine_is_listed(install) -> None:
