@@ -1,13 +1,11 @@
 """Short questions about one block: exact answers in closed form, and engines that get them wrong."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.presets import LARGEST_ACCURACY
-from multibody_xval.scenarios.cases.motions import Block, BlockMotion
 from multibody_xval.scenarios.catalogue.blocks import block, breakaway, held, thrown
 from multibody_xval.scenarios.catalogue.blocks.breakaway import BREAKAWAY
 from multibody_xval.scenarios.catalogue.blocks.held import RATCHET, STATIC_HOLD
@@ -20,14 +18,13 @@ from multibody_xval.scenarios.catalogue.blocks.published import (
     read,
 )
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
+from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Run
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from reference_lcp.defaults import FRICTION_COEFFICIENT
-from reference_lcp.errors import ParameterError
 from tests.scenarios.in_this_process import (
     OTHER,
     SHARES,
-    changed_block,
     deviating,
     judged,
     judged_copy,
@@ -35,8 +32,6 @@ from tests.scenarios.in_this_process import (
     pressed,
     result_of,
 )
-
-BY_NAME = {own.name: own for own in NUMBERS.values()}
 
 FEW = [
     only(STATIC_HOLD, "1 kg"),
@@ -89,23 +84,6 @@ def test_scheme_breaks_away_as_the_closed_form_says(case) -> None:
     assert fine == pytest.approx(exact, rel=1e-12)
 
 
-def test_velocity_of_the_slip_is_that_of_the_closed_form() -> None:
-    """To a hundredth of the velocity that counts, which the carrier's own oscillation is a tenth of."""
-    case = BREAKAWAY.cases["1 kg, 0.5 ms"]
-    assert isinstance(case, BlockMotion)
-    counts = breakaway.LEAST_SPEED * breakaway.speed(case)
-    until = case.row_times <= breakaway.exact_slip_time(case)
-    own = -np.array(result_of(Run(REFERENCE, case, 16 * case.rows)).series["slip_velocity"])
-    assert np.max(np.abs(own - breakaway.exact_velocity(case))[until]) < 0.01 * counts
-
-
-def test_a_slip_counts_once_it_is_faster_than_what_counts() -> None:
-    case = BREAKAWAY.cases["1 g, 4 ms"]
-    assert isinstance(case, BlockMotion)
-    assert np.isnan(breakaway.first_fast(case, np.array([0.0, 1.0, -1.0]), 1.0))
-    assert breakaway.first_fast(case, np.array([0.0, 1.0, -1.01]), 1.0) == pytest.approx(3 * 0.004)
-
-
 @pytest.mark.parametrize("own", NUMBERS.values(), ids=lambda own: own.name)
 def test_exact_block_on_a_free_carrier_gives_the_published_number(own) -> None:
     """So that the carrier costs no more than the digits that are printed, and the reading."""
@@ -113,13 +91,6 @@ def test_exact_block_on_a_free_carrier_gives_the_published_number(own) -> None:
     left = MORE_LEFT.get(own.name, LEFT)
     assert abs(read(result_of(run), run) - expected) <= left_open(run)
     assert left < 1e-3 * abs(expected) or own.name == "sdnd104-0.99"
-
-
-def test_a_shaken_table_swings_about_where_it_begins() -> None:
-    """Its velocity v_0 + A / ω (1 − cos ωt) has no mean: positions stay small, and so do their roundings."""
-    omega, time = 2 * np.pi, np.linspace(0, 1, 100, endpoint=False)
-    velocity = PUBLISHED.cases["sdnd104-1.5"].carrier_velocity + 1.5 / omega * (1 - np.cos(omega * time))
-    assert np.mean(velocity) == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.needs("mujoco")
@@ -164,11 +135,6 @@ def test_a_bound_that_is_two_hundredths_too_small_does_not_hold_the_largest_load
     assert {case for case, _ in off} == {"1 kg, load 0.99", "1 kg, load 0.99, shaken"}
 
 
-def test_target_sheets_have_the_answers_to_every_case() -> None:
-    header = (Path(__file__).parents[3] / "docs/targets/answers.csv").read_text().splitlines()[0]
-    assert header.split(",")[1:] == list(PUBLISHED.cases)
-
-
 @pytest.mark.parametrize("factor", [0.97, 1.03])
 @pytest.mark.parametrize("config", [SHARES, OTHER])
 def test_friction_that_is_off_gives_other_numbers_than_those_published(config, factor) -> None:
@@ -176,20 +142,6 @@ def test_friction_that_is_off_gives_other_numbers_than_those_published(config, f
     held = set() if factor < 0.99 else {"sdnd104-0.99"}
     off = {case for case, _ in deviating(judged_copy(PUBLISHED, config, pressed(factor)))}
     assert off == set(PUBLISHED.cases) - held
-
-
-def test_a_block_that_is_heavier_than_it_should_be_goes_too_far() -> None:
-    for config in (SHARES, OTHER):
-        table = judged_copy(only(STOPPING_DISTANCE, "1 g"), config, lambda case: changed_block(case, mass=1.01))
-        assert {quantity for _, quantity in deviating(table)} >= {"distance"}
-
-
-@pytest.mark.parametrize("name", ["mass", "normal_force", "stiffness"])
-def test_a_block_without_mass_spring_or_with_a_pull_is_refused(name) -> None:
-    block = replace(Block(mass=1.0, normal_force=9.8, stiffness=5.0), **{name: -1.0})
-    case = replace(next(iter(STOPPING_DISTANCE.cases.values())), block=block)
-    with pytest.raises(ParameterError, match=r"= -\d+ is outside its range"):
-        case.chain  # noqa: B018
 
 
 @pytest.mark.parametrize("factor", [0.99, 1.01])
@@ -204,7 +156,36 @@ def test_a_bound_that_is_a_hundredth_off_is_found_there_beside_the_largest_accur
 @pytest.mark.needs("mujoco")
 def test_roundings_of_a_sliding_block_add_up_as_the_number_of_steps() -> None:
     """With four times the steps of the scenario they are a quarter of what is allowed; as a root, 1.3 times that."""
-    own = BY_NAME["sdnd104-1.5"]
+    (own,) = (own for own in NUMBERS.values() if own.name == "sdnd104-1.5")
     run = Run(SHARES, own.case, 4 * own.steps)
     off = own.read(result_of(run), own.case) - own.read(result_of(replace(run, config=REFERENCE)), own.case)
     assert 0.1 * own.rounded(run) < abs(off) < own.rounded(run)
+
+
+def slip_after(config: Config, name: str, steps: int) -> float:
+    """Slip velocity [m/s] of a block that is held softly, after so many steps."""
+    case = STATIC_HOLD.cases[name]
+    whole = max(case.rows, round(case.time / block.TIME_STEP))
+    lane = case.lane(whole, pressed=is_pressed(Run(config, case, whole)))
+    velocities = config.build([lane]).run(case.initial_state(), 0, steps)[0].velocities
+    return float(np.diff(velocities[-1])[0])
+
+
+@pytest.mark.needs("drake")
+def test_friction_under_ten_tons_is_as_soft_as_drakes_solver_has_it_and_not_as_stiction_says() -> None:
+    """z = σ √2 / (3 m) h μ λ_N = 46 µm/s, of which a load of a half makes 1/√3: twice what v_s alone would."""
+    name = "1 t under 10 t, load 0.5"
+    own = STATIC_HOLD.cases[name].block
+    zone = 1e-3 * np.sqrt(2) / (3 * own.mass) * block.TIME_STEP * own.bound
+    # the load is that of the first 0.4 s: the spring has hardly relaxed
+    slip = slip_after(Config("drake", "contact", "similar"), name, 200)
+    assert -slip == pytest.approx(zone / np.sqrt(3), rel=1e-3)
+
+
+@pytest.mark.needs("ode")
+def test_a_box_of_ode_drifts_by_the_softness_of_its_four_points() -> None:
+    """cfm / 4 times the load, to a hundredth: a box tilts by as little as its points give."""
+    name = "1 kg, load 0.5"
+    bound = STATIC_HOLD.cases[name].block.bound
+    slip = slip_after(Config("ode", "contact", "default"), name, 1000)
+    assert -slip == pytest.approx(1e-10 / 4 * 0.5 * bound, rel=0.02)

@@ -43,13 +43,6 @@ def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(name) -> N
     assert 0.01 < left <= 1
 
 
-def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
-    """Its turns fall by a constant ratio: nothing of them is lost in constant steps."""
-    time = np.linspace(0, 8 * np.pi, 8001)
-    swing = np.cos(time) * np.exp(-0.01 * time)
-    assert loss_a_cycle(swing) == pytest.approx((1 - np.exp(-0.01 * 8 * np.pi)) / 4, rel=0.05)
-
-
 @pytest.mark.needs("mujoco")
 def test_mujoco_decays_as_the_exact_motion_does() -> None:
     table = judged(FREE_DECAY, SHARES)
@@ -65,12 +58,3 @@ def test_friction_that_is_too_large_by_a_twentieth_is_found(config) -> None:
     by_name = wrong.set_index(["case", "quantity"])
     assert by_name.value["friction oscillator", "loss a cycle"] == pytest.approx(1.05, rel=1e-3)
     assert ("inner masses let go", "offsets") in by_name.index
-
-
-def test_engine_that_is_not_installed_is_unsupported_in_every_number(monkeypatch) -> None:
-    from multibody_xval.engines.mujoco import MuJoCo
-
-    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no wheel")
-    table = judged(FREE_DECAY, SHARES)
-    assert set(table.verdict) == {"unsupported"}
-    assert all("no wheel" in reason for reason in table.reason)

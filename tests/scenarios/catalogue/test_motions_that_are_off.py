@@ -24,7 +24,8 @@ def first(scenario):
 
 
 MOTIONS = [
-    first(own) for own in (PUBLISHED, FREE_DECAY, STOPPING_DISTANCE, DIRECTION, STATIC_ABOVE_KINETIC, RICKER_PULSE)
+    *(first(own) for own in (PUBLISHED, FREE_DECAY, STOPPING_DISTANCE, DIRECTION, RICKER_PULSE)),
+    only(STATIC_ABOVE_KINETIC, "1 kg, 1.5"),
 ]
 
 

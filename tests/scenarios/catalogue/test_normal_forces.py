@@ -7,11 +7,11 @@ import pytest
 
 from multibody_xval.scenarios.catalogue.chains.normal_forces import MODULATED_NORMAL_FORCE
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.model import EXACT, Case, Config, Result, Run
+from multibody_xval.scenarios.model import Case, Config, Result
 from multibody_xval.scenarios.ruler.judge import AGREES
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
-from tests.scenarios.catalogue.steady_runs import OTHER, SHARES, deviating, judged_copy, only, result_of
+from tests.scenarios.in_this_process import OTHER, SHARES, deviating, judged_copy, only, quantities, result_of
 
 CLOSED, OPENS = "a = 0.5, Ω = 2 ω, η_r = 0.7", "a = 1.5, Ω = 2 ω, η_r = 0.5"
 SMALL = only(MODULATED_NORMAL_FORCE, CLOSED, OPENS)
@@ -26,6 +26,7 @@ def test_what_moves_as_the_reference_does_agrees(config) -> None:
     own = table.set_index(["case", "quantity"])
     assert own.exact_kind[CLOSED, "transmittance"] == "proven"
     assert own.exact_kind[OPENS, "transmittance"] == own.exact_kind[CLOSED, "time"] == "extrapolated"
+    assert not own.judged[OPENS].any(), "where contacts open numbers are measured"
 
 
 def test_flights_are_those_of_the_closed_form() -> None:
@@ -40,28 +41,11 @@ def test_flights_are_those_of_the_closed_form() -> None:
         assert gap.exact(case) == pytest.approx(0.807457 * unit / drive.amplitude, rel=1e-6)
 
 
-def test_where_contacts_open_numbers_are_measured_and_while_they_stay_closed_judged() -> None:
-    table = judged_copy(SMALL, SHARES)
-    assert table.groupby("case").judged.unique().map(list).to_dict() == {CLOSED: [True], OPENS: [False]}
-    assert set(table[(table.case == CLOSED)].expected) == {"reference at equal steps"}
-    assert set(table[(table.case == OPENS)].expected) == {"exact value"}
-
-
-def test_no_exact_motion_is_run() -> None:
-    assert EXACT not in {run.config for run in MODULATED_NORMAL_FORCE.runs([OTHER])}
-
-
-def weaker(case: Case) -> Case:
-    """A tenth less of modulation: every flight is lower and shorter."""
-    return replace(case, modulation=0.9 * case.modulation)
-
-
 @pytest.mark.parametrize("config", [SHARES, OTHER])
 def test_friction_under_another_normal_force_deviates(config) -> None:
-    table = judged_copy(SMALL, config, weaker)
-    found = table[table.verdict == "deviates"]
-    assert set(found[found.case == OPENS].quantity) >= {"transmittance", *FLIGHTS}
-    assert set(found[found.case == CLOSED].quantity) >= {"transmittance"}
+    """A tenth less of modulation: every flight is lower and shorter."""
+    found = deviating(judged_copy(SMALL, config, lambda case: replace(case, modulation=0.9 * case.modulation)))
+    assert found >= {(CLOSED, "transmittance"), *((OPENS, name) for name in ("transmittance", *FLIGHTS))}
 
 
 def fewer(result: Result) -> Result:
@@ -79,7 +63,7 @@ def longer(result: Result) -> Result:
 @pytest.mark.parametrize("config", [SHARES, OTHER])
 @pytest.mark.parametrize(("spoilt", "name"), [(fewer, "missed"), (late, "time"), (longer, "stuck fraction")])
 def test_without_an_exact_motion_stick_and_slip_are_those_of_the_reference(spoilt, name, config) -> None:
-    assert deviating(judged_copy(only(SMALL, CLOSED), config, spoilt=spoilt)) == {name}
+    assert quantities(judged_copy(only(SMALL, CLOSED), config, spoil=spoilt)) == {name}
 
 
 def test_what_an_engine_cannot_represent_is_unsupported_with_its_reason() -> None:
@@ -88,15 +72,6 @@ def test_what_an_engine_cannot_represent_is_unsupported_with_its_reason() -> Non
     assert set(table.verdict) == {"unsupported"}
     assert table.value.isna().all()
     assert table.reason.str.startswith(("not installed", "modulation = 1.5: exudyn")).all()
-
-
-def test_time_in_the_air_and_gaps_are_kept_with_a_result() -> None:
-    case = SMALL.cases[OPENS]
-    opened, plain = (result_of(Run(Config("reference"), own, 400)) for own in (case, replace(case, modulation=0.0)))
-    assert Result.from_json(opened.to_json()) == opened
-    assert min(opened.open_fraction) > 0.5
-    assert min(opened.largest_gap) > 0
-    assert (plain.open_fraction, plain.largest_gap) == ((), ())
 
 
 @pytest.mark.parametrize(

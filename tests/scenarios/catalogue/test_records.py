@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,13 +13,11 @@ from multibody_xval.scenarios.model import Run
 from multibody_xval.scenarios.ruler.judge import AGREES
 from multibody_xval.scenarios.store import Stored
 from reference_lcp import ParameterError, RecordedBase
-from tests.scenarios.catalogue.example_record import PEAK, example_samples, write_example
+from tests.scenarios.catalogue.example_record import PEAK, example_samples
 from tests.scenarios.in_this_process import SHARES, only, result_of
 
 
-def test_example_record_is_its_formula_and_small(tmp_path) -> None:
-    write_example(tmp_path / "again.csv")
-    assert (tmp_path / "again.csv").read_text() == EXAMPLE.read_text()
+def test_example_record_is_its_formula_and_small() -> None:
     assert EXAMPLE.stat().st_size < 20_000
     record = RecordedBase.from_csv(EXAMPLE)
     times, displacements = example_samples()
@@ -42,30 +39,13 @@ def test_own_record_is_scaled_to_the_amplitude_of_the_friction_ratio(tmp_path) -
     assert following(file).cases != RECORD.cases
 
 
-def written(tmp_path, spacing):
+def test_own_record_that_is_missing_or_too_coarse_for_the_bands_is_refused(tmp_path) -> None:
     file = tmp_path / "own.csv"
-    file.write_text("\n".join(f"{spacing * k:.4f},{0.01 * math.sin(k)}" for k in range(50)))
-    return file
-
-
-def test_own_record_too_coarse_for_the_bands_is_refused(tmp_path) -> None:
+    with pytest.raises(ParameterError, match=r"own\.csv cannot be read"):
+        following(file)
+    file.write_text("\n".join(f"{0.06 * k:.4f},{0.01 * math.sin(k)}" for k in range(50)))
     with pytest.raises(ParameterError, match=r"too coarse: samples are up to 0\.06 s apart; allowed: <= 0\.0496"):
-        following(written(tmp_path, 0.06))
-
-
-@pytest.mark.parametrize(("spacing", "steps"), [(0.02, 200), (0.003, 280), (0.001, 800)])
-def test_steps_are_as_short_as_the_samples_of_a_record_are_near(tmp_path, spacing, steps) -> None:
-    """A period 2π / ω_r takes 0.1987 s; ten rows of it are kept, and a fourth of the steps meets every sample."""
-    scenario = following(written(tmp_path, spacing))
-    (run, *_) = scenario.own_runs(SHARES).values()
-    case = run.of(ChainMotion)
-    assert 10 * run.steps == steps * case.rows
-    assert case.lane(run.steps // 4).time_step <= spacing
-
-
-def test_missing_record_is_named_before_any_work() -> None:
-    with pytest.raises(ParameterError, match=r"record nowhere\.csv cannot be read"):
-        following(Path("nowhere.csv"))
+        following(file)
 
 
 def test_stored_results_of_a_record_are_judged_by_the_file_that_is_named() -> None:

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, Box, ContactScene, JointScene, SteppedWorld
+from multibody_xval.engines.interface.scene import ArmScene, Box, ContactScene, JointScene
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
@@ -23,7 +23,6 @@ from multibody_xval.scenarios.catalogue.scenes import (
     spinning_box,
 )
 from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, UNIFORM
-from multibody_xval.scenarios.compute import scenes
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE
@@ -101,10 +100,6 @@ def test_torque_that_no_pressure_can_make_is_found(friction, sound) -> None:
     assert fine.exact["torque"] == pytest.approx(np.clip(fine.value["torque"], lowest, 0.0))
 
 
-def test_drift_after_the_stop_is_found() -> None:
-    assert set(off(point_mass_numbers(SCENARIOS["slide-to-stop"], Wrong(drift=1e-6))).quantity) == {"drift"}
-
-
 @each_of([name for name in HOLDING if name not in ("joint-hold", "held-while-shaken")])
 def test_what_falls_at_once_and_rests_is_found(name) -> None:
     """It does not drift when that is measured."""
@@ -143,21 +138,6 @@ def test_what_is_left_of_mujoco_s_drift_is_divided_by_impratio() -> None:
     assert drifts[1] == pytest.approx(10 * drifts[0], rel=0.01)
 
 
-@needs_mujoco
-def test_exploding_scene_is_a_failure_of_the_engine(monkeypatch) -> None:
-    monkeypatch.setattr(scenes, "built", lambda _run: SteppedWorld(lambda: None, lambda: (np.full(10, np.nan),)))
-    table = measured(SCENARIOS["grip"], Config("mujoco", "contact", "default"))
-    assert set(table.verdict) == {"failed"}
-    assert set(table.reason) == {"the scene exploded"}
-
-
-@needs_mujoco
-def test_presets_for_the_chain_have_no_scenes() -> None:
-    table = measured(SCENARIOS["grip"], Config("mujoco", "contact", "tuned"))
-    assert set(table.verdict) == {"unsupported"}
-    assert "is for the chain; allowed in scenes: default, recommended" in table.reason.iloc[0]
-
-
 BAD: list[tuple[Callable[[], object], str]] = [
     (lambda: ContactScene(slope=math.radians(95)), "slope = 95°; allowed: >= 0 and < 90°"),
     (lambda: Box(mass=-1.0), "mass = -1.*allowed: > 0"),
@@ -172,16 +152,6 @@ BAD: list[tuple[Callable[[], object], str]] = [
 def test_scene_that_cannot_be_is_refused(build, message) -> None:
     with pytest.raises(ParameterError, match=message):
         build()
-
-
-def test_scenes_are_what_their_names_say() -> None:
-    heavy = scene.box_scene(SCENARIOS["heavy-on-light"].cases["100 kg on 1 kg, 12°"])
-    assert [box.mass for box in heavy.boxes] == [1.0, 100.0]
-    assert heavy.slope == math.radians(12)
-    assert loaded_joints.arm(1, 0.9).friction == pytest.approx([GRAVITY * 0.1 / 0.9])
-    assert loaded_joints.arm(2, 1.0).friction == pytest.approx([GRAVITY * (0.1 + 0.3), GRAVITY * 0.1])
-    heights = [place[2] for place in ContactScene(boxes=(Box(side=0.2), Box(side=0.1))).places]
-    assert heights == pytest.approx([0.1, 0.25])
 
 
 @pytest.mark.parametrize("name", SCENES)

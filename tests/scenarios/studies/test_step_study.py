@@ -7,19 +7,17 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
-from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.model import Config, Result, Run, Status, failed
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.ruler.proven import proven
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.accuracy_map import SIX
 from multibody_xval.scenarios.studies.step_study import (
-    HEADINGS,
     MOST_STEPS,
     TIMED,
     finer,
     remarks,
-    shown,
     step_runs,
     step_table,
 )
@@ -60,13 +58,6 @@ def test_error_and_cost_are_read_from_results_by_ascending_steps() -> None:
     assert own["product"][1] == pytest.approx(own.error_db[1] * own.milliseconds[1])
 
 
-def test_steps_that_the_highest_mode_needs_are_paid_for() -> None:
-    """The chain takes more steps than sixteen: a simulated second costs what they cost."""
-    own = table(made([16]))
-    assert own.milliseconds[0] == pytest.approx(1e3 * A_STEP / TIMED.lane(16).time_step)
-    assert len({*own.configuration}) == 1
-
-
 def test_an_error_over_fewer_points_has_no_product_with_the_time_and_is_said() -> None:
     def lose(run: Run, own: Result) -> Result:
         return Result(status=Status.NOT_PERIODIC) if run.case == SIX[0] and run.steps == 50 else own
@@ -75,20 +66,7 @@ def test_an_error_over_fewer_points_has_no_product_with_the_time_and_is_said() -
     assert own.periodic.tolist() == [5, 6]
     assert math.isnan(own["product"][0])
     assert remarks(own) == ["mujoco:joint:default: not all of the six points are periodic with 50 steps per period"]
-    assert shown(own).iloc[0].tolist()[-2:] == ["–", "5/6"]
-
-
-def test_points_that_failed_have_a_reason() -> None:
-    own = table(made([50], change=lambda *_: failed("crashed")))
-    assert remarks(own) == ["mujoco:joint:default: first failure: crashed"]
-    assert list(shown(own).columns) == list(HEADINGS.values())
-
-
-def test_an_error_that_does_not_fall_with_the_step_is_said_and_one_of_first_order_is_not() -> None:
-    assert remarks(table(made([400, 800], config=REFERENCE))) == []
-    stays = table(made([400, 800], {400: 1.01, 800: 0.997}.__getitem__))
-    text = "the error does not fall with the step: 1.01 dB with 400 steps per period, 0.997 dB with 800"
-    assert remarks(stays) == [f"mujoco:joint:default: {text}"]
+    assert remarks(table(made([50], change=lambda *_: failed("crashed"))))[0].endswith("first failure: crashed")
 
 
 @pytest.mark.parametrize(("error_db", "count"), [(0.89, 0), (0.91, 1)])

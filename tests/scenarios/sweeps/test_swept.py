@@ -53,23 +53,11 @@ def test_every_point_is_the_steady_state_at_its_place(data: xr.Dataset) -> None:
     assert abs(float(data.transmittance_db.sel({**place, "mass_ratio": 1.0}, drop=True)[0]) - expected) > 0.1
 
 
-def test_a_store_alone_gives_the_same(data: xr.Dataset, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "computed", lambda *_, **__: pytest.fail("something is run"))
-    xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
-
-
-def test_a_second_sweep_runs_nothing(data: xr.Dataset, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_store_alone_and_a_second_sweep_give_the_same_and_run_nothing(data, store: Path, monkeypatch) -> None:
     monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
     xr.testing.assert_identical(swept(SWEEP, Means(store=store)), data)
-
-
-def test_what_a_store_lacks_is_missing_and_the_rest_is_shown(store: Path, data: xr.Dataset) -> None:
-    wider = sweep_of({"engines": ["reference"], "grid": {**GRID, "friction_ratio": [0.0, 0.4]}, "chain": {"cells": 2}})
-    part = stored_sweep(wider, store)
-    assert set(part.status.sel(friction_ratio=0.4).values.ravel()) == {"missing"}
-    assert part.transmittance_db.sel(friction_ratio=0.4).isnull().all()
-    expected = data.transmittance_db.sel(configuration=["reference"], friction_ratio=[0.0])
-    xr.testing.assert_equal(part.transmittance_db.sel(friction_ratio=[0.0]), expected)
+    monkeypatch.setattr(module, "computed", lambda *_, **__: pytest.fail("something is run"))
+    xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
 
 
 def test_of_several_versions_the_installed_one_is_given(data, store, tmp_path, monkeypatch) -> None:
@@ -150,12 +138,3 @@ def test_a_sweep_that_is_stopped_goes_on_with_the_same_points(adaptive, tmp_path
         assert 0 < len(list(kept.rows())) < int((adaptive.status != "missing").sum())
     again = swept(ADAPTIVE, Means(store=stopped))
     xr.testing.assert_identical(again.drop_vars("seconds"), adaptive.drop_vars("seconds"))
-
-
-@pytest.mark.parametrize(("tolerance", "verdict"), [(1e-9, "deviates"), (3.0, "agrees")])
-def test_a_tolerance_of_the_sweep_judges_its_points(tolerance: float, verdict: str) -> None:
-    own = sweep_of({
-        "engines": ["mujoco"], "grid": {"friction_ratio": [0.3], "frequency_ratio": [0.9]}, "chain": {"cells": 1},
-        "tolerances": {"transmittance_db": tolerance},
-    })  # fmt: skip
-    assert swept(own, Means()).verdict.item() == verdict
