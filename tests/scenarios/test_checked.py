@@ -96,14 +96,11 @@ def test_array_of_another_shape_or_type_is_refused_and_one_in_single_precision_p
         check_trajectory(dataclasses.replace(run, **{name: OTHERWISE[message](getattr(run, name))}), lane, 0, 100)
 
 
-@pytest.mark.parametrize("name", ["positions", "velocities"])
-def test_state_of_another_type_is_refused(lane, name) -> None:
+def test_state_of_another_type_is_refused(lane) -> None:
     class Halves(CompiledSimulation):
         def advance(self, state, start, steps):
             end = super().advance(state, start, steps)
-            return dataclasses.replace(end, **{name: getattr(end, name).astype(np.float16)})
+            return dataclasses.replace(end, velocities=end.velocities.astype(np.float16))
 
-    rest = State.at_rest(1, 2)
-    assert CheckedSimulation(CompiledSimulation([lane])).advance(rest, 0, 10).positions.dtype == np.float64
     with pytest.raises(TrajectoryFault, match="is of type float16"):
-        CheckedSimulation(Halves([lane])).advance(rest, 0, 10)
+        CheckedSimulation(Halves([lane])).advance(State.at_rest(1, 2), 0, 10)

@@ -39,8 +39,8 @@ def case_at(eta: float) -> Case:
     return Case(friction_ratio=0.3, frequency_ratio=eta)
 
 
-def stored(config: Config, level: Level, etas: Iterable[float], steps: int = 400, version: str = "1") -> list[Stored]:
-    return [Stored(Run(config, case_at(eta), steps), version, result(level(eta))) for eta in etas]
+def stored(config: Config, level: Level, etas: Iterable[float]) -> list[Stored]:
+    return [Stored(Run(config, case_at(eta), 400), "1", result(level(eta))) for eta in etas]
 
 
 def searched(levels: dict[Config, Level], etas: Iterable[float] = GRID, most: int = 40) -> pd.DataFrame:
@@ -76,10 +76,8 @@ def with_kink(eta: float) -> float:
 
 
 CURVES: dict[str, tuple[Level, float]] = {
-    "straight": (straight, 0.8),
     "bent": (lambda eta: 40 * (0.8123**3 - eta**3), 0.8123),
     "steep": (lambda eta: -20 * np.tanh(200 * (eta - 0.8377)), 0.8377),
-    "bend within": (lambda eta: -30 * np.cbrt(eta - 0.8111) - 30 * (eta - 0.8111), 0.8111),
     "kink": (with_kink, 0.8 + 1 / 300),
     "jump": (lambda eta: 3.0 if eta < 0.8456789 else -15.0, 0.8456789),
     "through a point of the grid": (lambda eta: 30 * (0.8 - eta), 0.8),
@@ -144,29 +142,6 @@ def test_an_edge_among_points_without_a_steady_state_is_not_known() -> None:
     assert own.absent.startswith("not periodic at")
     assert own.verdict == UNKNOWN
     assert of(found, REFERENCE).verdict == AGREES
-
-
-def test_curves_of_several_steps_and_versions_are_several_and_the_ladder_of_the_reference_is_none() -> None:
-    ladder = [own for factor in (1, 2, 4, 8, 16) for own in stored(REFERENCE, straight, GRID, 400 * factor)]
-    own = [
-        *stored(SHARES, straight, GRID),
-        *stored(SHARES, straight, GRID, 800),
-        *stored(SHARES, straight, GRID, version="2"),
-    ]
-    lower = edges(points([*ladder, *own])).query("edge == 'lower'")
-    assert lower[["engine", "version", "steps"]].apply(tuple, axis=1).tolist() == [
-        ("reference", "1", 400), ("reference", "1", 800), ("mujoco", "1", 400), ("mujoco", "1", 800),
-        ("mujoco", "2", 400),
-    ]  # fmt: skip
-
-
-def test_a_chain_that_needs_more_steps_at_low_frequencies_is_one_curve() -> None:
-    cases = [Case(friction_ratio=0.3, frequency_ratio=eta, stiffness_ratio=1e-3) for eta in GRID]
-    rows = [Stored(Run(SHARES, own, own.steps(400)), "1", result(20 - 25 * own.frequency_ratio)) for own in cases]
-    assert len({row.run.steps for row in rows}) > 2
-    table = points(rows)
-    assert edges(table).query("edge == 'lower'").guess.tolist() == pytest.approx([0.8])
-    assert all(run.steps == run.case.steps(min(row.run.steps for row in rows)) for run in propose(table))
 
 
 def computed(

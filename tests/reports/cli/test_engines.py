@@ -30,31 +30,6 @@ def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[st
     assert normal_force["siconos"]["joint"]["tuned"] == "constant"
 
 
-def test_missing_engine_is_listed_with_its_reason(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
-    printed = printed_by(capsys)
-    assert "missing" in printed
-    assert "pybullet: no wheel for this Python" in printed
-
-
-def test_each_formulation_has_a_line_of_its_own(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "200")
-    assert run_command(app, []) == 0
-    lines = capsys.readouterr().out.splitlines()
-    (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco "))
-    assert "joint: tuned, recommended, default" in lines[mujoco]
-    assert lines[mujoco + 1].split() == ["double", "contact:", "tuned,", "newton,", "recommended,", "default"]
-
-
-def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["--all"]) == 2
-    assert capsys.readouterr().err.startswith("error: ")
-
-
 def test_texts_of_a_plugin_neither_colour_nor_move_the_table(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,7 +13,7 @@ import pytest
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.scenarios.truth import history as study
 from multibody_xval.scenarios.truth.problem import problem_of
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 
 LISTED = "mujoco (4.0.0)\nAvailable versions: 4.0.0, 3.10.0, 3.3.7, 3.3.6, 3.2.0\n  INSTALLED: 3.3.6\n"
@@ -73,13 +73,10 @@ def test_the_error_of_every_version_is_in_the_file_and_on_the_page(uv, capsys) -
     old, new = (own for _, own in table.groupby("version"))
     assert old["off by [m]"].tolist() == pytest.approx([0.25] * 8)
     assert (old["number [m]"] - old["exact [m]"]).tolist() == pytest.approx([0.25] * 8)
-    assert set(old.status) == {"deviates"}
-    assert set(old.released) == {"2025-10-13"}
+    assert (set(old.status), set(old.released)) == ({"deviates"}, {"2025-10-13"})
     assert (set(new.status), set(new["off by [m]"]), set(new.released)) == ({"agrees"}, {0.0}, {""})
     assert "8 of 16 motions agree; history/mujoco.html" in capsys.readouterr().out
-    page = Path("history/mujoco.html").read_text()
-    assert page.count("<svg") == 1
-    assert "multibody-xval history mujoco --versions 4.0.0,3.3.7" in page
+    assert Path("history/mujoco.html").read_text().count("<svg") == 1
 
 
 def test_a_second_command_runs_only_versions_that_are_missing(uv) -> None:
@@ -94,11 +91,6 @@ def test_a_second_command_runs_only_versions_that_are_missing(uv) -> None:
     assert (uv.ran, Path("history/mujoco.csv").read_bytes()) == (["3.3.7"], kept)
 
 
-def test_without_names_the_last_patches_of_the_newest_minor_versions_run(uv) -> None:
-    history("--last 3")
-    assert uv.ran == ["3.3.7", "3.10.0", "4.0.0"]
-
-
 @pytest.mark.parametrize(
     ("answer", "reason"),
     [
@@ -106,30 +98,28 @@ def test_without_names_the_last_patches_of_the_newest_minor_versions_run(uv) -> 
         ((0, "", ""), "fails: No columns to parse from file"),
         ((0, "time,x0,v0\n0.1,nan,0\n1.0,nan,0\n", ""), "fails: "),
         ((0, "time,x0,v0\n0.1,0,0\n0.5,0,0\n", ""), "fails: the motion has no row at 0.2 s"),
-        ((0, "warning: deprecated\ntime,x0,v0\n", ""), "fails: "),
     ],
 )
-def test_a_version_whose_script_fails_is_a_result(uv, answer, reason, capsys) -> None:
+def test_a_version_whose_script_fails_is_a_result_and_kept(uv, answer, reason) -> None:
     uv.wrong = {"3.2.0": answer}
     code, table = history("--versions 3.2.0")
     assert code == ExitCode.DONE
     assert table.status.str.startswith(reason).all()
     assert table["number [m]"].isna().all()
-    assert "3.2.0, block-held, joint: fails: " in capsys.readouterr().out
     history("--versions 3.2.0")
-    assert uv.ran == ["3.2.0"], "a result is kept"
+    assert uv.ran == ["3.2.0"]
 
 
-def test_a_version_that_does_not_install_is_tried_again(uv, capsys) -> None:
+def test_a_version_that_does_not_install_is_tried_again(uv) -> None:
     uv.uninstallable = {"3.2.0"}
     code, table = history("--versions 3.2.0,4.0.0")
     assert code == ExitCode.DONE
     assert table[["version", "problem", "status"]].iloc[0].tolist() == ["3.2.0", "all", "does not install: no wheel"]
-    assert "does not install: no wheel" in Path("history/mujoco.html").read_text()
-    assert "8 of 8 motions agree" in capsys.readouterr().out
     uv.uninstallable = set()
     assert set(history("--versions 3.2.0,4.0.0")[1].status) == {"agrees"}
     assert uv.ran == ["3.2.0", "4.0.0", "3.2.0"]
+    history("--last 3")
+    assert uv.ran[3:] == ["3.3.7", "3.10.0"], "the last patches of the newest minor versions"
 
 
 def test_an_engine_without_a_contact_in_its_script_runs_joints(uv) -> None:
@@ -141,23 +131,17 @@ def test_an_engine_without_a_contact_in_its_script_runs_joints(uv) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("--versions 3.3.8", "versions = '3.3.8' is unknown; allowed: 3.2.0, 3.3.6, 3.3.7, 3.10.0, 4.0.0"),
         ("--versions 3.3.7,new", "versions = 'new' is unknown; allowed: 3.2.0"),
         ("--last 101", "last = 101 is outside its range; allowed: 1 to 100"),
         ("--last 3 --versions 3.3.7", "--last = 3 with --versions = 3.3.7; allowed: one of the two"),
         ("--out file", "--out = file cannot be made"),
         ("--out damaged", "damaged/mujoco.csv is no file of history"),
-        ("--out unordered", "unordered/mujoco.csv is no file of history: Invalid version: 'new'"),
     ],
 )
 def test_wrong_input_is_refused_before_any_run(uv, line, message, capsys) -> None:
     Path("file").touch()
-    for name, text in {
-        "damaged": "a,b\n1,2\n",
-        "unordered": f"{','.join(study.COLUMNS)}\nnew,,,,,,,\n4.0,,,,,,,\n",
-    }.items():
-        Path(name).mkdir()
-        Path(name, "mujoco.csv").write_text(text)
+    Path("damaged").mkdir()
+    Path("damaged/mujoco.csv").write_text("a,b\n1,2\n")
     before = sorted(Path().rglob("*"))
     assert run_command(app, ["history", "mujoco", *line.split()]) == ExitCode.WRONG_INPUT
     error = capsys.readouterr().err
@@ -193,8 +177,6 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], 
     [
         ({}, [None, None]),
         ({"PIP_INDEX_URL": "https://a/simple"}, ["https://a/simple"] * 2),
-        ({"UV_INDEX_URL": "https://b/simple"}, ["https://b/simple"] * 2),
-        ({"UV_DEFAULT_INDEX": "https://b/simple"}, ["https://b/simple"] * 2),
         ({"UV_DEFAULT_INDEX": "https://b", "PIP_INDEX_URL": "https://a"}, ["https://a", "https://b"]),
         ({"PIP_CONFIG_FILE": "pip.conf"}, ["https://c/simple"] * 2),
     ],
@@ -215,11 +197,3 @@ def test_what_passes_its_limit_is_stopped_and_what_it_complains_of_is_one_line(p
     program("print(sys.stdin.read(), sys.argv[1:])\nsys.exit('first\\n  second\\n\\nlast \\x1b[2J')")
     done = study.uv_found()("run", "it", text="asked")
     assert (done.returncode, done.stdout, done.stderr) == (1, "asked ['run', 'it']\n", "second; last \\x1b[2J")
-
-
-def test_without_uv_a_line_says_how_to_install_it(program, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(
-        ParameterError, match=r"^uv = not found; allowed: uv on the PATH; `pip install uv` installs it$"
-    ):
-        study.uv_found()

@@ -1,8 +1,5 @@
 """Numbers of scenarios of two stores: what a block does is compared by its error to the exact motion."""
 
-import warnings
-from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import pandas as pd
@@ -10,12 +7,11 @@ import pytest
 
 from multibody_xval.reports.changes import WRITTEN, Comparison, changed_numbers
 from multibody_xval.reports.formatting import flat
-from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare.stores import compare, fails
-from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run
 from multibody_xval.scenarios.store import opened
+from tests.scenarios.in_this_process import pressed, result_of
 from tests.scenarios.stores import CASE, with_bound, write_store
 
 SCENARIO, ENGINE = SCENARIOS["stopping-distance"], Config("mujoco")
@@ -23,28 +19,20 @@ NAME, (OWN, *_) = next(iter(SCENARIO.cases)), SCENARIO.own_runs(ENGINE).values()
 RULER = [run for run in SCENARIO.runs([ENGINE]) if run.case == OWN.case and run.config != ENGINE]
 
 
-@cache
-def of(run: Run) -> Result:
-    return run_batch([run])[0]
-
-
 def thrown(factor: float) -> Result:
     """The scheme's motion of a block that friction holds by a factor too strongly."""
-    assert isinstance(OWN.case, BlockMotion)
-    block = replace(OWN.case.block, normal_force=factor * OWN.case.block.normal_force)
-    return of(Run(REFERENCE, replace(OWN.case, block=block), OWN.steps))
+    return result_of(Run(REFERENCE, pressed(factor)(OWN.case), OWN.steps))
 
 
 @pytest.fixture
 def changes(tmp_path: Path):
-    """Compare stores with a result each, or none, with the ruler or without, and give the numbers by their names."""
+    """Compare stores with a result each, with the ruler or without, and give the numbers by their names."""
 
-    def compared(*results: Result | None, ruled: bool = True) -> pd.DataFrame:
+    def compared(*results: Result, ruled: bool = True) -> pd.DataFrame:
         files = [tmp_path / name for name in ("before.sqlite", "now.sqlite")]
         for file, result in zip(files, results, strict=True):
             with opened(file) as store:
-                store.add({run: of(run) for run in RULER} if ruled else {})
-                store.add({} if result is None else {OWN: result})
+                store.add({run: result_of(run) for run in (RULER if ruled else [])} | {OWN: result})
         return compare(*files).set_index("quantity")
 
     return compared
@@ -75,14 +63,12 @@ def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_
         assert ending != ".csv" or "transmittance_db_now" not in text, "there are no steady states"
 
 
-def test_steady_states_that_the_second_store_alone_has_are_new_without_a_warning(tmp_path: Path) -> None:
+def test_steady_states_that_the_second_store_alone_has_are_new(tmp_path: Path) -> None:
     before, now = tmp_path / "before.sqlite", write_store(tmp_path / "now.sqlite", {CASE: with_bound(1.01)})
     for file in (before, now):
         with opened(file) as store:
-            store.add({run: of(run) for run in RULER} | {OWN: thrown(1.01)})
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        rows = compare(before, now)
+            store.add({run: result_of(run) for run in RULER} | {OWN: thrown(1.01)})
+    rows = compare(before, now)
     assert set(rows[rows.scenario.isna()].change) == {"new"}
     assert set(rows[rows.scenario.notna()].change) == {"unchanged"}
 

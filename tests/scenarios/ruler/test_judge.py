@@ -65,7 +65,6 @@ def scaled(name: str, factor: float) -> Callable[[Case], Case]:
 WRONG = {
     "bound": scaled("friction_ratio", 1.01),
     "mass": scaled("mass_ratio", 1.01),
-    "spring": scaled("stiffness_ratio", 1.01),
     "dashpots": scaled("damping_ratio", 1.1),
     "frequency": scaled("frequency_ratio", 1.001),
     "one cell": lambda case: replace(case, outer_mass_ratio=(*(1.0,) * 6, 1.02)),
@@ -102,15 +101,8 @@ def test_the_error_that_is_shown_is_that_to_the_exact_value(ruled) -> None:
     assert own.exact_kind.tolist() == ["exact"] * len(CASES)
 
 
-def test_coarse_steps_agree_with_nothing() -> None:
-    """At a resonance the scheme's error with 40 steps is no longer small beside what friction changes."""
-    ruled = ruled_at(Case(friction_ratio=0.1, frequency_ratio=0.62), 40)
-    assert row_of(ruled, OTHER, ruled[0].result).verdict == TOO_LARGE
-
-
 def test_without_the_ruler_a_number_is_unknown(ruled) -> None:
-    table = judged(points(copies(OTHER)))
-    assert table.verdict.tolist() == [UNKNOWN] * len(CASES)
+    assert verdicts([], copies(OTHER)) == [UNKNOWN] * len(CASES)
     fewer = [own for own in ruled if own.run.steps != LADDER[-1] * STEPS]
     assert UNKNOWN in verdicts(fewer, copies(OTHER))
 

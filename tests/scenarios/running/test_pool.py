@@ -4,14 +4,14 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from multibody_xval.scenarios.model import Case, Config, Result, Run, Status
 from multibody_xval.scenarios.running.pool import run_missing
-from multibody_xval.scenarios.running.processes import WORKERS, LocalPool, local
+from multibody_xval.scenarios.running.processes import LocalPool, local
 from multibody_xval.scenarios.store import Store
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked at as Linux has them")
@@ -124,65 +124,6 @@ def test_an_engine_that_is_not_installed_is_unsupported(pool, monkeypatch) -> No
     run = Run(config, Case(friction_ratio=0.3, frequency_ratio=0.9), STEPS)
     found = run_missing([run], Store(), pool)
     assert found[run] == Result(status=Status.UNSUPPORTED, reason="not installed: no wheel")
-
-
-PROGRAM = """
-import sys, time
-from multibody_xval.scenarios.model import Case, Config, Run
-from multibody_xval.scenarios.running.pool import run_missing
-from multibody_xval.scenarios.running.processes import local
-from multibody_xval.scenarios.store import Store
-run = Run(Config("faulty-hang"), Case(friction_ratio=0.3, frequency_ratio=0.5, cells=2), 100)
-with local(1) as pool:
-    print("begun", flush=True)
-    run_missing([run], Store(), pool, seconds_a_run=1000.0)
-"""
-
-
-def workers_of(main: int) -> list[Path]:
-    """Worker processes of another main process, as folders that are there as long as they are."""
-    return [folder for server in children_of(main) for folder in map(process, children_of(server)) if is_worker(folder)]
-
-
-def process(pid: int) -> Path:
-    return Path(f"/proc/{pid}")
-
-
-def children_of(pid: int) -> list[int]:
-    try:
-        return [int(child) for child in (process(pid) / f"task/{pid}/children").read_text().split()]
-    except OSError:
-        return []
-
-
-def is_worker(folder: Path) -> bool:
-    return (folder / "comm").read_text().startswith(WORKERS)
-
-
-def is_alive(folder: Path) -> bool:
-    try:
-        return (folder / "stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def within(seconds: float, holds: Callable[[], bool]) -> bool:
-    """Wait until something holds, at most so long."""
-    end = time.monotonic() + seconds
-    while not holds() and time.monotonic() < end:
-        time.sleep(0.2)
-    return holds()
-
-
-@pytest.mark.slow
-def test_no_process_outlives_a_main_process_that_is_killed(child) -> None:
-    with subprocess.Popen([sys.executable, "-c", PROGRAM], stdout=subprocess.PIPE, text=True) as main:
-        assert main.stdout is not None
-        assert main.stdout.readline() == "begun\n"
-        assert within(120, lambda: bool(workers_of(main.pid))), "no worker has begun"
-        workers = workers_of(main.pid)
-        main.kill()
-    assert within(20, lambda: not any(map(is_alive, workers)))
 
 
 @pytest.mark.slow

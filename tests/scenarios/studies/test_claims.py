@@ -102,7 +102,7 @@ def reference() -> tuple[pd.DataFrame, pd.DataFrame]:
     return refined_edges(REFERENCE)
 
 
-def test_claims_hold_for_the_reference_with_the_published_edges(reference: tuple[pd.DataFrame, pd.DataFrame]) -> None:
+def test_claims_hold_for_the_reference_with_the_published_edges(reference) -> None:
     own = bands(*reference).set_index("friction_ratio")
     assert claims(*reference).answer.tolist() == EXPECTED
     assert own.lower.to_dict() == pytest.approx(LOWER, abs=STEP_ERROR)
@@ -110,9 +110,7 @@ def test_claims_hold_for_the_reference_with_the_published_edges(reference: tuple
     assert "none up to 3 at 0.1, 0.3, 0.6" in claims(*reference).numbers[0]
 
 
-def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(
-    reference: tuple[pd.DataFrame, pd.DataFrame],
-) -> None:
+def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(reference) -> None:
     """At a friction ratio of 5 no contact slips at the edge: the cut-off is that of a chain of single masses."""
 
     def crossing(low: float, high: float, limit: int) -> float:
@@ -162,16 +160,12 @@ def test_a_claim_whose_points_are_missing_is_open_and_says_which(friction: float
     [
         ("lower", 0.6, 0.86, 0, READING, "by the covered share alone"),
         ("lower", 0.6, 1.3, 0, FAILS, "not wider than without friction at 0.6"),
-        ("upper", 0.6, 1.15, 0, READING, "by the lower edge alone"),
         ("stuck", 5.0, 0.6, 1, FAILS, "cells do not lock at 5"),
         ("lower", 5.0, 0.9988, 1, FAILS, "the first cut-off does not move up"),
-        ("lower", 0.1, 0.6, 2, FAILS, "the band is widest at 0.1"),
         ("lower", 0.1, LOWER[0.3] + MOVED / 2, 2, FAILS, "no wider at 0.3 than elsewhere"),
     ],
 )
-def test_a_band_that_is_elsewhere_changes_the_answer(
-    name: str, friction: float, value: float, number: int, answer: str, text: str
-) -> None:
+def test_a_band_that_is_elsewhere_changes_the_answer(name, friction, value, number, answer, text) -> None:
     usual = {"lower": LOWER, "upper": UPPER, "stuck": STUCK}
     own = answers(known(made(**{name: {**usual[name], friction: value}})))[number]
     assert own[0] == answer

@@ -7,12 +7,11 @@ import pytest
 import xarray as xr
 
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.model import Config, failed
+from multibody_xval.scenarios.model import failed
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.sweeps.dataset import by_tolerance, dataset, judged_table, sweep_in
 from multibody_xval.scenarios.sweeps.file import sweep_of
-from multibody_xval.scenarios.sweeps.plan import Sweep
 from reference_lcp.errors import ParameterError
 
 SWEEP = sweep_of({
@@ -59,27 +58,14 @@ def test_where_contacts_open_nothing_is_judged_in_a_dataset_either() -> None:
     assert dict(zip(again.modulation, again.shares_scheme, strict=True)) == {0.5: True, 1.5: False}
 
 
-def test_where_a_sweep_has_no_point_it_is_missing(table: pd.DataFrame) -> None:
+def test_where_a_sweep_has_no_point_it_is_missing_and_a_tolerance_decides_instead_of_the_ruler(table) -> None:
     part = dataset(SWEEP, table[table.friction_ratio == 0.1])
     assert set(part.status.sel(friction_ratio=0.3).values.ravel()) == {"missing"}
     assert set(part.status.sel(friction_ratio=0.1).values.ravel()) == {"periodic"}
     assert len(judged_table(part)) == 4
-    none = dataset(SWEEP, table[:0])
-    assert set(none.status.values.ravel()) == {"missing"}
-    assert judged_table(none).empty
-
-
-def test_a_tolerance_decides_instead_of_the_ruler(table: pd.DataFrame) -> None:
+    assert judged_table(dataset(SWEEP, table[:0])).empty
     assert set(by_tolerance(table, 1e-9).verdict) == {"deviates"}
     assert set(by_tolerance(table, 10.0).verdict) == {"agrees"}
-    assert by_tolerance(table, None) is table
-
-
-def test_data_of_an_engine_that_is_not_installed_are_read(data: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(type(Config("mujoco")), "unavailable_reason", property(lambda _: "no wheel"))
-    other = data.assign_attrs(sweep=data.attrs["sweep"].replace('"reference"', '"mujoco"'))
-    other = other.assign_coords(configuration=["mujoco"])
-    assert set(judged_table(other).engine) == {"mujoco"}
 
 
 def with_attribute(value: object) -> object:
@@ -107,11 +93,3 @@ def test_what_no_sweep_has_written_is_refused(data: xr.Dataset, message: str) ->
     assert len(judged_table(data)) == 8
     with pytest.raises(ParameterError, match=message):
         judged_table(SPOILT[message](data))
-
-
-def test_a_sweep_is_what_it_was_in_its_dataset() -> None:
-    grid = {"friction_ratio": [0.1], "frequency_ratio": {"first": 0.3, "last": 1.6, "accuracy_db": 0.5}}
-    drive = {"kind": "force", "amplitude": 3.0}
-    chain = {"cells": 2, "mass_ratio": [1.0, 2.0]}
-    adaptive: Sweep = sweep_of({"engines": ["reference"], "grid": grid, "drive": drive, "chain": chain})
-    assert sweep_in(dataset(adaptive, points([]).pipe(judged))) == adaptive

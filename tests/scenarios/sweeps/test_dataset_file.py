@@ -1,7 +1,6 @@
 """Files of datasets: read again as they were, and one that a stranger made is refused in one line or read."""
 
 import random
-import shutil
 from pathlib import Path
 
 import h5py
@@ -33,17 +32,10 @@ def data() -> xr.Dataset:
     return dataset(SWEEP, judged(points(now(found))))
 
 
-@pytest.fixture(scope="module")
-def written(data: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    file = tmp_path_factory.mktemp("written") / "sweep.nc"
-    write_dataset(data, file)
-    return file
-
-
 @pytest.fixture
-def file(written: Path, tmp_path: Path) -> Path:
-    """A copy that a test may change."""
-    return Path(shutil.copy(written, tmp_path))
+def file(data: xr.Dataset, tmp_path: Path) -> Path:
+    write_dataset(data, tmp_path / "sweep.nc")
+    return tmp_path / "sweep.nc"
 
 
 def test_a_file_gives_back_the_dataset(file: Path, data: xr.Dataset) -> None:

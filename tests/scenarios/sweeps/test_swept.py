@@ -1,6 +1,7 @@
 """Sweeps against closed forms: every point is the steady state at its place, out of a run or out of a store."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +9,10 @@ import pytest
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
-from multibody_xval.scenarios.model import Case, Result, Run, linear_limits
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, linear_limits
 from multibody_xval.scenarios.running.evaluate import Means
-from multibody_xval.scenarios.store import Store, Stored, opened
+from multibody_xval.scenarios.store import Store, opened
 from multibody_xval.scenarios.sweeps import swept as module
 from multibody_xval.scenarios.sweeps.dataset import judged_table
 from multibody_xval.scenarios.sweeps.file import sweep_of
@@ -60,16 +62,6 @@ def test_a_store_alone_and_a_second_sweep_give_the_same_and_run_nothing(data, st
     xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
 
 
-def test_of_several_versions_the_installed_one_is_given(data, store, tmp_path, monkeypatch) -> None:
-    every = list(module.stored_results(store))
-    older = [Stored(own.run, "0.1", own.result) for own in every if own.run.config.engine == "mujoco"]
-    for both in ([*every, *older], [*older, *every]):
-        monkeypatch.setattr(module, "stored_results", lambda _store, both=both: both)
-        assert "0.1" not in set(stored_sweep(SWEEP, store).version.values.ravel())
-    monkeypatch.setattr(module, "stored_results", lambda _store: older)
-    assert set(stored_sweep(SWEEP, store).version.sel(configuration="mujoco").values.ravel()) == {"0.1"}
-
-
 ADAPTIVE = sweep_of({
     "engines": ["reference", "mujoco"],
     "grid": {
@@ -107,13 +99,9 @@ def test_curves_have_frequencies_of_their_own_and_the_same_with_an_equal_scheme(
 def test_an_adaptive_sweep_out_of_its_store_has_the_points_that_it_chose(adaptive: xr.Dataset, store: Path) -> None:
     """Points of other frequencies, such as those that band edges add, are not among them."""
     xr.testing.assert_identical(stored_sweep(ADAPTIVE, store), adaptive)
-    place = ADAPTIVE.places[0]
-    more = sweep_of({
-        "engines": ["reference"], "grid": {"friction_ratio": [0.0], "frequency_ratio": [0.777]},
-        "chain": {"cells": 2}, "drive": {"kind": "force", "amplitude": 5.0},
-    })  # fmt: skip
-    assert more.places[0] == place
-    swept(more, Means(store=store))
+    run = Run(REFERENCE, replace(ADAPTIVE.places[0].case, frequency_ratio=0.777), 400)
+    with opened(store) as kept:
+        kept.add({run: run_batch([run])[0]})
     assert 0.777 not in stored_sweep(ADAPTIVE, store).frequency_ratio.values
 
 
