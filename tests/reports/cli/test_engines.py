@@ -11,28 +11,19 @@ from multibody_xval.reports.cli.engines import app
 from reference_lcp.process import run_command
 
 
-def printed_by(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """Give what a command prints, in one line."""
-    assert run_command(app, list(arguments)) == 0
-    return " ".join(capsys.readouterr().out.split())
-
-
 def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[str]) -> None:
-    rows = json.loads(printed_by(capsys, "--json"))
-    assert [row["engine"] for row in rows] == engine_names()
-    for row in rows:
+    assert run_command(app, ["--json"]) == 0
+    rows = {row["engine"]: row for row in json.loads(capsys.readouterr().out)}
+    assert list(rows) == engine_names()
+    for row in rows.values():
         assert (row["version"] is None) == (row["missing"] is not None)
         assert "tuned" in row["presets"]["joint"]
         assert row["licence"]
-    normal_force = {row["engine"]: row["normal_force"] for row in rows}
-    assert normal_force["mujoco"]["joint"]["tuned"] == "modulated"
-    assert normal_force["mujoco"]["contact"]["tuned"] == "modulated until contacts open"
-    assert normal_force["siconos"]["joint"]["tuned"] == "constant"
+    assert rows["mujoco"]["normal_force"]["joint"]["tuned"] == "modulated"
+    assert rows["mujoco"]["normal_force"]["contact"]["tuned"] == "modulated until contacts open"
 
 
-def test_texts_of_a_plugin_neither_colour_nor_move_the_table(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_texts_of_a_plugin_neither_colour_nor_move_the_table(capsys, monkeypatch) -> None:
     monkeypatch.setattr(PyBullet, "version", lambda _self: "[red]3\x1b[2J")
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no\x1b[2J wheel")
     assert run_command(app, []) == 0

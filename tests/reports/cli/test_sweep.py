@@ -15,9 +15,9 @@ import pytest
 import xarray as xr
 
 from multibody_xval.reports.cli.console_script import app
-from multibody_xval.scenarios.model import Config, Result, Run, failed
+from multibody_xval.scenarios.model import Config, Run, failed
 from multibody_xval.scenarios.running.evaluate import Means
-from multibody_xval.scenarios.store import Store, opened
+from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps.dataset import read_dataset
 from multibody_xval.scenarios.sweeps.file import EXAMPLE, read_sweep
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
@@ -68,24 +68,17 @@ def test_the_example_is_printed_as_it_is_read(tmp_path: Path, capsys) -> None:
 def test_a_row_a_configuration_and_the_finding_last(done: Path, capsys) -> None:
     assert run(done) == ExitCode.DONE
     printed = capsys.readouterr().out
-    data = read_dataset(done / "own.nc")
-    for name, row in cells(printed).items():
-        if name in data.configuration:
-            counts = [str(int((data.verdict.sel(configuration=name) == own).sum())) for own in ("agrees", "deviates")]
-            assert row[:2] == counts
     assert cells(printed)["mujoco"][:2] == ["4", "0"]
     assert int(cells(printed)["mujoco:joint:default"][1]) > 0
     assert printed.splitlines()[-1] == "4 of 4 judged numbers agree with the exact motion, none deviates."
 
 
 def test_out_of_the_store_nothing_is_run_and_the_same_is_written(done: Path, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(
-        "multibody_xval.scenarios.running.evaluate.run_missing", lambda *_, **__: pytest.fail("computed")
-    )
+    missing = "multibody_xval.scenarios.running.evaluate.run_missing"
+    monkeypatch.setattr(missing, lambda *_, **__: pytest.fail("computed"))
     assert run(done, "--no-run", "--out", str(done / "own.csv")) == ExitCode.DONE
     table, data = pd.read_csv(done / "own.csv"), read_dataset(done / "own.nc")
     np.testing.assert_array_equal(table.transmittance_db, data.transmittance_db.values.ravel())
-    assert len(table) == 12
     capsys.readouterr()
     (done / "wider.toml").write_text(SWEEP.replace("1.5]", "1.5, 1.7]"))
     words = ["sweep", str(done / "wider.toml"), "--store", str(done / "own.sqlite"), "--no-run"]
@@ -98,8 +91,7 @@ def failing(done: Path, tmp_path: Path) -> Path:
     """A store in which one run of MuJoCo has failed, with a reason that a terminal or a spreadsheet would obey."""
     (tmp_path / "own.toml").write_text(SWEEP)
     (tmp_path / "own.sqlite").write_bytes((done / "own.sqlite").read_bytes())
-    place = read_sweep(tmp_path / "own.toml").places[1].case
-    case = replace(place, frequency_ratio=1.5)
+    case = replace(read_sweep(tmp_path / "own.toml").places[1].case, frequency_ratio=1.5)
     with opened(tmp_path / "own.sqlite") as store:
         store.add({Run(Config("mujoco"), case, case.steps(400)): failed(HOSTILE)})
     return tmp_path
@@ -116,22 +108,6 @@ def test_a_failure_is_counted_shown_not_obeyed_and_kept_until_it_is_asked_for_ag
     assert "1 point" in capsys.readouterr().out
     assert run(failing, "--retry-failed") == ExitCode.DONE
     assert "1 point" not in capsys.readouterr().out
-
-
-def test_an_interrupt_keeps_what_is_computed_and_says_where(tmp_path: Path, monkeypatch, capsys) -> None:
-    (tmp_path / "own.toml").write_text(SWEEP)
-    keep = Store.add
-
-    def add(own: Store, results: dict[Run, Result]) -> None:
-        keep(own, results)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Store, "add", add)
-    assert run(tmp_path) == ExitCode.INTERRUPTED
-    line = capsys.readouterr().err.splitlines()[-1]
-    assert line == f"interrupted: results are kept in {tmp_path}/own.sqlite; the same command goes on from there"
-    with opened(tmp_path / "own.sqlite") as kept:
-        assert len(list(kept.rows())) > 0
 
 
 LARGER = """
@@ -175,10 +151,3 @@ def test_a_sweep_that_is_killed_six_times_goes_on_and_ends_with_the_same_table(t
     data = stored_sweep(read_sweep(Path(file)), store)
     whole = swept(read_sweep(Path(file)), Means())
     xr.testing.assert_identical(data.drop_vars("seconds"), whole.drop_vars("seconds"))
-
-
-def test_a_tolerance_of_the_file_decides(done: Path, tmp_path: Path, capsys) -> None:
-    (tmp_path / "own.toml").write_text(SWEEP + "[tolerances]\ntransmittance_db = 1e-9\n")
-    (tmp_path / "own.sqlite").write_bytes((done / "own.sqlite").read_bytes())
-    assert run(tmp_path) == ExitCode.DONE
-    assert cells(capsys.readouterr().out)["mujoco"][:2] == ["0", "4"]

@@ -106,12 +106,3 @@ def test_a_page_that_is_hard_to_read_is_found(browser: Browser, address: str) ->
     page.evaluate("document.querySelector('figure svg').replaceChildren()")
     assert {"color-contrast", "svg-img-alt"} <= set(violations(page))
     page.close()
-
-
-def test_the_first_tab_stop_skips_to_the_content(browser: Browser, address: str) -> None:
-    page = opened(browser, address)
-    page.keyboard.press("Tab")
-    assert page.evaluate("document.activeElement.getAttribute('href')") == "#main"
-    page.keyboard.press("Enter")
-    assert page.evaluate("location.hash") == "#main"
-    page.close()

@@ -12,7 +12,7 @@ from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.recipes import largest_drift, option_sets, spoilt, study
+from multibody_xval.scenarios.catalogue.recipes import largest_drift, spoilt, study
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.running.evaluate import Means
@@ -26,18 +26,6 @@ def rows(*own: tuple[str, str, float, str]) -> pd.DataFrame:
     table = pd.DataFrame(own, columns=["case", "quantity", "value", "verdict"])
     given = {"scenario": "grip", "engine": "mujoco", "preset": "default", "unit": "µm/s", "allowed": 0.1}
     return table.assign(distance=table.value.abs(), **given)
-
-
-@pytest.mark.parametrize("name", ["drake", "mujoco", "pybullet"])
-def test_a_set_of_options_is_the_engine_as_it_comes_but_for_these(name: str) -> None:
-    recipe = Config(name, "contact", "recommended")
-    default = replace(recipe, preset_name="default").preset
-    changed = recipe.preset.changed_from(default)
-    sets = {names: own for names, own in option_sets(recipe).items() if set(names) <= set(changed)}
-    assert len(sets) == 2 ** len(changed) > 1
-    for names, config in sets.items():
-        assert {own: config.preset[own] for own in names} == {own: recipe.preset[own] for own in names}
-        assert set(config.preset.changed_from(default)) == set(names)
 
 
 def test_what_is_spoilt_is_farther_off_than_before_and_than_allowed() -> None:

@@ -118,14 +118,6 @@ def test_what_an_engine_failed_at_is_kept_until_it_is_asked_for_again(pool, tmp_
     assert len(found) == len(runs)
 
 
-def test_an_engine_that_is_not_installed_is_unsupported(pool, monkeypatch) -> None:
-    config = Config("genesis")
-    monkeypatch.setattr(type(config), "unavailable_reason", property(lambda _: "no wheel"))
-    run = Run(config, Case(friction_ratio=0.3, frequency_ratio=0.9), STEPS)
-    found = run_missing([run], Store(), pool)
-    assert found[run] == Result(status=Status.UNSUPPORTED, reason="not installed: no wheel")
-
-
 @pytest.mark.slow
 def test_what_workers_leave_behind_is_ended_and_other_children_are_not(child) -> None:
     own = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])

@@ -1,17 +1,13 @@
 """A sweep file: what may stand in it, its runs, and errors that name file, key, value and what is allowed."""
 
-import datetime
-import math
 import re
-import tomllib
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
-from multibody_xval.scenarios.sweeps.file import EXAMPLE, sweep_of
+from multibody_xval.scenarios.sweeps.file import sweep_of
 from multibody_xval.scenarios.sweeps.plan import Sweep
 from reference_lcp.defaults import CHAIN_STIFFNESS
 from reference_lcp.errors import ParameterError
@@ -96,35 +92,3 @@ WRONG: list[tuple[dict[str, Any], str]] = [
 def test_errors_name_key_value_and_range(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ParameterError, match=f"^{re.escape(message)}"):
         swept(**change)
-
-
-ODD: list[Any] = [True, "x", -1, 0, 2.5, 1e300, math.nan, [], [[1.0]], ["x"], {}, {"x": 1}, datetime.date(2020, 1, 1)]
-
-
-def told_with(content: Any, value: Any, whole: Callable[[Any], Any]) -> Iterator[str]:
-    """Give the messages about data with a value in place of each part of them."""
-    for key, own in content.items():
-
-        def put(new: Any, key: str = key) -> Any:
-            return whole({**content, key: new})
-
-        try:
-            sweep_of(put(value))
-        except ParameterError as problem:
-            yield str(problem)
-        if isinstance(own, dict):
-            yield from told_with(own, value, put)
-
-
-@pytest.mark.parametrize("value", ODD, ids=str)
-def test_an_odd_value_anywhere_is_told_in_one_plain_line(value: Any) -> None:
-    content = {
-        **tomllib.loads(EXAMPLE), "tolerances": {"transmittance_db": 0.1},
-        "grid": {**GRID, "mass_ratio": {**ENDS, "points": 3}, "frequency_ratio": {**ENDS, "accuracy_db": 1.0}},
-    }  # fmt: skip
-    told = set(told_with(content, value, lambda own: own))
-    assert len(told) > 5
-    for line in told:
-        assert "; allowed: " in line
-        assert "\n" not in line
-        assert not re.search("nput should|valid|permitted|pydantic", line), line

@@ -10,9 +10,9 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, linear_limits
+from multibody_xval.scenarios.model import REFERENCE, Case, Run, linear_limits
 from multibody_xval.scenarios.running.evaluate import Means
-from multibody_xval.scenarios.store import Store, opened
+from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps import swept as module
 from multibody_xval.scenarios.sweeps.dataset import judged_table
 from multibody_xval.scenarios.sweeps.file import sweep_of
@@ -103,26 +103,3 @@ def test_an_adaptive_sweep_out_of_its_store_has_the_points_that_it_chose(adaptiv
     with opened(store) as kept:
         kept.add({run: run_batch([run])[0]})
     assert 0.777 not in stored_sweep(ADAPTIVE, store).frequency_ratio.values
-
-
-class Full(Exception):
-    """Ends a sweep in its midst."""
-
-
-def test_a_sweep_that_is_stopped_goes_on_with_the_same_points(adaptive, tmp_path, monkeypatch) -> None:
-    stopped = tmp_path / "stopped.sqlite"
-    adds, keep = iter(range(5)), Store.add
-
-    def add(own: Store, results: dict[Run, Result]) -> None:
-        keep(own, results)
-        if next(adds, None) is None:
-            raise Full
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Store, "add", add)
-        with pytest.raises(Full):
-            swept(ADAPTIVE, Means(store=stopped))
-    with opened(stopped) as kept:
-        assert 0 < len(list(kept.rows())) < int((adaptive.status != "missing").sum())
-    again = swept(ADAPTIVE, Means(store=stopped))
-    xr.testing.assert_identical(again.drop_vars("seconds"), adaptive.drop_vars("seconds"))

@@ -15,7 +15,6 @@ from multibody_xval.scenarios.truth import problem_named, problems
 from multibody_xval.scenarios.truth.problem import Problem, problem_of, text_of
 from multibody_xval.scenarios.truth.record import FOLDER, recorded
 from reference_lcp.chain.drives import HarmonicBase
-from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -89,15 +88,6 @@ def test_contacts_stick_and_slip_when_a_proof_says_so():
     for own, other in zip(found, proven, strict=True):
         apart = abs(Decimal(own.time.value) - Decimal(str(other.time.value)))
         assert apart <= Decimal(own.time.radius) + Decimal(str(other.time.radius))
-
-
-@pytest.mark.parametrize(
-    ("name", "limit"), [("chain-frictionless", frictionless_transmittance), ("chain-locked", stuck_transmittance)]
-)
-def test_the_linear_limits_are_those_of_the_linear_equations(name, limit):
-    problem = problem_named(name)
-    level = 20 * math.log10(limit(Chain.from_ratios(), HarmonicBase(0.01, problem.angular_frequency)))
-    assert float(problem.observables["transmittance"].value) == pytest.approx(level, abs=1e-10)
 
 
 def test_a_block_stops_where_its_energy_is_spent():
