@@ -27,12 +27,3 @@ def test_help_says_what_the_command_does_with_an_example(path) -> None:
     assert command.help
     if not hasattr(command, "commands") or command.invoke_without_command:
         assert f"Example: {path}" in " ".join(command.help.split())
-
-
-@pytest.mark.parametrize("name", ["unit-cell", "stack-hold", "all"])
-def test_help_of_scenarios_says_what_a_bare_engine_stands_for_in_scenes(name) -> None:
-    """Contacts of a box are not what is tuned to the chain; one command may name scenes and chains."""
-    (option,) = (own for own in COMMANDS[f"multibody-xval run {name}"].params if own.name == "chosen")
-    assert "joint with the preset tuned" in option.help
-    assert "in scenes" in option.help
-    assert "default and recommended" in option.help

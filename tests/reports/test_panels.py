@@ -1,6 +1,5 @@
 """Panels of the page, as they are drawn: what has no level, what is not supported, and errors that are noise."""
 
-import re
 from typing import Any
 
 import pandas as pd
@@ -9,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from multibody_xval.reports.figures import levels, panels
-from multibody_xval.reports.figures.svg import Panel, svg
+from multibody_xval.reports.figures.svg import Panel
 from multibody_xval.scenarios.model import Case
 
 LEVELS = {0.5: 10.0, 0.7: -25.0, 0.9: -71.0}
@@ -52,23 +51,12 @@ def test_each_reason_for_no_level_has_a_mark_and_what_is_not_supported_has_none(
     assert panel.text == "recipe: 0 of 2 points periodic, 1 failed, 1 not supported."
 
 
-def test_a_preset_that_is_not_supported_at_all_is_named() -> None:
-    own = {"recipe": dict.fromkeys(LEVELS, "unsupported"), "default options": dict.fromkeys(LEVELS, "periodic")}
-    (panel,) = levels.transmittance(table(own))
-    assert set(marks(drawn(panel)).values()) == {"o"}
-    assert panel.title.endswith(" (not supported: recipe)")
-    assert "recipe: not supported" in panel.text
-
-
-def test_levels_are_drawn_where_they_are_and_the_axis_ends_below_them() -> None:
+def test_levels_are_drawn_where_they_are_and_one_far_below_the_others_is_a_triangle(monkeypatch) -> None:
     (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
     axes = drawn(panel)
     reference, engine = axes.get_lines()
     assert list(reference.get_ydata()) == list(engine.get_ydata()) == list(LEVELS.values())
     assert axes.get_ylim() == (-89.0, 10.0), "the lowest ten, and a tenth of the axis below it"
-
-
-def test_a_level_far_below_the_others_is_a_triangle_at_the_bottom(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(LEVELS, 0.9, -250.0)
     (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
     assert marks(drawn(panel)) == {0.5: "s", 0.7: "s", 0.9: "v"}
@@ -81,16 +69,3 @@ def test_errors_that_are_noise_stand_at_the_left_edge_of_two_decades() -> None:
     assert axes.get_xlim() == pytest.approx((1e-4, 1e-2))
     assert list(axes.get_lines()[0].get_xdata()) == [1e-4, 1e-4]
     assert axes.get_xlabel() == "dB, at the left edge 0.0001 or less"
-
-
-def test_errors_over_frequency_that_are_noise_keep_the_axis_upright() -> None:
-    own = table({"recipe": dict.fromkeys(LEVELS, "periodic")}).assign(error_percent=1e-9)
-    (panel,) = panels.errors(own)
-    assert drawn(panel).get_ylim() == pytest.approx((1e-3, 1e-1))
-
-
-def test_marks_of_one_curve_share_their_style() -> None:
-    (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
-    marked = re.findall(r"<g[^>]*>(?:\s*<use [^>]*/>){3}", svg(panel, "own"))
-    assert len(marked) == 1
-    assert marked[0].count("style=") == 1

@@ -11,53 +11,19 @@ from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.engines import app
 
 
-def printed_by(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """Give what a command prints, in one line."""
-    assert run_command(app, list(arguments)) == 0
-    return " ".join(capsys.readouterr().out.split())
-
-
 def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[str]) -> None:
-    rows = json.loads(printed_by(capsys, "--json"))
-    assert [row["engine"] for row in rows] == engine_names()
-    for row in rows:
+    assert run_command(app, ["--json"]) == 0
+    rows = {row["engine"]: row for row in json.loads(capsys.readouterr().out)}
+    assert list(rows) == engine_names()
+    for row in rows.values():
         assert (row["version"] is None) == (row["missing"] is not None)
         assert "tuned" in row["presets"]["joint"]
         assert row["licence"]
-    normal_force = {row["engine"]: row["normal_force"] for row in rows}
-    assert normal_force["mujoco"]["joint"]["tuned"] == "modulated"
-    assert normal_force["mujoco"]["contact"]["tuned"] == "modulated until contacts open"
-    assert normal_force["siconos"]["joint"]["tuned"] == "constant"
+    assert rows["mujoco"]["normal_force"]["joint"]["tuned"] == "modulated"
+    assert rows["mujoco"]["normal_force"]["contact"]["tuned"] == "modulated until contacts open"
 
 
-def test_missing_engine_is_listed_with_its_reason(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
-    printed = printed_by(capsys)
-    assert "missing" in printed
-    assert "pybullet: no wheel for this Python" in printed
-
-
-def test_each_formulation_has_a_line_of_its_own(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "200")
-    assert run_command(app, []) == 0
-    lines = capsys.readouterr().out.splitlines()
-    (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco "))
-    assert "joint: tuned, recommended, default" in lines[mujoco]
-    assert lines[mujoco + 1].split() == ["double", "contact:", "tuned,", "newton,", "recommended,", "default"]
-
-
-def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["--all"]) == 2
-    assert capsys.readouterr().err.startswith("error: ")
-
-
-def test_texts_of_a_plugin_neither_colour_nor_move_the_table(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_texts_of_a_plugin_neither_colour_nor_move_the_table(capsys, monkeypatch) -> None:
     monkeypatch.setattr(PyBullet, "version", lambda _self: "[red]3\x1b[2J")
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no\x1b[2J wheel")
     assert run_command(app, []) == 0

@@ -51,7 +51,7 @@ def test_a_bound_that_is_off_by_a_hundredth_is_found_and_a_sound_copy_agrees(ins
 
 
 def test_an_engine_that_crashes_gives_a_line_a_check(install) -> None:
-    printed = install("wrong_engines").run(*COMMAND.split(), "faulty-crash", code=1)
+    printed = install("faulty").run(*COMMAND.split(), "faulty-crash", code=1)
     lines = [line for line in printed.splitlines() if line.startswith("FAILED faulty-crash joint tuned, ")]
     assert len(lines) == 10
     assert all("failed: its process has ended by signal" in line for line in lines)

@@ -22,15 +22,3 @@ def test_law_of_another_preset_is_far_from_the_engine(monkeypatch) -> None:
     hard = of_mujoco.joint_friction(Variant("mujoco", "joint", "recommended").preset)
     monkeypatch.setattr(study, "law_of", lambda *_: hard)
     assert study.period_distances(SOFT)[0] > 100 * hard.bound
-
-
-class Dies:
-    """A pool whose worker ends."""
-
-    def submit(self, _job):
-        raise OSError("no such file")
-
-
-def test_an_engine_that_fails_is_the_reason_of_its_row() -> None:
-    row = study._row(Variant("mujoco"), Dies())
-    assert row["reason"] == "OSError: no such file"

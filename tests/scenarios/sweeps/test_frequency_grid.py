@@ -43,16 +43,9 @@ def test_of_a_resolved_curve_only_what_was_taken_away_is_missing() -> None:
     assert missing(GRID, resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)), rest) == [first]
 
 
-def test_a_curve_begins_with_even_points_and_its_peaks() -> None:
-    assert len(missing(GRID, [], {})) == START_POINTS
+def test_a_curve_begins_with_even_points_and_its_peaks_and_goes_on_where_there_are_levels() -> None:
+    start = missing(GRID, [], {})
+    assert len(start) == START_POINTS
     assert 0.9123 in missing(GRID, [0.91234, 5.0], {})
-
-
-def test_a_flat_curve_gets_one_middle_an_interval() -> None:
-    start = missing(GRID, [], {})
     assert missing(GRID, [], dict.fromkeys(start, 0.0)) == [(a + b) / 2 for a, b in pairwise(start)]
-
-
-def test_no_point_is_proposed_beside_one_without_a_steady_state() -> None:
-    start = missing(GRID, [], {})
     assert missing(GRID, [], dict.fromkeys(start, math.nan)) == []

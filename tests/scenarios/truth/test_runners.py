@@ -14,7 +14,6 @@ from multibody_xval.scenarios.truth.record import FOLDER
 
 RUNNERS = FOLDER / "runners"
 FILES = sorted((FOLDER / "problems").glob("*.json"))
-MOST_LINES = 80
 
 LANGUAGES = {
     "python": ("py", None),
@@ -72,14 +71,6 @@ def test_ten_percent_more_friction_fail_wherever_something_slides(language, tmp_
 
 
 @every_language
-def test_no_number_is_no_motion(language, tmp_path):
-    place = {"python": "x += h * v", "c++": "x[i] += h * v[i]", "rust": "x[i] += h * v[i]"}[language]
-    run = judged(language, tmp_path, FILES[:3], (place, place.replace("h *", "(h - h) / (h - h) *")))
-    assert run.returncode == 1
-    assert "ok" not in run.stdout
-
-
-@every_language
 def test_creep_of_a_micrometre_a_second_fails(language, tmp_path):
     change = {
         "python": ("np.where(held, wanted,", "np.where(held, wanted + 1e-6 / (w[c1] + w[c2]),"),
@@ -89,17 +80,3 @@ def test_creep_of_a_micrometre_a_second_fails(language, tmp_path):
     run = judged(language, tmp_path, [FOLDER / "problems" / "block-held.json"], change)
     assert run.returncode == 1
     assert run.stdout.startswith("FAILED")
-
-
-@every_language
-def test_another_format_is_refused(language, tmp_path):
-    other = tmp_path / "other.json"
-    other.write_text('{"format": 2}')
-    run = judged(language, tmp_path, [other])
-    assert run.returncode == 2
-    assert "is no problem of format 1" in run.stderr
-
-
-def test_every_file_of_a_runner_has_eighty_lines_at_most():
-    lengths = {file.name: len(file.read_text().splitlines()) for file in RUNNERS.glob("*.*")}
-    assert {name: length for name, length in lengths.items() if length > MOST_LINES} == {}
