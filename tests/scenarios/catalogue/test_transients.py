@@ -12,7 +12,6 @@ from multibody_xval.scenarios.catalogue.blocks.published import PUBLISHED
 from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABOVE_KINETIC
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.chains.broadband import (
-    BANDS,
     FILTERED_NOISE,
     RICKER_PULSE,
     ROWS_PER_PERIOD,
@@ -32,11 +31,10 @@ from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import steps_a_row
-from multibody_xval.scenarios.edges.finding import brackets
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Result, Run
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Result, Run
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE
 from multibody_xval.scenarios.store import Stored
-from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
+from reference_lcp import ParameterError, RecordedBase
 from tests.scenarios.catalogue.example_record import PEAK, example_samples
 from tests.scenarios.in_this_process import OTHER, SHARES, judged, judged_copy, only, result_of
 
@@ -91,16 +89,6 @@ def test_transients_have_died_out_at_their_end(name) -> None:
     case = replace(first(SCENARIOS[name]), friction_ratio=0.0)
     response = np.abs(result_of(Run(REFERENCE, case, 10 * case.rows)).series["response"])
     assert np.max(response[-ROWS_PER_PERIOD * 10 :]) < 0.02 * np.max(response)
-
-
-def test_the_first_two_bands_lie_below_the_attenuation_the_third_within_it_the_last_above() -> None:
-    chain, eta = Case(friction_ratio=0.0, frequency_ratio=1.0).chain, np.linspace(0.3, 2.0, 1701)
-    levels = [decibel(frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, own))) for own in eta]
-    found = brackets(np.array(levels))
-    lower, upper = eta[found["lower"]], eta[found["upper"] + 1]
-    assert (lower, upper) == pytest.approx((0.853, 1.414), abs=0.002)
-    (_, one), (second, below), (begin, end), (above, _) = BANDS.values()
-    assert one < second < below < lower < begin < end < upper < above
 
 
 def test_oscillator_decays_by_the_closed_form() -> None:
