@@ -2,14 +2,13 @@
 
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.scenarios.model import Config, Run
-from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, grid, left_out, report_runs
+from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, grid, report_runs
 from multibody_xval.scenarios.ruler.exact_values import ruler
 
 TUNED = Config("mujoco")
 DEFAULT = Config("mujoco", preset_name="default")
 CONTACT = Config("mujoco", "contact")
 UNSETTLED = Config("mujoco", "contact", "default")
-SLOW = Config("exudyn-regularised")
 
 
 def of(config: Variant, runs: list[Run]) -> list[Run]:
@@ -23,10 +22,3 @@ def test_every_preset_is_measured_at_the_headline_points_and_joints_on_the_grid_
     assert of(UNSETTLED, runs) == [Run(UNSETTLED, HEADLINE[0], HEADLINE_STEPS)]
     assert set(ruler((run.case, run.steps) for run in of(TUNED, runs))) <= set(runs)
     assert len(runs) == len(set(runs))
-
-
-def test_what_is_left_out_is_said_with_the_command_that_has_it() -> None:
-    said = left_out([TUNED, SLOW, UNSETTLED], quick=True)
-    assert "friction ratios 0.1, 0.6, 5" in said
-    assert said.count("multibody-xval report") == 1
-    assert left_out([TUNED], quick=False) == ""

@@ -166,9 +166,3 @@ def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_
         text = WRITTEN[ending](Comparison(table, "before", "now", 0.001, strict=False))
         assert NAME in text.replace("\\", "")
         assert ending != ".csv" or "transmittance_db_now" not in text, "there are no steady states"
-
-
-def test_without_the_ruler_a_change_is_unknown_and_fails(changes) -> None:
-    rows = changes(thrown(1.01), thrown(1.05), ruled=False)
-    assert rows.change["distance"] == "unknown"
-    assert fails(rows)

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps import swept as module
 from multibody_xval.scenarios.sweeps.dataset import judged_table
 from multibody_xval.scenarios.sweeps.file import sweep_of
-from multibody_xval.scenarios.sweeps.frequency_grid import START_POINTS, AdaptiveGrid, level, missing, resonances
+from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid, level, missing, resonances
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp import Chain, HarmonicBase, steady_state
 
@@ -39,14 +38,6 @@ def test_interpolated_curve_is_as_accurate_as_asked_and_asks_for_no_more(accurac
     curve = PchipInterpolator(eta, [level(levels[own]) for own in eta.tolist()])
     errors = curve(between) - [level(free_db(own)) for own in between.tolist()]
     assert np.abs(errors).max() <= 1.5 * accuracy
-
-
-def test_a_curve_begins_with_even_points_and_its_peaks_and_goes_on_where_there_are_levels() -> None:
-    start = missing(BENT, [], {})
-    assert len(start) == START_POINTS
-    assert 0.9123 in missing(BENT, [0.91234, 5.0], {})
-    assert missing(BENT, [], dict.fromkeys(start, 0.0)) == [(a + b) / 2 for a, b in pairwise(start)]
-    assert missing(BENT, [], dict.fromkeys(start, math.nan)) == []
 
 
 pytestmark = pytest.mark.usefixtures("here")
