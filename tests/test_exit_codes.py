@@ -53,7 +53,7 @@ def test_commands_end_with_their_codes(stores, line, code, capsys) -> None:
 
 def written_to(output: int) -> tuple[int, str]:
     """Run a command whose standard output is this; give its exit code and what it complains of."""
-    words = [sys.executable, "-m", "multibody_xval", "example"]
+    words = [sys.executable, "-m", "multibody_xval", "--help"]
     done = subprocess.run(words, cwd=ROOT, stdout=output, stderr=subprocess.PIPE, text=True, check=False)
     return done.returncode, done.stderr
 

@@ -1,7 +1,6 @@
 """No encoding of a terminal, no setting of matplotlib and no text of others ends a command or is obeyed."""
 
 import io
-import os
 import sys
 
 import pytest
@@ -21,13 +20,6 @@ def test_an_output_without_greek_letters_ends_no_command(monkeypatch, line) -> N
     assert run_command(app, line.split()) == 0
     sys.stdout.flush()
     assert sys.stdout.buffer.getvalue()
-
-
-def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
-    monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(io.BytesIO(), encoding="utf-8"))
-    assert run_command(app, ["sweep", os.fsdecode(b"\xff.toml")]) == ExitCode.WRONG_INPUT
-    sys.stderr.flush()
-    assert sys.stderr.buffer.getvalue().startswith(rb"error: \udcff.toml cannot be read")
 
 
 @pytest.mark.parametrize("text", ["\x1b[2J", "\x9b2J", "\r", "\n", "\x00", "\u202e", "\u2028", "\udcff"])

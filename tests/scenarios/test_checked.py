@@ -9,7 +9,7 @@ import pytest
 
 from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.compute.checked import TIME_MARGIN, CheckedSimulation, TrajectoryFault, check_trajectory
+from multibody_xval.scenarios.compute.checked import TIME_MARGIN, TrajectoryFault, check_trajectory
 from multibody_xval.scenarios.model import Case, Config, Result, Run
 from reference_lcp import Chain, HarmonicBase, Lane, RickerPulse, StillBase
 from reference_lcp.chain.trajectory import State
@@ -94,13 +94,3 @@ def test_array_of_another_shape_or_type_is_refused_and_one_in_single_precision_p
         check_trajectory(dataclasses.replace(run, **{name: getattr(run, name).astype(np.float32)}), lane, 0, 100)
     with pytest.raises(TrajectoryFault, match=message):
         check_trajectory(dataclasses.replace(run, **{name: OTHERWISE[message](getattr(run, name))}), lane, 0, 100)
-
-
-def test_state_of_another_type_is_refused(lane) -> None:
-    class Halves(CompiledSimulation):
-        def advance(self, state, start, steps):
-            end = super().advance(state, start, steps)
-            return dataclasses.replace(end, velocities=end.velocities.astype(np.float16))
-
-    with pytest.raises(TrajectoryFault, match="is of type float16"):
-        CheckedSimulation(Halves([lane])).advance(State.at_rest(1, 2), 0, 10)

@@ -101,6 +101,8 @@ SWEEP = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9}
         (sweep, {"time_limit": 0.0}, "time_limit = 0"),
         (sweep, {"amplitude": -1.0}, "drive.amplitude = -1.0"),
         (sweep, {"store": "a\x00b"}, "is no path"),
+        (sweep, {"store": ""}, "store = '' is empty; allowed: a path"),
+        (check, {"store": " "}, "store = ' ' is empty; allowed: a path"),
     ],
 )
 def test_mistake_is_named_before_any_work(function, arguments, message, monkeypatch: pytest.MonkeyPatch) -> None:

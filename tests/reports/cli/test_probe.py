@@ -81,7 +81,7 @@ def test_hinge_under_its_own_weight_creeps_as_the_law_of_its_friction_predicts(c
 
 
 def test_first_keyframe_is_watched_with_its_controls(capsys) -> None:
-    found = measured(capsys, MODELS / "grip.xml")
+    found = measured(capsys, MODELS / "grip.xml", "--time", "1")
     creeps = {each["name"]: each["creep"] for each in found["held"]}
     installed = {"left / cube": 3679, "right / cube": 3679}
     assert {key: creeps[key]["as it is"] for key in installed} == pytest.approx(installed, rel=STEADY)

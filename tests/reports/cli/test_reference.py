@@ -1,13 +1,15 @@
-"""``multibody-xval reference`` as its users run it."""
+"""``multibody-xval reference`` as its users run it, with ``--proof`` too."""
 
 import json
 import re
+from decimal import Decimal
 
 import pytest
 
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.reference import app
 from reference_lcp.errors import ExitCode
+from reference_lcp.exact.proof import prove
 from tests.reference_lcp.cases import EXACT_DB
 
 
@@ -38,15 +40,6 @@ def test_lemke_prints_the_same_transmittance_to_1e_9_db(capsys) -> None:
     arguments = ("--cells", "1", "--friction-ratio", "0.3", "--frequency-ratio", "0.8", "--solver")
     lemke, compiled = (answered(capsys, *arguments, solver)["transmittance_db"] for solver in ("lemke", "compiled"))
     assert lemke == pytest.approx(compiled, abs=1e-9)
-
-
-def test_more_steps_than_requested_come_with_the_reason(capsys) -> None:
-    """ω_max of the canonical chain is 2.25 ω_r: a period at 0.9 ω_r needs 2π (2.25 / 0.9) / 0.4 = 39.3 steps."""
-    answer = answered(capsys, "--steps-per-period", "16")
-    assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (16, 40)
-    assert "dt ω_max <= 0.4" in answer["why_more_steps"]
-    _, text, _ = run(capsys, "--steps-per-period", "16")
-    assert re.search(r"steps per period\s+40 .*\n\s+16 requested; more keep dt ω_max <= 0.4", text)
 
 
 def test_no_steady_state_within_the_periods_is_exit_code_1_and_a_period_is_drawn(capsys, tmp_path) -> None:
@@ -104,3 +97,46 @@ def test_exact_solver_prints_the_same_keys(capsys) -> None:
     exact = answered(capsys, *arguments, "--solver", "exact")
     assert exact.keys() == answered(capsys, *arguments).keys()
     assert exact["transmittance_db"] == pytest.approx(level, abs=1e-3)
+
+
+POINT = ("--cells", "2", "--frequency-ratio", "0.6", "--proof")
+
+
+def test_missing_package_is_named_in_one_line_before_any_work(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(prove, "find_spec", lambda _: None)
+    code, out, err = run(capsys, *POINT)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.endswith("a proof needs python-flint, which is not installed; pip install 'multibody-xval[proof]'\n")
+
+
+def test_proof_is_in_the_json_as_decimal_strings(capsys) -> None:
+    pytest.importorskip("flint", reason="python-flint is not installed")
+    code, out, _ = run(capsys, *POINT, "--friction-ratio", "0.3", "--json")
+    answer = json.loads(out)["proof"]
+    assert (code, answer["status"], answer["reason"], answer["unique_by"]) == (0, "proven", None, "damping")
+    for name in ("transmittance_db", "phase"):
+        assert Decimal(answer[name]["radius"]) < Decimal("1e-20")
+    # The exact solver gives 1.69877440905827...
+    assert answer["transmittance_db"]["value"].startswith("1.69877440905827")
+    assert {"cell", "kind", "time_over_period"} == set(answer["transitions"][0])
+    assert len(answer["transitions"]) == 4
+
+
+def test_ratios_are_the_decimals_that_were_typed(capsys) -> None:
+    """Both decimals are the same double; the level differs where the ratios do."""
+    pytest.importorskip("flint", reason="python-flint is not installed")
+    levels = []
+    for friction in ("0.3", "0.300000000000000000001"):
+        _, out, _ = run(capsys, *POINT, "--friction-ratio", friction, "--digits", "30", "--json")
+        levels.append(Decimal(json.loads(out)["proof"]["transmittance_db"]["value"]))
+    assert float(friction) == 0.3
+    assert Decimal("1e-22") < abs(levels[1] - levels[0]) < Decimal("1e-19")
+
+
+def test_time_that_does_not_suffice_ends_as_not_proven(capsys) -> None:
+    pytest.importorskip("flint", reason="python-flint is not installed")
+    code, out, _ = run(capsys, *POINT, "--friction-ratio", "0.3", "--time-limit", "1e-3", "--json")
+    answer = json.loads(out)["proof"]
+    assert (code, answer["status"]) == (1, "not proven")
+    assert answer["reason"] == "the time limit of 0.001 s is over"
+    assert answer["transmittance_db"] is answer["phase"] is answer["transitions"] is None

@@ -95,13 +95,3 @@ def test_the_report_of_an_engine_has_its_three_presets(tmp_path: Path, capsys: p
     assert list(headline) == ["default options", "recipe", "tuned to the chain"]
     assert headline.loc["MuJoCo, joint"].astype(str).tolist() == ["15", "0.12", "0.12"]
     assert "At one point alone" in (tmp_path / "out" / "index.html").read_text()
-
-
-def test_an_interrupted_run_says_that_results_are_kept_and_writes_no_page(tmp_path: Path, capsys, monkeypatch) -> None:
-    def interrupt(*_arguments: object, **_options: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(sources, "computed", interrupt)
-    assert run_command(app, ["--engine", "mujoco", "--out", str(tmp_path)]) == ExitCode.INTERRUPTED
-    assert f"kept in {tmp_path / 'results.sqlite'}" in capsys.readouterr().err
-    assert not (tmp_path / "index.html").exists()

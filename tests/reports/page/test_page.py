@@ -72,11 +72,3 @@ def test_a_dataset_makes_a_page_without_edges(stored: list[Stored], tmp_path: Pa
     again = report(tmp_path / "own.nc", tmp_path / "again").read_text()
     same = [text.partition('<section id="made">')[0] for text in (page, again)]
     assert same[0] == same[1]
-
-
-def test_what_is_no_data_of_a_report_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "own.txt").write_text("")
-    for data, said in ((pd.DataFrame(), "data is a DataFrame"), (tmp_path / "own.txt", "the ending '.txt'")):
-        with pytest.raises(ParameterError, match=said):
-            report(data, tmp_path / "out")
-    assert not (tmp_path / "out").exists()

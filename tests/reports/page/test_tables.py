@@ -7,7 +7,6 @@ from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
 from multibody_xval.scenarios.model import Config, Result, Run
-from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from tests.reports.conftest import spoilt
@@ -74,12 +73,3 @@ def test_versions_of_one_engine_stand_next_to_each_other(results: dict[Run, Resu
     version = next(row.version for row in stored if row.run.config == TUNED)
     assert {f"MuJoCo, joint {version}", "MuJoCo, joint 1.0"} <= titles
     assert "MuJoCo, joint" in titles, "of default options there is one version"
-
-
-def test_the_headlines_points_are_no_part_of_curves() -> None:
-    runs = {Run(TUNED, case, HEADLINE_STEPS): None for case in HEADLINE}
-    rows = pd.DataFrame(
-        [{"config": run.config, "case": run.case, "steps": run.steps, "place": tables.place(run.case)} for run in runs]
-    )
-    assert tables.on_grid(rows).empty
-    assert len(tables.on_grid(rows.assign(steps=400))) == len(HEADLINE)

@@ -6,15 +6,7 @@ from dataclasses import replace
 import pytest
 
 from multibody_xval.scenarios.cases.motions import BlockMotion
-from multibody_xval.scenarios.catalogue.blocks import static_friction
-from multibody_xval.scenarios.catalogue.blocks.static_friction import (
-    FAST,
-    JUMP_TIME,
-    RISE_TIME,
-    STATIC_ABOVE_KINETIC,
-    TWO_STEPS,
-    load,
-)
+from multibody_xval.scenarios.catalogue.blocks import static_friction as own
 from multibody_xval.scenarios.model import EXACT, Run
 from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp.errors import ParameterError
@@ -29,7 +21,7 @@ from tests.scenarios.in_this_process import (
     result_of,
 )
 
-ONE = only(STATIC_ABOVE_KINETIC, "1 kg, 1.5")
+ONE = only(own.STATIC_ABOVE_KINETIC, "1 kg, 1.5")
 (KILOGRAM,) = ONE.cases.values()
 assert isinstance(KILOGRAM, BlockMotion)
 
@@ -39,20 +31,20 @@ def jump_under_growing_load(ratio: float) -> float:
 
     ṡ = 0 where tan(Ωt / 2) = −Ω ΔF / Ḟ, and there s = (ΔF (1 − cos Ωt) + Ḟ (t − sin Ωt / Ω)) / k.
     """
-    omega, left = math.pi / JUMP_TIME, ratio - 1
-    rate = ratio * (load(RISE_TIME + 1e-6) - load(RISE_TIME - 1e-6)) / 2e-6 / omega
+    omega, left = math.pi / own.JUMP_TIME, ratio - 1
+    rate = ratio * (own.load(own.RISE_TIME + 1e-6) - own.load(own.RISE_TIME - 1e-6)) / 2e-6 / omega
     angle = 2 * (math.pi - math.atan(left / rate))
     return (left * (1 - math.cos(angle)) + rate * (angle - math.sin(angle))) / (2 * left)
 
 
-@pytest.mark.parametrize("case", STATIC_ABOVE_KINETIC.cases.values(), ids=STATIC_ABOVE_KINETIC.cases)
+@pytest.mark.parametrize("case", own.STATIC_ABOVE_KINETIC.cases.values(), ids=own.STATIC_ABOVE_KINETIC.cases)
 def test_exact_block_holds_the_static_bound_and_jumps_as_the_oscillator_does(case) -> None:
     """But for the sine, whose growth falls during the jump: that is up to a hundredth of it."""
     run = Run(EXACT, case, case.rows)
-    begin = load(RISE_TIME + math.asin(FAST) / math.pi * JUMP_TIME)
-    assert static_friction.breakaway_load(result_of(run), run) == pytest.approx(begin, abs=TWO_STEPS)
+    begin = own.load(own.RISE_TIME + math.asin(own.FAST) / math.pi * own.JUMP_TIME)
+    assert own.breakaway_load(result_of(run), run) == pytest.approx(begin, abs=own.TWO_STEPS)
     jump = jump_under_growing_load(case.static_ratio)
-    assert static_friction.jump(result_of(run), run) == pytest.approx(jump, rel=0.01)
+    assert own.jump(result_of(run), run) == pytest.approx(jump, rel=0.01)
 
 
 @pytest.mark.parametrize("config", [SHARES, OTHER])

@@ -10,7 +10,8 @@ from multibody_xval.scenarios.catalogue.chains import closed_forms
 from multibody_xval.scenarios.catalogue.chains import steady_states as chains
 from multibody_xval.scenarios.catalogue.chains.closed_forms import DEN_HARTOG, FRICTIONLESS_LIMIT, LOCKED_LIMIT, SLIDING
 from multibody_xval.scenarios.catalogue.chains.normal_forces import MODULATED_NORMAL_FORCE
-from multibody_xval.scenarios.model import EXACT, Case, Config, Result, Run
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.model import EXACT, Case, Config, Result, Run, Status
 from multibody_xval.scenarios.ruler.exact_values import PROVEN_BAR, proven
 from multibody_xval.scenarios.ruler.judge import AGREES
 from reference_lcp.errors import ParameterError
@@ -143,3 +144,15 @@ def test_an_impossible_modulation_is_refused_with_its_value(wrong) -> None:
     ((name, value),) = wrong.items()
     with pytest.raises(ParameterError, match=f"{name} = {value:g} "):
         Case(friction_ratio=0.3, frequency_ratio=0.5, **{"modulation": 0.5, **wrong})
+
+
+SOFT = Config("mujoco", preset_name="default")
+"""Contacts that creep: far from Euler's steady state, steps of the search may lead to where the motion explodes."""
+
+
+def test_a_search_that_diverges_next_to_eulers_steady_state_begins_anew() -> None:
+    astray = Case(friction_ratio=1.0, frequency_ratio=0.671429)
+    found, beside = run_batch([Run(SOFT, own, 400) for own in (astray, Case(friction_ratio=1.0, frequency_ratio=0.9))])
+    assert found.status is beside.status is Status.PERIODIC
+    near = run_batch([Run(SOFT, Case(friction_ratio=1.0, frequency_ratio=eta), 400) for eta in (0.6709, 0.6719)])
+    assert found.transmittance == pytest.approx(sum(own.transmittance for own in near) / 2, rel=1e-3)

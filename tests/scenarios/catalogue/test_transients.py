@@ -11,40 +11,23 @@ from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.blocks.published import PUBLISHED
 from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABOVE_KINETIC
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
-from multibody_xval.scenarios.catalogue.chains.broadband import (
-    BANDS,
-    FILTERED_NOISE,
-    RICKER_PULSE,
-    ROWS_PER_PERIOD,
-    SWEPT_SINE,
-    followed,
-    linear_limits,
-)
-from multibody_xval.scenarios.catalogue.chains.free_decay import (
-    FREE_DECAY,
-    OSCILLATOR,
-    half_width,
-    loss_a_cycle,
-    offsets,
-    rest_time,
-)
+from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
 from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import steps_a_row
-from multibody_xval.scenarios.edges.finding import brackets
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Result, Run
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Result, Run
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE
 from multibody_xval.scenarios.store import Stored
-from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
+from reference_lcp import ParameterError, RecordedBase
 from tests.scenarios.catalogue.example_record import PEAK, example_samples
 from tests.scenarios.in_this_process import OTHER, SHARES, judged, judged_copy, only, result_of
 
 BELOW, WITHIN, ABOVE = "η_r 0.65–0.82", "η_r 0.9–1.35", "η_r 1.5–2"
 
-PULSE = RICKER_PULSE.cases["μλ_N/(k_c U0) = 0.03"]
+PULSE = broadband.RICKER_PULSE.cases["μλ_N/(k_c U0) = 0.03"]
 
-SHORT_PULSE = replace(RICKER_PULSE, cases=followed(PULSE.drive, 60, (0.03,)))
+SHORT_PULSE = replace(broadband.RICKER_PULSE, cases=broadband.followed(PULSE.drive, 60, (0.03,)))
 """The pulse, not followed to its end."""
 
 
@@ -70,17 +53,17 @@ def test_friction_attenuates_more_below_the_band_only_within_a_range_of_amplitud
     assert much[ABOVE] < none[ABOVE] - 20
 
 
-@pytest.mark.parametrize("scenario", [RICKER_PULSE, FILTERED_NOISE], ids=lambda each: each.name)
+@pytest.mark.parametrize("scenario", [broadband.RICKER_PULSE, broadband.FILTERED_NOISE], ids=lambda each: each.name)
 def test_linear_limits_are_the_motions_without_friction_and_with_far_too_much(scenario) -> None:
     """To a twentieth of the peak: the noise is cut off at its end, and an effect needs no more."""
-    for ratio, limit in zip((0.0, 1000.0), linear_limits(first(scenario)), strict=True):
+    for ratio, limit in zip((0.0, 1000.0), broadband.linear_limits(first(scenario)), strict=True):
         simulated = numbers_at(scenario, ratio)
         assert np.max(np.abs(simulated["series"] - limit)) < 0.05 * np.max(np.abs(limit))
 
 
 def test_slow_sweep_meets_the_attenuation_of_figure_3() -> None:
     """While it passes a band the base is harmonic: wider up to some friction ratio, and gone when cells lock."""
-    none, some, more, locked = (numbers_at(SWEPT_SINE, ratio)[BELOW] for ratio in (0.0, 0.1, 0.3, 3.0))
+    none, some, more, locked = (numbers_at(broadband.SWEPT_SINE, ratio)[BELOW] for ratio in (0.0, 0.1, 0.3, 3.0))
     assert some < none - 4
     assert more < none - 2
     assert locked > none + 4
@@ -90,40 +73,30 @@ def test_slow_sweep_meets_the_attenuation_of_figure_3() -> None:
 def test_transients_have_died_out_at_their_end(name) -> None:
     case = replace(first(SCENARIOS[name]), friction_ratio=0.0)
     response = np.abs(result_of(Run(REFERENCE, case, 10 * case.rows)).series["response"])
-    assert np.max(response[-ROWS_PER_PERIOD * 10 :]) < 0.02 * np.max(response)
-
-
-def test_the_first_two_bands_lie_below_the_attenuation_the_third_within_it_the_last_above() -> None:
-    chain, eta = Case(friction_ratio=0.0, frequency_ratio=1.0).chain, np.linspace(0.3, 2.0, 1701)
-    levels = [decibel(frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, own))) for own in eta]
-    found = brackets(np.array(levels))
-    lower, upper = eta[found["lower"]], eta[found["upper"] + 1]
-    assert (lower, upper) == pytest.approx((0.853, 1.414), abs=0.002)
-    (_, one), (second, below), (begin, end), (above, _) = BANDS.values()
-    assert one < second < below < lower < begin < end < upper < above
+    assert np.max(response[-broadband.ROWS_PER_PERIOD * 10 :]) < 0.02 * np.max(response)
 
 
 def test_oscillator_decays_by_the_closed_form() -> None:
     """Let go at 1, with F / k = 0.06: turns at 0.88, 0.76, … 0.04, where it stays, after eight half cycles."""
-    run = Run(EXACT, OSCILLATOR, 8 * OSCILLATOR.rows)
+    run = Run(EXACT, free_decay.OSCILLATOR, 8 * free_decay.OSCILLATOR.rows)
     exact = result_of(run)
     assert exact.series["offsets"][0] == pytest.approx(0.04, abs=1e-4)
-    assert rest_time(exact, run) == pytest.approx(4, abs=0.03)
-    assert loss_a_cycle(np.array(exact.series["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
+    assert free_decay.rest_time(exact, run) == pytest.approx(4, abs=0.03)
+    assert free_decay.loss_a_cycle(np.array(exact.series["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
     # springs of the rest state hold (1/25)² of the energy
     assert exact.series["energy"][0] == pytest.approx(0.04**2, abs=2e-4)
-    assert half_width(run) == pytest.approx(0.06)
+    assert free_decay.half_width(run) == pytest.approx(0.06)
 
 
-@pytest.mark.parametrize("case", FREE_DECAY.cases.values(), ids=FREE_DECAY.cases)
+@pytest.mark.parametrize("case", free_decay.FREE_DECAY.cases.values(), ids=free_decay.FREE_DECAY.cases)
 def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(case) -> None:
     run = Run(EXACT, case, 8 * case.rows)
     assert 0 < result_of(run).series["rest"][0] < 0.9 * case.time
-    assert 0.01 < np.max(np.abs(offsets(result_of(run), run))) <= 1
+    assert 0.01 < np.max(np.abs(free_decay.offsets(result_of(run), run))) <= 1
 
 
 @pytest.mark.needs("mujoco")
-@pytest.mark.parametrize("scenario", [SHORT_PULSE, FREE_DECAY], ids=lambda own: own.name)
+@pytest.mark.parametrize("scenario", [SHORT_PULSE, free_decay.FREE_DECAY], ids=lambda own: own.name)
 def test_mujoco_agrees_with_the_reference_at_equal_steps(scenario) -> None:
     assert set(judged(scenario, SHARES).verdict) == {AGREES}
 
@@ -139,7 +112,10 @@ def stretched(part: float):
 
 
 MOTIONS = [
-    *(replace(own, cases=dict([*own.cases.items()][:1])) for own in (PUBLISHED, FREE_DECAY, STOPPING_DISTANCE)),
+    *(
+        replace(own, cases=dict([*own.cases.items()][:1]))
+        for own in (PUBLISHED, free_decay.FREE_DECAY, STOPPING_DISTANCE)
+    ),
     SHORT_PULSE,
     only(STATIC_ABOVE_KINETIC, "1 kg, 1.5"),
 ]
@@ -159,7 +135,7 @@ def test_a_long_run_that_is_off_by_a_millionth_deviates_at_equal_steps(config, p
 
 
 def test_a_time_step_that_leaves_out_what_friction_does_shows_nothing() -> None:
-    table = judged_copy(replace(only(FREE_DECAY, "inner"), steps=steps_a_row(1)), OTHER)
+    table = judged_copy(replace(only(free_decay.FREE_DECAY, "inner"), steps=steps_a_row(1)), OTHER)
     assert set(table.verdict) == {AGREES, TOO_LARGE}
 
 

@@ -1,4 +1,4 @@
-"""Points of two stores, or of two configurations: closer to the exact motion is improved, farther is regressed."""
+"""Two stores, or two configurations: closer to the exact motion is improved, farther is regressed."""
 
 import math
 from dataclasses import replace
@@ -8,13 +8,16 @@ import pandas as pd
 import pytest
 
 from multibody_xval import compare
-from multibody_xval.reports.changes import identities
+from multibody_xval.reports.changes import WRITTEN, Comparison, changed_numbers, identities
+from multibody_xval.reports.formatting import flat
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare.stores import conclusion, fails
-from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed, unsupported
+from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed, unsupported
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ParameterError
-from tests.scenarios.stores import CASE, OTHER, STEPS, of, with_bound, write_store
+from tests.scenarios.in_this_process import pressed, result_of
+from tests.scenarios.stores import CASE, STEPS, of, with_bound, write_store
 
 
 @pytest.fixture
@@ -90,18 +93,6 @@ def test_a_worse_reference_is_found_though_it_is_the_ruler(written) -> None:
     assert (row["configuration"], row["change"]) == ("reference:joint:tuned", "regressed")
 
 
-def test_neither_the_order_of_results_nor_points_of_one_grid_alone_matter(written) -> None:
-    third = Case(friction_ratio=1.0, frequency_ratio=0.9)
-    at = {CASE: with_bound(1.05), OTHER: with_bound(1.01, OTHER)}
-    before = written("before", at)
-    now = written("now", {third: with_bound(1.0, third), OTHER: at[OTHER], CASE: with_bound(1.01)})
-    rows = own(compare(before, now)).set_index("case")
-    assert rows.change.to_dict() == {CASE: "improved", OTHER: "unchanged", third: "new"}
-    assert not fails(rows)
-    back = own(compare(now, before)).set_index("case")
-    assert back.change.to_dict() == {CASE: "regressed", OTHER: "unchanged", third: "missing"}
-
-
 def test_stores_that_have_the_reference_alone_in_common_are_refused(written, tmp_path: Path) -> None:
     other = stored_as(tmp_path / "other.sqlite", 1.0, "pybullet")
     with pytest.raises(ParameterError, match="have no point in common; allowed: stores with the same configurations"):
@@ -128,8 +119,50 @@ def test_a_preset_and_the_same_with_an_option_are_compared_where_each_store_has_
     assert f"{PRESET} -> {CHANGED}: options iterations 100 → 50" in identities(compare(before, now))
 
 
-def test_of_several_with_other_options_the_same_alone_are_compared(tmp_path: Path) -> None:
-    before = stored_as(tmp_path / "before.sqlite", 1.01, PRESET)
-    now = stored_as(tmp_path / "now.sqlite", 1.05, CHANGED, PRESET)
-    rows = own(compare(before, now)).set_index("configuration")
-    assert rows.change.to_dict() == {PRESET: "regressed", CHANGED: "new"}
+SCENARIO, ENGINE = SCENARIOS["stopping-distance"], Config("mujoco")
+NAME, (OWN, *_) = next(iter(SCENARIO.cases)), SCENARIO.own_runs(ENGINE).values()
+RULER = [run for run in SCENARIO.runs([ENGINE]) if run.case == OWN.case and run.config != ENGINE]
+
+
+def thrown(factor: float) -> Result:
+    """The scheme's motion of a block that friction holds by a factor too strongly."""
+    return result_of(Run(REFERENCE, pressed(factor)(OWN.case), OWN.steps))
+
+
+@pytest.fixture
+def changes(tmp_path: Path):
+    """Compare stores with a result each, with the ruler or without, and give the numbers by their names."""
+
+    def compared(*results: Result, ruled: bool = True) -> pd.DataFrame:
+        files = [tmp_path / name for name in ("before.sqlite", "now.sqlite")]
+        for file, result in zip(files, results, strict=True):
+            with opened(file) as store:
+                store.add({run: result_of(run) for run in (RULER if ruled else [])} | {OWN: result})
+        return compare(*files).set_index("quantity")
+
+    return compared
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "change"), [(1.05, 1.01, "improved"), (1.01, 1.05, "regressed"), (1.02, 1.02, "unchanged")]
+)
+def test_the_error_of_a_distance_decides(changes, before, now, change) -> None:
+    rows = changes(thrown(before), thrown(now))
+    assert rows.change["distance"] == change
+    assert rows.change["drift"] == "unchanged"
+    assert rows.error_before["distance"] == pytest.approx(1 / before - 1, abs=0.004)  # and what a step errs
+    assert fails(rows) == (change == "regressed")
+    assert rows.case["distance"] == f"stopping-distance, {NAME}: distance"
+
+
+def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_and_its_verdict(changes) -> None:
+    rows = changes(thrown(1.01), thrown(1.05))
+    own, table = rows.loc["distance"], rows.reset_index()
+    assert own.value_before > own.value_now > 0, "more friction stops it earlier"
+    (shown,) = flat(changed_numbers(table)).to_numpy().tolist()
+    numbers = [f"{own.value_before:.5g}", f"{own.value_now:.5g}", "<1e−9"]
+    assert shown == ["mujoco:joint:tuned", f"distance; stopping-distance, {NAME}", *numbers, "regressed; deviates"]
+    for ending in WRITTEN:
+        text = WRITTEN[ending](Comparison(table, "before", "now", 0.001, strict=False))
+        assert NAME in text.replace("\\", "")
+        assert ending != ".csv" or "transmittance_db_now" not in text, "there are no steady states"

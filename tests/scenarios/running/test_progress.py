@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, Status, failed
+from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, Status
 from multibody_xval.scenarios.running import progress
 from multibody_xval.scenarios.running.evaluate import Means, computed
-from multibody_xval.scenarios.running.progress import LINES, shown
+from multibody_xval.scenarios.running.progress import shown
 
 STEPS = 100
 
@@ -33,21 +33,6 @@ def test_a_line_has_step_part_and_time_left_from_the_start(capsys, monkeypatch) 
         "step 1 of 2, grid: 50 of 100 runs, about 10 s left",
         "step 1 of 2, grid: 100 of 100 runs",
     ]
-
-
-def test_many_results_are_a_few_lines_and_the_first_that_has_not_failed_is_shown(capsys) -> None:
-    with shown(["grid", "edges"]) as steps:
-        steps.begin()
-        steps.more(400)
-        steps.ended({run_at(0): failed("it crashed")})
-        assert "first result" not in capsys.readouterr().err
-        for number in range(1, 400):
-            steps.ended(ended(number))
-        steps.begin()
-    printed = capsys.readouterr().err
-    assert printed.count("grid: ") == LINES
-    assert "first result: reference, friction 0.3, frequency 0.501" in printed
-    assert "edges" not in printed, "a step without runs is not shown"
 
 
 def test_what_a_store_has_is_neither_counted_nor_the_first_result(tmp_path: Path, capsys) -> None:

@@ -16,10 +16,7 @@ import pytest
 from multibody_xval.scenarios.model import REFERENCE
 from multibody_xval.scenarios.store import opened
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(sys.platform != "linux", reason="worker processes need Linux"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="worker processes need Linux")]
 
 RUNS = 3000
 """A second of two workers, with the reference's simulation of 100 steps per period."""

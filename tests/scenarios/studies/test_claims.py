@@ -15,19 +15,7 @@ from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run,
 from multibody_xval.scenarios.report_plan import FRICTION_RATIOS
 from multibody_xval.scenarios.result_tables import CONFIG, points
 from multibody_xval.scenarios.store import Stored
-from multibody_xval.scenarios.studies.claims import (
-    FAILS,
-    HOLDS,
-    MOVED,
-    OPEN,
-    READING,
-    answers,
-    bands,
-    claim_cases,
-    claims,
-    conclusions,
-    shown,
-)
+from multibody_xval.scenarios.studies import claims as study
 
 ROOT = Path(__file__).parents[3]
 
@@ -36,7 +24,7 @@ TUNED, DEFAULT = Config("mujoco"), Config("mujoco", preset_name="default")
 LOWER = {0.0: 0.8526, 0.1: 0.7532, 0.3: 0.6373, 0.6: 0.7560, 1.0: 0.9988, 5.0: 1.1726}
 UPPER = {f: math.inf if f else math.sqrt(2) for f in FRICTION_RATIOS}
 STUCK = {0.0: 0.0, 0.1: 0.48, 0.3: 0.48, 0.6: 0.52, 1.0: 0.99, 5.0: 1.0}
-EXPECTED = [HOLDS, READING, HOLDS]
+EXPECTED = [study.HOLDS, study.READING, study.HOLDS]
 
 STEP_ERROR = 2e-4
 """Of an edge in η_r with 400 steps per period: that of frictionless edges is 1e-4 and less."""
@@ -53,7 +41,7 @@ def made(
 ) -> Made:
     """Give results of a configuration whose bands are these, and its edges; at one friction ratio every run failed."""
     stored, rows = [], []
-    for case in claim_cases():
+    for case in study.claim_cases():
         f = case.friction_ratio
         within = lower[f] < case.frequency_ratio < upper[f]
         own = Result(status=Status.PERIODIC, transmittance=0.1 if within else 2.0, stuck=(stuck[f],) * 7)
@@ -74,21 +62,21 @@ def tables(*own: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 def known(own: Made) -> pd.DataFrame:
     """Give the bands of a configuration by friction ratio."""
-    return bands(*tables(own)).set_index("friction_ratio")
+    return study.bands(*tables(own)).set_index("friction_ratio")
 
 
 def outcomes(own: pd.DataFrame) -> list[str]:
-    return [answer for answer, _, _ in answers(own)]
+    return [answer for answer, _, _ in study.answers(own)]
 
 
 def sentence(own: Made) -> str:
     """Give the sentence of a configuration beside a reference with the published edges."""
-    return conclusions(*tables(made(REFERENCE), own)).sentence.iloc[-1]
+    return study.conclusions(*tables(made(REFERENCE), own)).sentence.iloc[-1]
 
 
 def refined_edges(config: Config) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Run what the claims need of a configuration in this process; gives points and edges."""
-    runs = [Run(config, case, 400) for case in claim_cases()]
+    runs = [Run(config, case, 400) for case in study.claim_cases()]
     found: dict[Run, Result] = {}
     while runs:
         found.update(zip(runs, run_batch(runs), strict=True))
@@ -103,11 +91,11 @@ def reference() -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def test_claims_hold_for_the_reference_with_the_published_edges(reference) -> None:
-    own = bands(*reference).set_index("friction_ratio")
-    assert claims(*reference).answer.tolist() == EXPECTED
+    own = study.bands(*reference).set_index("friction_ratio")
+    assert study.claims(*reference).answer.tolist() == EXPECTED
     assert own.lower.to_dict() == pytest.approx(LOWER, abs=STEP_ERROR)
     assert own.upper[list(FRICTION_RATIOS[1:])].tolist() == [math.inf] * 5
-    assert "none up to 3 at 0.1, 0.3, 0.6" in claims(*reference).numbers[0]
+    assert "none up to 3 at 0.1, 0.3, 0.6" in study.claims(*reference).numbers[0]
 
 
 def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(reference) -> None:
@@ -119,7 +107,7 @@ def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(referen
 
         return brentq(excess, low, high)
 
-    own = bands(*reference).set_index("friction_ratio")
+    own = study.bands(*reference).set_index("friction_ratio")
     free = crossing(0.8505, 0.8686, 0), crossing(1.4, 1.422, 0)
     assert (own.lower[0.0], own.upper[0.0]) == pytest.approx(free, abs=STEP_ERROR)
     assert own.share[0.0] == pytest.approx((free[1] - free[0]) / 1.3, abs=STEP_ERROR)
@@ -139,12 +127,12 @@ def test_with_friction_30_percent_too_small_cells_do_not_lock(monkeypatch, refer
 
     monkeypatch.setattr(Config, "build", weak)
     wrong = refined_edges(TUNED)
-    own, right = (bands(*each).set_index("friction_ratio") for each in (wrong, reference))
+    own, right = (study.bands(*each).set_index("friction_ratio") for each in (wrong, reference))
     assert own.lower[0.0] == pytest.approx(right.lower[0.0], abs=1e-9)
-    assert outcomes(own) == [HOLDS, FAILS, HOLDS]
+    assert outcomes(own) == [study.HOLDS, study.FAILS, study.HOLDS]
     both = [pd.concat(each) for each in zip(reference, wrong, strict=True)]
     start = "With MuJoCo (tuned to the chain) one would conclude that cells do not lock at 1, otherwise than with the"
-    assert conclusions(*both).sentence.iloc[-1].startswith(start)
+    assert study.conclusions(*both).sentence.iloc[-1].startswith(start)
 
 
 @pytest.mark.parametrize(("friction", "number"), [(0.1, 0), (5.0, 1), (5.0, 2)])
@@ -152,22 +140,22 @@ def test_a_claim_whose_points_are_missing_is_open_and_says_which(friction: float
     whole = known(made())
     assert outcomes(whole) == EXPECTED
     text = f"missing: the band at friction ratio {friction:g}"
-    assert answers(whole.drop(index=friction))[number] == (OPEN, text, "")
+    assert study.answers(whole.drop(index=friction))[number] == (study.OPEN, text, "")
 
 
 @pytest.mark.parametrize(
     ("name", "friction", "value", "number", "answer", "text"),
     [
-        ("lower", 0.6, 0.86, 0, READING, "by the covered share alone"),
-        ("lower", 0.6, 1.3, 0, FAILS, "not wider than without friction at 0.6"),
-        ("stuck", 5.0, 0.6, 1, FAILS, "cells do not lock at 5"),
-        ("lower", 5.0, 0.9988, 1, FAILS, "the first cut-off does not move up"),
-        ("lower", 0.1, LOWER[0.3] + MOVED / 2, 2, FAILS, "no wider at 0.3 than elsewhere"),
+        ("lower", 0.6, 0.86, 0, study.READING, "by the covered share alone"),
+        ("lower", 0.6, 1.3, 0, study.FAILS, "not wider than without friction at 0.6"),
+        ("stuck", 5.0, 0.6, 1, study.FAILS, "cells do not lock at 5"),
+        ("lower", 5.0, 0.9988, 1, study.FAILS, "the first cut-off does not move up"),
+        ("lower", 0.1, LOWER[0.3] + study.MOVED / 2, 2, study.FAILS, "no wider at 0.3 than elsewhere"),
     ],
 )
 def test_a_band_that_is_elsewhere_changes_the_answer(name, friction, value, number, answer, text) -> None:
     usual = {"lower": LOWER, "upper": UPPER, "stuck": STUCK}
-    own = answers(known(made(**{name: {**usual[name], friction: value}})))[number]
+    own = study.answers(known(made(**{name: {**usual[name], friction: value}})))[number]
     assert own[0] == answer
     assert text in own[2]
 
@@ -182,10 +170,10 @@ def test_a_sentence_says_how_far_the_lower_edge_is_off_and_which_claims_are_open
 
 def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(reference) -> None:
     page = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
-    assert "| " + " | ".join(shown(conclusions(*reference)).iloc[0]) + " |" in page
-    assert all(numbers in page for numbers in claims(*reference).numbers)
+    assert "| " + " | ".join(study.shown(study.conclusions(*reference)).iloc[0]) + " |" in page
+    assert all(numbers in page for numbers in study.claims(*reference).numbers)
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    own = bands(*reference).set_index("friction_ratio").lower
+    own = study.bands(*reference).set_index("friction_ratio").lower
     assert f"its lower edge falls from {own[0.0]:.3f} to {own[0.3]:.3f}" in readme
     installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-1]
     assert f"with {float(installed):.2f} instead of {own[5.0]:.2f}" in readme

@@ -43,13 +43,6 @@ def test_a_file_gives_back_the_dataset(file: Path, data: xr.Dataset) -> None:
     pd.testing.assert_frame_equal(judged_table(read_dataset(file)), judged_table(data))
 
 
-def test_a_table_has_a_row_a_run(data: xr.Dataset, tmp_path: Path) -> None:
-    write_dataset(data, tmp_path / "own.csv")
-    table = pd.read_csv(tmp_path / "own.csv")
-    assert set(table.configuration) == {"reference:joint:tuned", "mujoco:joint:tuned"}
-    np.testing.assert_array_equal(table.transmittance_db, data.transmittance_db.values.ravel())
-
-
 NO_NETCDF = r"own\.nc cannot be read: .*; allowed: NetCDF"
 
 

@@ -3,7 +3,6 @@
 import re
 from typing import Any
 
-import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
@@ -39,21 +38,6 @@ def test_a_range_is_even_lists_are_by_cell_forces_are_in_newton_and_steps_may_be
     assert force.places[0].case.displacement == 3.0 / CHAIN_STIFFNESS
     runs = swept(engines=["mujoco"], grid={**GRID, "steps_per_period": [2000, 4000]}).runs()
     assert [run.steps for run in runs if run.config.engine == "mujoco"] == [2000, 4000]
-
-
-def test_an_adaptive_sweep_begins_before_it_proposes() -> None:
-    adaptive = {"first": 0.5, "last": 1.5, "accuracy_db": 1.0}
-    sweep = swept(grid={**GRID, "frequency_ratio": adaptive}, chain={"cells": 1})
-    begun = {run.case for run in sweep.runs()}
-    assert {0.5, 1.5} <= {case.frequency_ratio for case in begun}
-    rows = [
-        {"config": REFERENCE, "curve": sweep.places[0].case, "case": case, "steps": case.steps(400),
-         "frequency_ratio": case.frequency_ratio, "status": "periodic", "transmittance_db": 0.0}
-        for case in begun
-    ]  # fmt: skip
-    proposed = {run.case for run in sweep.runs(pd.DataFrame(rows))}
-    assert len(proposed) == len(begun) - 1
-    assert sweep_of(sweep.model_dump(exclude_none=True)) == sweep
 
 
 ENDS = {"first": 0.5, "last": 1.5}

@@ -1,7 +1,6 @@
 """The problems' files: exact by other solvers and closed forms, as their schema says, and as they are recorded."""
 
 import json
-import math
 from decimal import Decimal
 
 import jsonschema
@@ -21,7 +20,6 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.proof.prove import prove
-from reference_lcp.lcp.systems import simulate_system
 
 FILES = sorted((FOLDER / "problems").glob("*.json"))
 CHAINS = [name for name in problems() if name.startswith("chain")]
@@ -95,28 +93,3 @@ def test_a_block_stops_where_its_energy_is_spent():
     times = np.minimum(problem.times, 2 / 3)
     assert np.array(problem.positions)[:, 0] == pytest.approx(times - 0.75 * times**2, abs=1e-11)
     assert float(problem.observables["stopping_distance"].value) == pytest.approx(problem.positions[-1][0], abs=1e-11)
-
-
-def test_a_block_breaks_away_when_the_load_reaches_the_bound():
-    problem = problem_named("block-breaks-away")
-    begin = float(problem.observables["breakaway_time"].value)
-    assert begin == pytest.approx(1 / 6, rel=1e-15)
-    rows = [row for row, time in enumerate(problem.times) if begin < time < 0.8]
-    velocities = [
-        6 / (2 * math.pi) * (math.cos(math.pi * begin) - math.cos(math.pi * problem.times[row]))
-        - 1.5 * (problem.times[row] - begin)
-        for row in rows
-    ]
-    assert [problem.velocities[row][0] for row in rows] == pytest.approx(velocities, abs=1e-11)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["cell-let-go", "launched-box", "pushed-up-a-slope", "static-above-kinetic"])
-def test_the_scheme_tends_to_the_motion_with_its_step(name):
-    problem = problem_named(name)
-    step = problem.time_step / 8
-    rows = np.rint(np.array(problem.times) / step).astype(int)
-    state = {"position": problem.start_position, "velocity": problem.start_velocity}
-    motion = simulate_system(problem.system, **state, time_step=step, steps=int(rows[-1]))
-    allowed = np.array(problem.position_error) / 8 + problem.position_uncertainty
-    assert np.max(np.abs(motion.positions[rows - 1] - problem.positions) / allowed) <= 1
