@@ -9,7 +9,7 @@ import numpy as np
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.validation import FloatArray
-from tests.faulty.scheme import PRESETS, Batch, Fault, Friction
+from tests.faulty.scheme import Batch, Fault, Friction
 
 ONE_CELL = 4
 """The cell that is wrong where one alone is; of shorter chains the last one."""
@@ -82,7 +82,7 @@ def recorded(**changes: Callable[[Trajectory], FloatArray]) -> Callable[[Lane, T
 
 
 MOTIONS: Mapping[str, Fault] = {
-    "sound": Fault("nothing", presets=PRESETS),
+    "sound": Fault("nothing"),
     "inner-mass": Fault("inner masses × 1.01", chain={"inner_mass": 1.01}),
     "outer-mass": Fault("outer masses × 1.01", chain={"outer_mass": 1.01}),
     "one-mass": Fault("outer mass of cell 4 × 1.01", batch=in_one_cell("mass", 1.01)),
