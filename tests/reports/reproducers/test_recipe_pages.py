@@ -13,7 +13,7 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.recipe import app
 from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
-from multibody_xval.scenarios import recipes
+from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
