@@ -77,14 +77,6 @@ class PyBulletLane(ExplicitForcesLane):
         super().__init__(lane, preset)
         self._bullet = bullet
 
-    def connect(self, _mode: int) -> None:
-        """Open the connection now; it never draws."""
-        self._opened()
-
-    def disconnect(self) -> None:
-        """Close the connection that this lane shares with the others of its simulation."""
-        self._bullet.disconnect()
-
 
 class PyBulletJointLane(PyBulletLane):
     """Sliders with motors."""

@@ -25,7 +25,8 @@ FOR_EVER = 10_000
 
 def is_deadly(batch: Batch) -> bool:
     """Whether a chain is driven at `DEADLY`."""
-    return any(abs(own.drive.angular_frequency / own.chain.resonator_frequency - DEADLY) < 1e-9 for own in batch.lanes)
+    driven = [(own, getattr(own.drive, "angular_frequency", np.nan)) for own in batch.lanes]
+    return any(abs(omega / own.chain.resonator_frequency - DEADLY) < 1e-9 for own, omega in driven)
 
 
 def at_the_deadly_point(act: Callable[[], object], *, once: bool = False) -> Callable[..., State]:

@@ -43,11 +43,11 @@ def test_measured_presets_pass(tmp_path: Path) -> None:
 
 def test_a_bound_that_is_off_by_a_hundredth_is_found_and_a_sound_copy_agrees(install) -> None:
     site = install("faulty")
-    bound = site.run(*COMMAND.split(), "wrong-bound:joint:tuned", code=1)
-    found = [line for line in bound.splitlines() if line.startswith("FAILED wrong-bound joint tuned, friction ")]
+    bound = site.run(*COMMAND.split(), "faulty-bound:joint:tuned", code=1)
+    found = [line for line in bound.splitlines() if line.startswith("FAILED faulty-bound joint tuned, friction ")]
     assert len(found) == 6
     assert all(re.search(r"off by [\d.]+ dB, allowed", line) for line in found)
-    assert "FAILED" not in site.run(*COMMAND.split(), "wrong-sound:joint:tuned")
+    assert "FAILED" not in site.run(*COMMAND.split(), "faulty-sound:joint:tuned")
 
 
 def test_an_engine_that_crashes_gives_a_line_a_check(install) -> None:
@@ -63,7 +63,7 @@ BAD = {
     "pinocchio:contact:tuned": "formulation of pinocchio = 'contact' is unknown",
     "mujoco:joint:tunned": "preset of mujoco = 'tunned' is unknown",
     "mujoco:joint:tuned:1": "has 4 parts",
-    "broken-module": "'broken-module' cannot be used: ModuleNotFoundError",
+    "broken-import": "'broken-import' cannot be used: ModuleNotFoundError",
     "broken-exit": "'broken-exit' cannot be used: SystemExit",
     "mujoco --xval-allow abc": "--xval-allow = abc; allowed: > 0",
     "mujoco --xval-allow 0": "--xval-allow = 0; allowed: > 0",
