@@ -23,7 +23,7 @@ USAGE_ERROR: Any = typer.BadParameter.__base__
 """Of wrong options too; typer exports only this subclass."""
 
 
-KINDS = {"integer": "a whole number", "valid number": "a number", "valid float": "a number"}
+KINDS = {"valid integer": "a whole number", "valid number": "a number", "valid float": "a number"}
 """What typer's messages say of a value that is none."""
 
 
@@ -83,7 +83,11 @@ def _usage(problem: Any, words: list[str]) -> str:
     for name, value in itertools.pairwise(parts):
         if name in names:
             kind = next((own for word, own in KINDS.items() if word in message), None)
-            return f"{name} = {shown(value)} is not {kind}; allowed: {kind}" if kind else f"{message} (given: {value})"
+            return (
+                f"{name} = {shown(value)} is not {kind}; allowed: {kind}"
+                if kind
+                else f"{message} (given: {shown(value)})"
+            )
     return message
 
 
