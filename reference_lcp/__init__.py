@@ -8,7 +8,7 @@ folders themselves.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from reference_lcp.process import ensure_kernel_cache
+from reference_lcp.environment import ensure_kernel_cache
 
 if TYPE_CHECKING:
     from reference_lcp.chain.drives import HarmonicBase as HarmonicBase
@@ -34,9 +34,6 @@ if TYPE_CHECKING:
     from reference_lcp.exact.proof.prove import prove as prove
     from reference_lcp.exact.proof.prove import prove_steady_state as prove_steady_state
     from reference_lcp.lcp.lemke import lemke as lemke
-    from reference_lcp.lcp.polyhedral_friction import PolyhedralStep as PolyhedralStep
-    from reference_lcp.lcp.polyhedral_friction import solve_polyhedral_step as solve_polyhedral_step
-    from reference_lcp.lcp.systems import FrictionalSystem as FrictionalSystem
     from reference_lcp.lcp.systems import FrictionContact as FrictionContact
     from reference_lcp.lcp.systems import Harmonic as Harmonic
     from reference_lcp.lcp.systems import MassSpringSystem as MassSpringSystem
@@ -55,7 +52,6 @@ if TYPE_CHECKING:
     from reference_lcp.one_call import simulate as simulate
     from reference_lcp.one_call import steady_state as steady_state
     from reference_lcp.schemes.euler import CompiledSimulation as CompiledSimulation
-    from reference_lcp.steady.error_bar import measured_error_bars as measured_error_bars
     from reference_lcp.steady.orbits import periodic_orbits as periodic_orbits
 
 _NAMES = {
@@ -72,10 +68,8 @@ _NAMES = {
     "deadline": ["NotProven"],
     "exact.proof.prove": ["ProvenSteadyState", "prove", "prove_steady_state"],
     "lcp.lemke": ["lemke"],
-    "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],
     "lcp.systems": [
         "FrictionContact",
-        "FrictionalSystem",
         "Harmonic",
         "MassSpringSystem",
         "Piecewise",
@@ -87,7 +81,6 @@ _NAMES = {
     "observables.transmittance": ["decibel", "transmittance"],
     "one_call": ["SteadyState", "exact_steady_state", "simulate", "steady_state"],
     "schemes.euler": ["CompiledSimulation"],
-    "steady.error_bar": ["measured_error_bars"],
     "steady.orbits": ["periodic_orbits"],
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}

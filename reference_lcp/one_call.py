@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,20 +29,14 @@ from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count, checked_scalar
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
     {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}
 )
 """Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
 
-LONGEST_CHAINS = {"lemke": 100, "exact": 500}
-"""Most cells by solver, where that is less than of any chain: a period of Lemke's method takes 12 s there, a search for
-the exact motion minutes, and both grow at least with the square of the cells."""
-
-LONGEST_BARRED = 1000
-"""Most cells of an error bar, whose matrices have four rows a cell: two minutes and 1.3 GB."""
+LONGEST_CHAINS = {"the solver 'lemke'": 100, "the solver 'exact'": 500, "an exact value": 500, "an error bar": 1000}
+"""Most cells, where that is less than of any chain: a period of Lemke's method takes 12 s there, a search for the exact
+motion minutes, both grow at least with the square of the cells; error bars have matrices of four rows a cell."""
 
 WHOLE_PERIOD = 1 - 1e-9
 """Stuck fraction from which on a contact sticks all the time: sums of durations have an error of round-off."""
@@ -103,18 +97,6 @@ class SteadyState:
         modes = {"stick": whole, "stick and slip": ~whole & (self.stuck_fraction > 0)}
         named = [f"{_ranges(own)} {mode}" for mode, own in modes.items() if own.any()]
         return f"; cells {'; '.join(named)}" if named else "; no contact sticks"
-
-    def plot(self) -> "Figure":
-        """Draw displacement, relative velocity and friction of every cell over one period; grey where it sticks.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Three columns, a row a cell; over the displacement scale, that times ω, and the friction bound [-].
-        """
-        from reference_lcp.studies.plot import plot_period
-
-        return plot_period(self.orbit)
 
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; those of the error bar if there is one."""
@@ -185,7 +167,9 @@ def steady_state(
         If an argument is outside its range.
     """
     build = _solver(solver, chain)
-    _check_extras(chain, bar=with_error_bar and solver != "exact", exact=with_exact_value)
+    extras = {"an error bar": with_error_bar and solver != "exact", "an exact value": with_exact_value}
+    for name in [name for name, asked in extras.items() if asked]:
+        _check_length(name, chain)
     steps = steps_per_period_for(chain, drive, steps_per_period)
     exact = partial(exact_steady_state, chain, drive, steps_per_period=steps_per_period, max_periods=max_periods)
     if solver == "exact":
@@ -203,20 +187,13 @@ def steady_state(
 def _solver(name: str, chain: Chain) -> Callable[[list[Lane]], Simulation]:
     """Give what builds a simulation by the solver of a name, if it takes a chain of that length."""
     build = SOLVERS[checked_choice("solver", name, list(SOLVERS))]
-    _check_length(f"the solver {name!r}", chain, LONGEST_CHAINS.get(name, chain.cells))
+    _check_length(f"the solver {name!r}", chain)
     return build
 
 
-def _check_extras(chain: Chain, *, bar: bool, exact: bool) -> None:
-    """Refuse an error bar and an exact value of chains that are too long for them."""
-    if bar:
-        _check_length("an error bar", chain, LONGEST_BARRED)
-    if exact:
-        _check_length("an exact value", chain, LONGEST_CHAINS["exact"])
-
-
-def _check_length(name: str, chain: Chain, longest: int) -> None:
+def _check_length(name: str, chain: Chain) -> None:
     """Refuse a chain with friction that is too long for something; without friction all are as fast as they can be."""
+    longest = LONGEST_CHAINS.get(name, chain.cells)
     if chain.cells > longest and chain.friction_bound.any():
         raise ParameterError(f"cells = {chain.cells} is more than {name} takes; allowed: <= {longest}, or without it")
 

@@ -53,48 +53,20 @@ def checked_array(
     `requirement` is ``"> 0"``, ``">= 0"`` or ``"finite"``, which the others include; `shape` the only one allowed;
     `largest` the largest number where a sign is required, and its reciprocal the smallest one beside zero.
     """
+    least = 1 / largest
+    allowed = requirement if requirement == "finite" else f"{requirement}, {least:g} to {largest:g}"
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ParameterError(f"{name} = {shown(value)} is not a number; allowed: {requirement}") from None
-    except OverflowError:
-        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: <= {largest:g}") from None
-    if not _plainly_allowed(array, requirement, largest):
-        _check_values(name, array, requirement, largest)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(f"{name} = {shown(value)} is not a number; allowed: {allowed}") from None
+    if requirement != "finite" or not math.isfinite(np.vdot(array, array)):  # that sum is fast
+        fits = np.isfinite(array) if requirement == "finite" else (array >= least) & (array <= largest)
+        fits |= (array == 0) & (requirement == ">= 0")
+        if not np.all(fits):
+            raise ParameterError(f"{name} = {array[~fits].flat[0]:g} is outside its range; allowed: {allowed}")
     if shape is not None and array.shape != shape:
         raise ParameterError(f"{name} has shape {array.shape}; allowed: {shape}")
     return array
-
-
-def _plainly_allowed(array: FloatArray, requirement: str, largest: float) -> bool:
-    """Whether the sum of squares, or smallest and largest number, show at once that all are allowed; most are."""
-    if array.size == 0:
-        return False
-    if requirement == "finite":
-        return math.isfinite(np.vdot(array, array))
-    low, high = (float(array),) * 2 if array.ndim == 0 else (float(array.min()), float(array.max()))
-    return (1 / largest <= low and high <= largest) or (requirement == ">= 0" and low == 0 == high)
-
-
-def _check_values(name: str, array: FloatArray, requirement: str, largest: float) -> None:
-    """Raise a `ParameterError` if a number is not finite, breaks the requirement, or has no allowed size."""
-    fulfilled = np.isfinite(array)
-    if requirement != "finite":
-        fulfilled &= array > 0 if requirement == "> 0" else array >= 0
-    if not np.all(fulfilled):
-        wrong = array[~fulfilled].flat[0]
-        raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {_range(requirement, largest)}")
-    extreme = (array > largest) | ((array > 0) & (array < 1 / largest))
-    if requirement != "finite" and np.any(extreme):
-        allowed = f"{'0, or ' if requirement == '>= 0' else ''}{1 / largest:g} to {largest:g}"
-        raise ParameterError(f"{name} = {array[extreme].flat[0]:g} is outside its range; allowed: {allowed}")
-
-
-def _range(requirement: str, largest: float) -> str:
-    """Say what is allowed, with the ends of a range that is narrower than that of any number."""
-    if requirement == "finite" or largest == LARGEST_NUMBER:
-        return f"{requirement}, finite"
-    return f"> 0, {1 / largest:g} to {largest:g}" if requirement == "> 0" else f">= 0, up to {largest:g}"
 
 
 def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str = "finite") -> FloatArray:

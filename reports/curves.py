@@ -1,5 +1,6 @@
 """Transmittance of a dataset over the frequency ratio, for print: a panel a case, or a curve a case of one engine."""
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from multibody_xval.reports.figures.limits import level_limits
+from multibody_xval.reports.figures.picture_file import checked_picture
 from multibody_xval.reports.figures.style import COLUMN, INK, PALETTE, PRINT_STYLE
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.output_files import replacing
 from multibody_xval.scenarios.sweeps.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.sweeps.plan import FREQUENCY
 from reference_lcp.errors import ParameterError
-from reference_lcp.output import replacing, shown_in_notebooks
-from reference_lcp.studies.plot import checked_picture
 
 PAGE_WIDTH, PANEL_HEIGHT = 7.2, 2.0
 """Width of two columns of a journal, and height of a row of panels [inch]."""
@@ -47,7 +48,19 @@ def drawn_curves(data: xr.Dataset, file: str | Path | None) -> Figure:
         if picture is not None:
             with replacing(picture) as part:
                 figure.savefig(part)
-    return shown_in_notebooks(figure)
+    return _shown_in_notebooks(figure)
+
+
+def _shown_in_notebooks(figure: Figure) -> Figure:
+    """Let a notebook show a figure: it knows those of pyplot alone, which a script would have to close."""
+
+    def png() -> bytes:
+        picture = io.BytesIO()
+        figure.savefig(picture, format="png", dpi=120)
+        return picture.getvalue()
+
+    figure._repr_png_ = png  # type: ignore[attr-defined]
+    return figure
 
 
 def _drawn(table: pd.DataFrame, axes: list[str]) -> Figure:

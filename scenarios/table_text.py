@@ -8,7 +8,7 @@ import pandas as pd
 from pydantic_core import to_json
 from rich.markup import escape
 
-from reference_lcp.terminal import print_table as print_rows
+from multibody_xval.scenarios.terminal_table import print_table as print_rows
 from reference_lcp.terminal import visible
 
 FORMULAS = ("=", "+", "-", "@")

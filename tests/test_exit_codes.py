@@ -10,9 +10,9 @@ import pytest
 
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.sweeps.file import EXAMPLE
-from reference_lcp.errors import ExitCode, ParameterError, RunError
-from reference_lcp.process import run_command
+from reference_lcp.errors import ExitCode
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 ROOT = Path(__file__).parents[1]
@@ -30,23 +30,20 @@ def code_of(line: str) -> int:
 def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two stores, of which the second has lost a result."""
     monkeypatch.chdir(tmp_path)
-    results = {CASE: with_bound(1.0), OTHER: with_bound(1.0, OTHER)}
-    write_store(Path("before.sqlite"), results)
-    write_store(Path("now.sqlite"), {OTHER: results[OTHER]})
+    both = {CASE: with_bound(1.0), OTHER: with_bound(1.0, OTHER)}
+    for name, results in (("before", both), ("now", {OTHER: both[OTHER]})):
+        write_store(Path(f"{name}.sqlite"), results)
 
 
 @pytest.mark.parametrize(
     ("line", "code"),
     [
-        ("engines", ExitCode.DONE),
         (REFERENCE, ExitCode.DONE),
         (f"{REFERENCE} --max-periods 1", ExitCode.FAILED),
         ("compare before.sqlite before.sqlite", ExitCode.DONE),
         ("compare before.sqlite now.sqlite", ExitCode.FAILED),
         ("compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
         ("sweep sweep.toml --no-run --retry-failed", ExitCode.WRONG_INPUT),
-        ("run unit-cell --store before.sqlite --no-run --retry-failed", ExitCode.WRONG_INPUT),
-        ("report --no-run --retry-failed", ExitCode.WRONG_INPUT),
     ],
 )
 def test_commands_end_with_their_codes(stores, line, code, capsys) -> None:
@@ -54,67 +51,37 @@ def test_commands_end_with_their_codes(stores, line, code, capsys) -> None:
     assert len(capsys.readouterr().err.splitlines()) == (code == ExitCode.WRONG_INPUT)
 
 
-@pytest.mark.parametrize(
-    ("problem", "code"),
-    [
-        (ParameterError("x = 1; allowed: 2"), ExitCode.WRONG_INPUT),
-        (RunError("store x is gone"), ExitCode.RUN_FAILED),
-    ],
-)
-def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monkeypatch, capsys) -> None:
-    def fail() -> None:
-        raise problem
-
-    monkeypatch.setattr("multibody_xval.reports.cli.run.print_catalogue", fail)
-    assert code_of("run") == code
-    assert re.fullmatch("error: .+\n", capsys.readouterr().err)
+def written_to(output: int) -> tuple[int, str]:
+    """Run a command whose standard output is this; give its exit code and what it complains of."""
+    words = [sys.executable, "-m", "multibody_xval", "--help"]
+    done = subprocess.run(words, cwd=ROOT, stdout=output, stderr=subprocess.PIPE, text=True, check=False)
+    return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("command", ["engines", "--help", "example"])
-def test_a_reader_that_has_enough_ends_a_command_silently(command: str) -> None:
+def test_a_reader_that_has_enough_ends_a_command_silently_and_a_full_disk_with_a_line() -> None:
     reader, writer = os.pipe()
     os.close(reader)
-    words = [sys.executable, "-m", "multibody_xval", command]
-    done = subprocess.run(words, cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    assert written_to(writer) == (ExitCode.READER_GONE, "")
     os.close(writer)
-    assert (done.returncode, done.stderr) == (ExitCode.READER_GONE, "")
-
-
-def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     with Path("/dev/full").open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "multibody_xval", "engines"],
-            cwd=ROOT,
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-            check=False,
-        )
-    assert done.returncode == ExitCode.RUN_FAILED
-    assert done.stderr == "error: standard output cannot be written: No space left on device\n"
+        code, error = written_to(full.fileno())
+    assert code == ExitCode.RUN_FAILED
+    assert error == "error: standard output cannot be written: No space left on device\n"
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "report --engine mujoco:joint:default",
-        "report --sweep named.toml",
-        "reproduce mujoco:joint:default static-hold",
-        "run unit-cell --engine mujoco:all:all",
-        "run all --engine reference --engine mujoco",
-        "run accuracy --engine mujoco",
-        "run laws --engine mujoco",
-        "run work-precision --engine mujoco",
-        "sweep named.toml",
-    ],
-)
+NAMED = [
+    "report --engine mujoco:joint:default", "reproduce mujoco:joint:default static-hold",
+    "run all --engine reference --engine mujoco", "run accuracy --engine mujoco", "sweep named.toml",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("line", NAMED)
 def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stores, monkeypatch, capsys, line) -> None:
     Path("named.toml").write_text(EXAMPLE)
     before = set(Path().iterdir())
-    reason = "no wheel; pip install mujoco"
-    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: reason)
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "no wheel")
     assert code_of(line) == ExitCode.WRONG_INPUT
-    assert f"engine = mujoco is not installed: {reason}" in capsys.readouterr().err
+    assert "engine = mujoco is not installed: no wheel" in capsys.readouterr().err
     assert set(Path().iterdir()) == before
 
 
@@ -129,10 +96,7 @@ def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(mon
 
     monkeypatch.setattr("multibody_xval.engines.interface.registry.broken_reason", faulty)
     assert run_command(app, ["engines"]) == ExitCode.UNEXPECTED
-    error = capsys.readouterr().err
-    line = re.fullmatch(rf"error: a fault of the suite, {kind.__name__}: a fault\\x1b\[2J; details, .*: (\S+)\n", error)
-    details = Path(line[1])
+    line = rf"error: a fault of the suite, {kind.__name__}: a fault\\x1b\[2J; details, .*: (\S+)\n"
+    details = Path(re.fullmatch(line, capsys.readouterr().err)[1])
     assert "in faulty" in details.read_text()
     details.unlink()
-    monkeypatch.undo()
-    assert run_command(app, ["engines"]) == ExitCode.DONE

@@ -1,4 +1,4 @@
-"""What is not used is not imported: help, the list of engines and a session of pytest load no heavy package."""
+"""Every command explains itself; help, the list of engines and a session of pytest import nothing heavy."""
 
 import json
 import subprocess
@@ -7,9 +7,34 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli import console_script
 from multibody_xval.reports.cli.run import STUDIES
 from tests.installed import ENGINE_PACKAGES
-from tests.test_help import COMMANDS
+
+
+def commands():
+    """Every command of the suite, with its path as it is typed."""
+    for name in console_script.COMMANDS:
+        yield from below(f"multibody-xval {name}", console_script.loaded(name))
+
+
+def below(path, command):
+    yield path, command
+    if hasattr(command, "list_commands"):
+        for name in command.list_commands(None):
+            yield from below(f"{path} {name}", command.get_command(None, name))
+
+
+COMMANDS = dict(commands())
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_help_says_what_the_command_does_with_an_example(path) -> None:
+    command = COMMANDS[path]
+    assert command.help
+    if not hasattr(command, "commands") or command.invoke_without_command:
+        assert f"Example: {path}" in " ".join(command.help.split())
+
 
 ROOT = Path(__file__).parents[1]
 
@@ -19,19 +44,22 @@ COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "jinja2
 OF_CATALOGUE = {"numpy", "numba", "scipy", "pandas"}
 """What the catalogue of scenarios imports: together less than a second."""
 
-HELP = """
-import contextlib, io, json, sys
-from reference_lcp.process import run_command
-from multibody_xval.reports.cli.console_script import app
-commands, heavy = json.loads(sys.argv[1])
+LOOK = """
+import contextlib, importlib, io, json, sys
+modules, commands, heavy = json.loads(sys.argv[1])
 imported = {}
+for module in modules:
+    importlib.import_module(module)
+    imported[module] = (0, True, [name for name in heavy if name in sys.modules])
+from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.console_script import app
 for command in commands:
     with contextlib.redirect_stdout(io.StringIO()) as printed:
-        code = run_command(app, [*command.split(), "--help"])
-    imported[command] = (code, "Usage" in printed.getvalue(), [name for name in heavy if name in sys.modules])
+        code = run_command(app, command.split())
+    imported[command] = (code, bool(printed.getvalue()), [name for name in heavy if name in sys.modules])
 print(json.dumps(imported))
 """
-"""Prints the help of commands, and says of each what is imported by then."""
+"""Imports modules and runs commands, and says of each what is imported by then."""
 
 
 def run_python(*arguments: str) -> str:
@@ -41,58 +69,27 @@ def run_python(*arguments: str) -> str:
     ).stdout
 
 
-def of_scenario(path: str) -> bool:
+MODULES = [
+    "multibody_xval.engines.contract.plugin", "reference_lcp", "multibody_xval", "multibody_xval.engines",
+    "multibody_xval.scenarios", "multibody_xval.reports",
+]  # fmt: skip
+
+
+def of_scenario(command: str) -> bool:
     """Tell the command of a scenario, `run NAME`, from all others."""
-    run, name = path.split()[-2:] if " " in path else ("", "")
-    return run == "run" and name not in STUDIES
+    run, name, *_ = [*command.split(), ""]
+    return run == "run" and name not in (*STUDIES, "--help")
 
 
-@pytest.fixture(scope="module")
-def imported_by_help() -> dict[str, tuple[int, bool, list[str]]]:
-    """By command: its exit code, whether help was printed, and the heavy packages that are imported by then."""
-    prefix = "multibody-xval "
-    commands = sorted((path.removeprefix(prefix) for path in COMMANDS), key=of_scenario)
-    told = json.loads(run_python("-c", HELP, json.dumps([commands, ["numpy", *COMPUTING]])))
-    return {f"{prefix}{command}": tuple(told[command]) for command in commands}
-
-
-@pytest.mark.parametrize("path", COMMANDS)
-def test_help_imports_nothing_that_computes(path, imported_by_help) -> None:
+def test_help_packages_and_the_list_of_engines_import_nothing_that_computes() -> None:
     """The commands of scenarios are the catalogue's, whose cases are numbers: they know what arrays are."""
-    code, printed, heavy = imported_by_help[path]
-    assert (code, printed) == (0, True)
-    assert set(heavy) <= (OF_CATALOGUE if of_scenario(path) else set())
-
-
-@pytest.mark.parametrize("arguments", [[], ["--json"]])
-def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
-    script = (
-        "import json, sys\n"
-        "from multibody_xval.reports.cli.engines import app\n"
-        "from reference_lcp.process import run_command\n"
-        "code = run_command(app, json.loads(sys.argv[1]))\n"
-        "print()\n"
-        "print(json.dumps([code, [name for name in json.loads(sys.argv[2]) if name in sys.modules]]))"
-    )
-    *listed, last = run_python("-c", script, json.dumps(arguments), json.dumps(COMPUTING)).splitlines()
-    assert json.loads(last) == [0, []]
-    assert any("reference" in line for line in listed)
-
-
-@pytest.mark.parametrize(
-    "module",
-    [
-        "reference_lcp",
-        "multibody_xval",
-        "multibody_xval.engines",
-        "multibody_xval.scenarios",
-        "multibody_xval.reports",
-        "multibody_xval.engines.contract.plugin",
-    ],
-)
-def test_package_is_imported_without_anything_that_computes(module) -> None:
-    script = f"import json, sys, {module}; print(json.dumps([name for name in {COMPUTING!r} if name in sys.modules]))"
-    assert json.loads(run_python("-c", script)) == []
+    paths = [f"{path.removeprefix('multibody-xval ')} --help" for path in COMMANDS]
+    commands = sorted([*paths, "engines", "engines --json"], key=of_scenario)
+    told = json.loads(run_python("-c", LOOK, json.dumps([MODULES, commands, COMPUTING])))
+    assert list(told) == [*MODULES, *commands]
+    for name, (code, printed, heavy) in told.items():
+        assert (name, code, printed) == (name, 0, True)
+        assert set(heavy) <= (OF_CATALOGUE if of_scenario(name) else set()), name
 
 
 def test_pytest_of_others_imports_no_engine_where_the_suite_is_installed(tmp_path) -> None:

@@ -54,18 +54,14 @@ systems = pytest.mark.parametrize("system", GONE)
 
 
 @systems
-def test_one_chain_is_simulated(system) -> None:
+def test_one_chain_is_simulated_and_engines_are_listed(system) -> None:
     done = elsewhere(system, MAIN, "reference", "--friction-ratio", "0.3", "--frequency-ratio", "0.9")
     assert done.returncode == 0, done.stderr
     assert "-9.56" in done.stdout
-
-
-@systems
-def test_engines_are_listed_with_what_is_unavailable(system) -> None:
-    done = elsewhere(system, MAIN, "engines")
-    assert done.returncode == 0, done.stderr
-    if system == "win32":
-        assert "engines in another Python need a POSIX system, and this is win32" in " ".join(done.stdout.split())
+    listed = elsewhere(system, MAIN, "engines")
+    assert listed.returncode == 0, listed.stderr
+    reason = "engines in another Python need a POSIX system, and this is win32"
+    assert (reason in " ".join(listed.stdout.split())) == (system == "win32")
 
 
 @systems
@@ -80,13 +76,3 @@ def test_a_sweep_runs_in_the_process_of_the_command_and_says_so(system, tmp_path
     assert list(table.status) == 2 * ["periodic"]
     assert list(table.verdict) == 2 * ["agrees"]
     assert not list(tmp_path.glob("*.lock"))
-
-
-@systems
-def test_more_workers_than_there_can_be_are_refused(system, tmp_path) -> None:
-    (tmp_path / "sweep.toml").write_text(
-        'engines = ["reference"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n'
-    )
-    done = elsewhere(system, MAIN, "sweep", "sweep.toml", "--workers", "3", folder=tmp_path)
-    assert done.returncode == 2
-    assert f"workers = 3; allowed here: 1, since worker processes need Linux, and this is {system}" in done.stderr

@@ -8,12 +8,12 @@ import pytest
 from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.presets import NormalForce
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.variant import Variant, variants_of
+from multibody_xval.engines.interface.variant import Variant, name_parts, variants_begun
 
 
 @cache
 def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
-    """Give what each argument of a clause stands for, of these engines or, without any, of all that are installed.
+    """Give what each argument of a clause stands for, of what is named or, without any, of all that are installed.
 
     ``tested`` is every preset, ``tuned`` the best known options, ``default`` what a newcomer gets, ``sharing`` those
     that share the reference's scheme, ``exact`` those of them that are tuned, ``modelled`` those that have a law,
@@ -22,8 +22,8 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     the tuned ones with static friction of its own, ``installed`` the name of an engine.
     """
     names = named or tuple(name for name in engine_names() if engine(name).unavailable_reason() is None)
-    every = [variant for name in names for variant in variants_of(name, optional=True)]
-    presets = [(variant, variant.preset) for variant in every if variant.unavailable_reason is None]
+    every = dict.fromkeys(variant for name in names for variant in variants_begun(name))
+    presets = [(variant, variant.preset) for variant in every]
     follows = [own for own, preset in presets if preset.represents(NormalForce.MODULATED)]
     shares = [own for own, preset in presets if preset.shares_scheme and own.engine != "reference"]
     chosen = {
@@ -40,7 +40,7 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "holding": [own for own, preset in presets if is_tuned(own) and preset.static_friction],
     }
     return {name: [later_if_optional(own, named) for own in own] for name, own in chosen.items()} | {
-        "installed": list(names)
+        "installed": list(dict.fromkeys(name_parts(name)[0][0] for name in names))
     }
 
 

@@ -1,4 +1,4 @@
-"""The plugin that runs the contract, on the engines of ``--xval-engine``: a conftest is read too late for an option.
+"""The plugin of the contract, on the engines of ``--xval-engine``: a conftest is read too late for an option.
 
 Every session of pytest imports it where the suite is installed: the option has the suite's own prefix, since other
 projects have options too, and nothing of the suite is imported before it is used.
@@ -12,15 +12,15 @@ from typing import Any
 import pytest
 
 OPTION = "--xval-engine"
-"""Names an engine that is held to the contract."""
+"""Names an engine that is held to the contract, or compared with the exact motion, or some of its presets."""
 
 XFAILS = "--xfails-file"
 """Names a file of clauses that are known to fail."""
 
 CONTRACT = "multibody_xval.engines.contract"
 
-CASE = re.compile(r"engines/contract/.*\[(.+?)(?:-joint|-contact|\])")
-"""The engine in a test's name: everything that a clause is run for begins with it."""
+CASE = re.compile(r"(?:engines/contract/|^agreement::).*\[(.+?)(?:-joint|-contact|\])")
+"""The engine in a test's name: everything that a clause, or a check of agreement, is run for begins with it."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -36,9 +36,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         OPTION,
         action="append",
         default=[],
-        metavar="NAME",
-        help="with --pyargs multibody_xval.engines.contract: hold this engine to the contract, in all its formulations "
-        "and presets; without it, all that are installed",
+        metavar="NAME[:FORMULATION[:PRESET]]",
+        help="with --pyargs multibody_xval.engines.contract: hold this engine to the contract; with --pyargs "
+        "multibody_xval.agreement: compare it with the exact motion; in all its formulations and presets, or in those "
+        "that are named; without it, all engines that are installed",
     )
 
 
@@ -47,15 +48,13 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "slow: takes seconds, or is of presets that nobody has named")
     names: list[str] = config.getoption(OPTION)
     for name in names:
-        from multibody_xval.engines.interface.registry import engine
+        from multibody_xval.engines.interface.variant import variants_begun
         from reference_lcp.errors import ParameterError
 
         try:
-            missing = engine(name).unavailable_reason()
+            variants_begun(name)
         except ParameterError as problem:
-            raise pytest.UsageError(f"{OPTION}: {problem}") from problem
-        if missing is not None:
-            raise pytest.UsageError(f"{OPTION} {name}: {missing}")
+            raise pytest.UsageError(f"{OPTION} {name}: {problem}") from None
 
 
 @pytest.hookimpl(optionalhook=True)

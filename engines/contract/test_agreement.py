@@ -32,7 +32,7 @@ from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import BASE_AMPLITUDE, STICK_SLIP_POINTS
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.steady.neighbours import orbits_from_euler
+from reference_lcp.steady.neighbours import beside_euler
 from reference_lcp.steady.orbits import periodic_orbits
 
 UNINFORMED_POINTS = 1
@@ -68,19 +68,19 @@ def _orbits(tuned: Variant, lanes: list[Lane], start: State | None) -> list[Peri
     simulation, residual = tuned.build(lanes), tuned.capabilities.residual
     if start is None or tuned.preset.shares_scheme:
         return periodic_orbits(simulation, STEPS, start=start, tolerance=residual)
-    return orbits_from_euler(simulation, STEPS, start=start, tolerance=residual, anew=False)
+    return beside_euler(simulation, STEPS, start=start, tolerance=residual)
 
 
-def test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(sharing: Variant) -> None:
-    """The same equations, solved by another code."""
+def test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(exact: Variant) -> None:
+    """The same equations, solved by another code; what other presets share, a period shows."""
     lane = lane_of(0.3, 0.9)
     run, expected = (
-        run_of(variant, lane, State.at_rest(1, 7), 40 * STEPS) for variant in (sharing, Variant("reference"))
+        run_of(variant, lane, State.at_rest(1, 7), 40 * STEPS) for variant in (exact, Variant("reference"))
     )
     motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
     force = np.max(np.abs(run.friction - expected.friction)) / lane.chain.friction_bound[0]
-    assert motion <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "the motion leaves the scheme's [U0]"
-    assert force <= tolerance_of(sharing, FRICTION_TOLERANCE), "the friction leaves the scheme's, over its bound"
+    assert motion <= tolerance_of(exact, TRAJECTORY_TOLERANCE), "the motion leaves the scheme's [U0]"
+    assert force <= tolerance_of(exact, FRICTION_TOLERANCE), "the friction leaves the scheme's, over its bound"
 
 
 def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Variant) -> None:

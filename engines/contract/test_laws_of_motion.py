@@ -32,7 +32,7 @@ from reference_lcp.chain.mass_in_mass import Chain, mechanical_energy
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.steady.neighbours import orbits_from_euler
+from reference_lcp.steady.neighbours import beside_euler
 from reference_lcp.validation import FloatArray
 
 FIRST_ORDER = 2.0
@@ -71,7 +71,7 @@ def test_frictionless_limit_is_the_linear_response(tuned: Variant) -> None:
 def _steady_levels_are(tuned: Variant, lanes: Sequence[Lane], exact: Sequence[float]) -> None:
     """Search beside the reference: the residual of the engine's own period ends it."""
     simulation = tuned.build(lanes)
-    orbits = orbits_from_euler(simulation, STEPS, tolerance=tuned.capabilities.residual)
+    orbits = beside_euler(simulation, STEPS, tolerance=tuned.capabilities.residual)
     simulation.close()
     assert all(orbit.converged for orbit in orbits), "no steady state"
     levels = [float(decibel(transmittance(orbit))) for orbit in orbits]

@@ -174,6 +174,25 @@ def variants_named(names: Sequence[str]) -> list[Variant]:
     return list(dict.fromkeys(variant for name in names for variant in _variants(name)))
 
 
+def variants_begun(name: str) -> list[Variant]:
+    """Give the variants whose names begin with this one, optional ones too: of an engine alone, all that it has.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such engine, formulation, preset or option, or the engine is not installed.
+    """
+    names, settings = name_parts(name)
+    if len(names) == 3 or settings:
+        return variants_named([name])
+    own = variants_of(names[0], optional=True)
+    check_installed(names[0], engine(names[0]).unavailable_reason())
+    if len(names) == 1:
+        return own
+    formulation = checked_choice(f"formulation of {names[0]}", names[1], _each(each.formulation for each in own))
+    return [each for each in own if each.formulation == formulation]
+
+
 def _variants(text: str) -> list[Variant]:
     """Give the variants of one name; its engine is installed, unless it is one of all."""
     names, settings = name_parts(text)

@@ -65,10 +65,18 @@ class MovingBase(_Parametric, ABC):
         return self.amplitude
 
 
-class _Periodic:
-    """What repeats after a period."""
+@dataclass(frozen=True)
+class _Harmonic(_Parametric):
+    """What repeats as a sine."""
 
+    amplitude: float
+    """Of the base U0 [m], of the force P0 [N]; > 0."""
     angular_frequency: float
+    """ω [rad/s], > 0."""
+
+    def __post_init__(self) -> None:
+        checked_scalar(f"{self.kind.split()[-1]} amplitude", self.amplitude, "> 0", LARGEST_UNIT)
+        checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @property
     def period(self) -> float:
@@ -77,18 +85,10 @@ class _Periodic:
 
 
 @dataclass(frozen=True)
-class HarmonicBase(_Periodic, MovingBase):
+class HarmonicBase(_Harmonic, MovingBase):
     """The base moves as U0 sin ωt."""
 
     kind: ClassVar[str] = "harmonic base"
-    amplitude: float
-    """U0 [m], > 0."""
-    angular_frequency: float
-    """ω [rad/s], > 0."""
-
-    def __post_init__(self) -> None:
-        checked_scalar("base amplitude", self.amplitude, "> 0", LARGEST_UNIT)
-        checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @classmethod
     def from_ratio(cls, chain: Chain, frequency_ratio: float, amplitude: float = defaults.BASE_AMPLITUDE) -> Self:
@@ -113,18 +113,10 @@ class HarmonicBase(_Periodic, MovingBase):
 
 
 @dataclass(frozen=True)
-class HarmonicForce(_Periodic, _Parametric):
+class HarmonicForce(_Harmonic):
     """The force P0 sin ωt acts on the outer mass of cell 1; the base stands still."""
 
     kind: ClassVar[str] = "harmonic force"
-    amplitude: float
-    """P0 [N], > 0."""
-    angular_frequency: float
-    """ω [rad/s], > 0."""
-
-    def __post_init__(self) -> None:
-        checked_scalar("force amplitude", self.amplitude, "> 0", LARGEST_UNIT)
-        checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     def load(self, chain: Chain, time: FloatArray) -> FloatArray:
         """P0 sin ωt [N]."""

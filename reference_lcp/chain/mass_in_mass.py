@@ -4,7 +4,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,9 +20,6 @@ from reference_lcp.validation import (
     checked_per_cell,
     checked_scalar,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _REQUIREMENTS = {
     "outer_mass": "> 0",
@@ -141,18 +138,6 @@ class Chain:
         ]
         return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
 
-    def plot(self) -> "Figure":
-        """Draw the transmittance of the chain on a moving base with all contacts free, and with all of them stuck.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            [dB] over the frequency ratio η_r = ω / ω_r from 0.1 to 3.
-        """
-        from reference_lcp.chain.linear_response import plot_limits
-
-        return plot_limits(self)
-
     @property
     def friction_bound(self) -> FloatArray:
         """Largest friction force μ λ_N of each contact [N], shape (n,)."""
@@ -192,21 +177,20 @@ class Chain:
         squared = highest_square(self.outer_mass, self.inner_mass, self.chain_stiffness, self.inner_stiffness)
         return math.sqrt(squared)
 
-    def parameters(self) -> dict[str, list[float]]:
-        """Give every parameter as a list with one value a cell, ready for JSON."""
-        return {name: getattr(self, name).tolist() for name in _REQUIREMENTS}
-
     def _element_matrix(self, between_cells: FloatArray, within_cells: FloatArray) -> FloatArray:
         elongation = np.eye(self.cells) - np.eye(self.cells, k=-1)
         row = elongation.T @ np.diag(between_cells) @ elongation
         inside = np.diag(within_cells)
         return np.block([[row + inside, -inside], [-inside, inside]])
 
+    def _numbers(self) -> tuple[bytes, ...]:
+        return tuple(getattr(self, name).tobytes() for name in _REQUIREMENTS)
+
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Chain) and self.parameters() == other.parameters()
+        return isinstance(other, Chain) and self._numbers() == other._numbers()
 
     def __hash__(self) -> int:
-        return hash(tuple(getattr(self, name).tobytes() for name in _REQUIREMENTS))
+        return hash(self._numbers())
 
 
 def _span(values: FloatArray) -> str:

@@ -126,11 +126,3 @@ class Trajectory:
     def relative_velocity(self) -> FloatArray:
         """ġ_T = v̇_i − u̇_i [m/s], shape (steps, n)."""
         return self.velocities[:, self.cells :] - self.velocities[:, : self.cells]
-
-    def joined(self, other: Self) -> "Trajectory":
-        """Append a run that started at this one's end."""
-        gaps = [part.normal_gap for part in (self, other) if part.normal_gap is not None]
-        names = ("time", "positions", "velocities", "friction", "normal_force")
-        rows = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
-        gap = np.concatenate(gaps) if len(gaps) == 2 else None
-        return Trajectory(**rows, internal_state=other.internal_state, normal_gap=gap)

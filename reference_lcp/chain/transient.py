@@ -1,19 +1,16 @@
 """Base motions that are not harmonic, from rest: a Ricker pulse, a swept sine, filtered noise, a record."""
 
-import csv
 import hashlib
-import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import MovingBase
-from reference_lcp.errors import ParameterError, checked_choice, checked_path
-from reference_lcp.validation import FloatArray, checked_count, checked_scalar, is_number
+from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -248,34 +245,6 @@ class RecordedBase(MovingBase):
         if self.amplitude == 0:
             raise ParameterError(f"displacement = {self.displacements[0]:g} m throughout; allowed: a base that moves")
 
-    @classmethod
-    def from_csv(cls, file: Path, scale: float = 1.0) -> Self:
-        """Read a table of time [s] and displacement [m], separated by a comma, one sample a line.
-
-        A first line of words is a heading; empty lines and lines that begin with # are skipped.
-
-        Parameters
-        ----------
-        file
-            The table.
-        scale
-            By which displacements are multiplied, > 0.
-
-        Raises
-        ------
-        ParameterError
-            If the file cannot be read, or a line is not a sample; the message names file and line.
-        """
-        factor = checked_scalar("record scale", scale, "> 0")
-        samples = _samples(file)
-        if len(samples) < FEWEST_SAMPLES:
-            raise ParameterError(f"record {file} has {len(samples)} samples; allowed: at least {FEWEST_SAMPLES}")
-        times, displacements = zip(*samples, strict=True)
-        try:
-            return cls(times, tuple(factor * value for value in displacements))
-        except ParameterError as problem:
-            raise ParameterError(f"record {file}: {problem}") from None
-
     @cached_property
     def amplitude(self) -> float:  # type: ignore[override]
         """Largest distance from the first sample [m]."""
@@ -342,27 +311,3 @@ class RecordedBase(MovingBase):
 
     def _inside(self, time: FloatArray) -> FloatArray:
         return np.clip(np.asarray(time, dtype=np.float64), 0.0, self.duration)
-
-
-def _samples(file: Path) -> list[tuple[float, float]]:
-    try:
-        with checked_path("record", file).open(newline="", encoding="utf-8") as opened:
-            lines = list(csv.reader(opened))
-    except (OSError, UnicodeDecodeError, csv.Error) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) else problem
-        raise ParameterError(f"record {file} cannot be read: {reason}") from None
-    filled = ((number, line) for number, line in enumerate(lines, start=1) if any(cell.strip() for cell in line))
-    samples = [(number, line) for number, line in filled if not line[0].lstrip().startswith("#")]
-    if samples and len(samples[0][1]) == 2 and not any(is_number(cell) for cell in samples[0][1]):
-        samples = samples[1:]
-    return [_sample(file, number, line) for number, line in samples]
-
-
-def _sample(file: Path, number: int, line: list[str]) -> tuple[float, float]:
-    where = f"line {number} of record {file}"
-    if len(line) != 2:
-        raise ParameterError(f"{where} has {len(line)} columns; allowed: 2, time [s] and displacement [m]")
-    for cell in line:
-        if not is_number(cell) or not math.isfinite(float(cell)):
-            raise ParameterError(f"{cell.strip()!r} in {where} is not a number; allowed: finite numbers")
-    return float(line[0]), float(line[1])

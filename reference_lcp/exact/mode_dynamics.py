@@ -271,7 +271,3 @@ class Segment(Stretch):
         stuck = np.flatnonzero(self.modes == 0)
         states[:, 3 * n + stuck] = states[:, 2 * n + stuck]
         return states
-
-    def friction_at(self, elapsed: FloatArray) -> FloatArray:
-        """λ_T [N] at times after the start [s]; the result has shape (times, n)."""
-        return self.powers(elapsed) @ self.friction

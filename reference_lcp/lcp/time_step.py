@@ -25,7 +25,7 @@ are released together.
 """
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -99,8 +99,11 @@ class FrictionalStep:
             if np.ndim(getattr(self, name)) == 0:
                 like = self.normal_gap if name in vectors else self.tangential_directions
                 object.__setattr__(self, name, np.full(np.shape(like), getattr(self, name)))
-        check_step(self, _SHAPES)
-        contacts = (self.contacts,)
+        checked_scalar("time_step", self.time_step, "> 0")
+        sizes, contacts = {"f": np.shape(self.velocity)[0], "c": self.contacts}, (self.contacts,)
+        for name, axes in _SHAPES.items():
+            checked_array(name, getattr(self, name), shape=tuple(sizes[axis] for axis in axes))
+        checked_array("friction_coefficient", self.friction_coefficient, ">= 0", shape=contacts)
         if self.static_friction_coefficient is not None:
             static = checked_array("static_friction_coefficient", self.static_friction_coefficient, shape=contacts)
             if np.any(static < self.friction_coefficient):
@@ -127,16 +130,6 @@ _SHAPES = {
     "tangential_motion": "c",
 }  # fmt: skip
 """Freedoms f and contacts c along the axes of each field."""
-
-
-def check_step(step: Any, shapes: Mapping[str, str]) -> None:
-    """Check what every step has; shapes are in freedoms f, contacts c and tangents t, two a contact."""
-    checked_scalar("time_step", step.time_step, "> 0")
-    contacts = np.shape(step.normal_gap)[0]
-    sizes = {"f": np.shape(step.velocity)[0], "c": contacts, "t": 2 * contacts}
-    for name, axes in shapes.items():
-        checked_array(name, getattr(step, name), shape=tuple(sizes[axis] for axis in axes))
-    checked_array("friction_coefficient", step.friction_coefficient, ">= 0", shape=(contacts,))
 
 
 @dataclass(frozen=True)

@@ -163,11 +163,6 @@ class TransitionMatch:
         """Time errors by the expected transition."""
         return {expected: error for (_, expected), error in zip(self.pairs, self.time_errors, strict=True)}
 
-    @property
-    def unmatched(self) -> int:
-        """Number of transitions that only one of the two has."""
-        return len(self.missed) + len(self.spurious)
-
 
 def match_transitions(
     observed: Sequence[TimedTransition],

@@ -76,11 +76,6 @@ class CompiledSimulation:
             setattr(part, name, getattr(self, name)[lanes])
         return part
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes of the arrays that it holds: the parameters of all lanes and the last table of loads."""
-        return self._parameters.nbytes + self._time_step.nbytes + self._loads[1].nbytes
-
     def close(self) -> None:
         """Nothing is held outside Python."""
 

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.drives import PeriodicDrive
-from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, PeriodicOrbit, common_cells
+from reference_lcp.chain.simulation import PeriodicOrbit, common_cells
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import (
@@ -26,9 +24,7 @@ from reference_lcp.observables.stick_slip import (
     transitions_between,
 )
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
-from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
-from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.steady.richardson import SAFETY, amplitude_in_db, richardson, unresolved_amplitude
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
@@ -124,16 +120,11 @@ def measured_error_bars(
         some = orbits[first : first + together]
         inverse = PeriodInverse.of(some)
         finer = refined_orbits(some, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
-        bars += _error_bars([some, *finer], 0, inverse.amplification)
+        bars += error_bars_of([some, *finer], 0, inverse.amplification)
     return bars
 
 
-def error_bar(orbits: Sequence[PeriodicOrbit], place: int = 0) -> ErrorBar:
-    """Estimate the error of the orbit at `place`, of two or more of one chain by ascending numbers of steps."""
-    return _error_bars([[orbit] for orbit in orbits], place, PeriodInverse.of([orbits[place]]).amplification)[0]
-
-
-def _error_bars(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
+def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
     """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
     judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
     modes = [[contact_modes(orbit) for orbit in orbits] for orbits in ladder]
@@ -254,18 +245,6 @@ def _transition_times(
             missing.extend(match_transitions(match.spurious, missing, period).spurious)
     times[:, [index[change] for change in marginal]] = np.nan
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
-
-
-def euler_orbit(
-    chain: Chain,
-    drive: PeriodicDrive,
-    steps: int,
-    tolerance: float = DEFAULT_RESIDUAL,
-    max_periods: int = DEFAULT_PERIODS,
-) -> PeriodicOrbit:
-    """Find the periodic orbit of the compiled Euler scheme with so many steps a period; see `periodic_orbits`."""
-    simulation = CompiledSimulation([Lane.periodic(chain, drive, steps)])
-    return periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)[0]
 
 
 def _known(value: float) -> float | None:

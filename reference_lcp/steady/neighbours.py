@@ -11,17 +11,14 @@ period certifies what is found, as anywhere.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
-from reference_lcp.chain.simulation import PeriodicOrbit, Simulation
+from reference_lcp.chain.simulation import OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.schemes.euler import CompiledSimulation, euler_simulation
-from reference_lcp.steady.anderson import WARM_UP_PERIODS, StateScales
-from reference_lcp.steady.attraction import OFFSET
-from reference_lcp.steady.harmonic_balance import harmonic_balance_start
+from reference_lcp.steady.attraction import jacobians
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbits, searched
 from reference_lcp.validation import FloatArray
 
@@ -54,7 +51,9 @@ class PeriodInverse:
     def of(cls, orbits: Sequence[PeriodicOrbit]) -> "PeriodInverse":
         """Take the Jacobians of the orbits together; their number of cells and of steps a period is the same."""
         width = 4 * orbits[0].lane.chain.cells
-        left, sizes, right = np.linalg.svd(np.eye(width) - _jacobians(orbits))
+        left, sizes, right = np.linalg.svd(
+            np.eye(width) - jacobians(euler_simulation([own.lane for own in orbits]), orbits)
+        )
         at_rest = np.linalg.norm(right[:, :, width // 2 :], axis=2) < AT_REST
         lasts = (sizes < LASTING) & at_rest
         shown = np.where(lasts, 0.0, 1 / np.where(lasts, 1.0, sizes))
@@ -78,90 +77,29 @@ def residual_amplification(orbit: PeriodicOrbit) -> float:
     return float(PeriodInverse.of([orbit]).amplification[0])
 
 
-def _jacobians(orbits: Sequence[PeriodicOrbit]) -> FloatArray:
-    """Jacobians of the period maps at the ends of the orbits, shape (orbits, 4n, 4n): all of them in one batch."""
-    lanes, steps = [orbit.lane for orbit in orbits], orbits[0].trajectory.steps
-    width = 4 * lanes[0].chain.cells
-    scales, every = StateScales(lanes, steps), np.repeat(np.arange(len(lanes)), width + 1)
-    end = State.stack([orbit.trajectory.end for orbit in orbits])
-    vectors = scales.vectors(State(end.positions, end.velocities), np.arange(len(lanes)))
-    offsets = np.vstack([np.zeros(width), OFFSET * np.eye(width)])
-    moved = scales.state((vectors[:, None] + offsets).reshape(-1, width), every)
-    gaps = None if end.internal_state is None else end.internal_state[every]
-    simulation = euler_simulation(lanes).subset(every)
-    ends = simulation.advance(State(moved.positions, moved.velocities, gaps), 0, steps)
-    after = scales.vectors(State(ends.positions, ends.velocities), every).reshape(len(lanes), width + 1, width)
-    return (after[:, 1:] - after[:, :1]).swapaxes(1, 2) / OFFSET
-
-
-def orbits_warm_started(
+def beside_euler(
     simulation: Simulation,
-    start: State,
-    known: Sequence[bool],
-    newton: FloatArray,
     steps: int,
     *,
     tolerance: float,
     max_periods: int = DEFAULT_PERIODS,
-    longest_multiple: int = LONGEST_MULTIPLE,
-    anew: bool = True,
-) -> list[PeriodicOrbit]:
-    """Find the periodic orbit of every lane: beside a known one, where `known`, and from harmonic balance where not.
-
-    `newton` holds Newton's steps of the known map, see `FixedPointSearch`; `anew`, whether a lane that is not found
-    beside its known orbit is searched from balance too.
-    """
-    near = np.flatnonzero(known).tolist()
-    orbits: dict[int, PeriodicOrbit] = {}
-    if near:
-        periods, multiple = min(max_periods, NEWTON_PERIODS), 1 if anew else longest_multiple
-        part = part_of(simulation, near)
-        searches = searched(part, start.subset(near), steps, tolerance, periods, multiple, newton[near])
-        orbits = {lane: orbit for lane, orbit in zip(near, searches, strict=True) if orbit.converged or not anew}
-    late = [lane for lane in range(len(simulation.lanes)) if lane not in orbits]
-    if late:
-        search = partial(periodic_orbits, max_periods=max_periods, longest_multiple=longest_multiple)
-        balanced = search(part_of(simulation, late), steps, tolerance=tolerance)
-        orbits |= dict(zip(late, balanced, strict=True))
-    return [orbits[lane] for lane in range(len(simulation.lanes))]
-
-
-def orbits_from_euler(
-    simulation: Simulation,
-    steps: int,
-    *,
-    tolerance: float,
     start: State | None = None,
-    max_periods: int = DEFAULT_PERIODS,
-    longest_multiple: int = LONGEST_MULTIPLE,
-    anew: bool = True,
 ) -> list[PeriodicOrbit]:
-    """Find the periodic orbits of something that steps nearly like the Euler scheme, from the scheme's or `start`."""
+    """Search from the steady states of Euler's scheme, or `start`, by Newton's steps with the Jacobians there, mixed.
+
+    A step may lead to where an engine's motion grows without bound: such a search begins anew, from harmonic balance.
+    """
     if simulation.lanes[0].chain.cells > LONGEST_CHAIN:
-        return periodic_orbits(
-            simulation, steps, tolerance=tolerance, max_periods=max_periods, longest_multiple=longest_multiple
-        )
+        return periodic_orbits(simulation, steps, tolerance=tolerance)
     euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
     ends = State.stack([State(orbit.trajectory.end.positions, orbit.trajectory.end.velocities) for orbit in euler])
-    return orbits_warm_started(
-        simulation,
-        ends if start is None else start,
-        [orbit.converged for orbit in euler],
-        PeriodInverse.of(euler).newton,
-        steps,
-        tolerance=tolerance,
-        max_periods=max_periods,
-        longest_multiple=longest_multiple,
-        anew=anew,
-    )
-
-
-def orbits_from_balance(simulation: Simulation, steps: int, *, tolerance: float) -> list[PeriodicOrbit]:
-    """Find the periodic orbit of every lane from harmonic balance: plain periods decide to which the motion goes."""
-    balanced = harmonic_balance_start(simulation.lanes, steps)
-    start = simulation.advance(balanced, 0, WARM_UP_PERIODS * steps)
-    orbits = orbits_from_euler(simulation, steps, tolerance=tolerance, start=start)
-    return [replace(orbit, periods=orbit.periods + WARM_UP_PERIODS) for orbit in orbits]
+    newton, start = PeriodInverse.of(euler).newton, ends if start is None else start
+    orbits = searched(simulation, start, steps, tolerance, max_periods, LONGEST_MULTIPLE, newton)
+    lost = [number for number, orbit in enumerate(orbits) if orbit.status is OrbitStatus.DIVERGED]
+    if lost:
+        again = periodic_orbits(simulation.subset(lost), steps, tolerance=tolerance)
+        orbits = [again[lost.index(number)] if number in lost else orbit for number, orbit in enumerate(orbits)]
+    return orbits
 
 
 def refined_orbits(
@@ -177,12 +115,17 @@ def refined_orbits(
     for factor in factors:
         lanes = [replace(orbit.lane, time_step=orbit.lane.time_step / factor) for orbit in orbits]
         simulation, steps = CompiledSimulation(lanes), orbits[0].trajectory.steps * factor
-        known, start = [orbit.converged for orbit in ladder[-1]], _extrapolated(ladder, steps)
-        ladder.append(
-            orbits_warm_started(
-                simulation, start, known, inverse.newton, steps, tolerance=tolerance, max_periods=max_periods
-            )
-        )
+        start, near = _extrapolated(ladder, steps), [k for k, orbit in enumerate(ladder[-1]) if orbit.converged]
+        found: dict[int, PeriodicOrbit] = {}
+        if near:
+            newton, limit = inverse.newton[near], min(max_periods, NEWTON_PERIODS)
+            beside = searched(part_of(simulation, near), start.subset(near), steps, tolerance, limit, 1, newton)
+            found = {k: orbit for k, orbit in zip(near, beside, strict=True) if orbit.converged}
+        late = [k for k in range(len(lanes)) if k not in found]
+        if late:
+            balanced = periodic_orbits(part_of(simulation, late), steps, tolerance=tolerance, max_periods=max_periods)
+            found |= dict(zip(late, balanced, strict=True))
+        ladder.append([found[k] for k in range(len(lanes))])
     return ladder[1:]
 
 

@@ -7,7 +7,7 @@ the attractor may be a cycle of m points of the map, a subharmonic response, or 
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -83,21 +83,9 @@ def periodic_orbits(
     checked_count("longest_multiple", longest_multiple)
     for lane in simulation.lanes:
         _check_period(lane, steps_per_period)
-    if start is None:
-        balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
-        found = searched(
-            simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline
-        )
-        return found if longest_multiple == 1 else _judged(found, simulation)
-    orbits = _first_periods(simulation, start, steps_per_period, tolerance)
-    late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
-    if late and max_periods > 1:
-        ends = State.stack([orbits[lane].trajectory.end for lane in late])
-        part = part_of(simulation, late)
-        later = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple, deadline=deadline)
-        for number, orbit in zip(late, later, strict=True):
-            orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
-    return orbits
+    begin = harmonic_balance_start(simulation.lanes, steps_per_period) if start is None else start
+    found = searched(simulation, begin, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline)
+    return found if longest_multiple == 1 else _judged(found, simulation)
 
 
 def part_of(simulation: Simulation, lanes: Sequence[int]) -> Simulation:
@@ -124,24 +112,7 @@ def searched(
     found = zip(simulation.lanes, trajectories, residuals, (search.periods + 1).tolist(), strict=True)
     orbits = [PeriodicOrbit(*one, orbit_status(one[2], tolerance)) for one in found]
     if longest_multiple > 1:
-        search_repetitions(orbits, simulation, starts, steps, tolerance, longest_multiple)
-    return orbits
-
-
-def _first_periods(simulation: Simulation, start: State, steps: int, tolerance: float) -> list[PeriodicOrbit]:
-    """Record one period from a start that may be in the steady state, and take its residual."""
-    scales = StateScales(simulation.lanes, steps)
-    orbits = []
-    for number, trajectory in enumerate(simulation.run(start, 0, steps)):
-        own, lane = start.subset([number]), [number]
-        scales.learn(None, own, lane)
-        scales.learn(own, trajectory.end, lane)
-        x = scales.vectors(own, lane)
-        change = scales.vectors(trajectory.end, lane) - x
-        residual = float(scales.residuals(x, change)[0])
-        orbits.append(
-            PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, orbit_status(residual, tolerance))
-        )
+        _name_repetitions(orbits, simulation, starts, steps, tolerance, longest_multiple)
     return orbits
 
 
@@ -156,36 +127,25 @@ def _judged(orbits: Sequence[PeriodicOrbit], simulation: Simulation) -> list[Per
     """Say of the steady states of chains with a cell without dashpot whether they attract."""
     judged = list(orbits)
     for number, orbit in enumerate(orbits):
-        if orbit.converged and orbit.lane.static_ratio == 1 and not attracts_all(orbit.lane):
+        known = orbit.trajectory.internal_state is None or orbit.lane.opens
+        if orbit.converged and known and orbit.lane.static_ratio == 1 and not attracts_all(orbit.lane):
             judged[number] = without_dashpots(orbit, largest_multiplier(simulation.subset([number]), orbit))
     return judged
 
 
-def search_repetitions(
-    orbits: list[PeriodicOrbit],
-    simulation: Simulation,
-    starts: State,
-    steps_per_period: int,
-    tolerance: float,
-    longest: int = LONGEST_MULTIPLE,
-    leading: Callable[[Sequence[Lane]], Simulation] | None = None,
+def _name_repetitions(
+    orbits: list[PeriodicOrbit], simulation: Simulation, starts: State, steps: int, tolerance: float, longest: int
 ) -> None:
-    """Set the multiple of the orbits at the period limit, in place: after how many periods they repeat.
-
-    `starts` are where their search has ended; `leading` builds what leads them, see `repetitions`.
-    """
+    """Set the multiple of the orbits at the period limit, in place: after how many periods they repeat."""
     late = [lane for lane, orbit in enumerate(orbits) if orbit.status is OrbitStatus.PERIOD_LIMIT]
     if not late:
         return
     part = simulation.subset(late)
-    led_by = None if leading is None else leading(part.lanes)
-    multiples, states, distances = repetitions(
-        part, starts.subset(late), steps_per_period, tolerance, longest, leading=led_by
-    )
+    multiples, states, distances = _repetitions(part, starts.subset(late), steps, tolerance, longest)
     for k, lane in enumerate(late):
         orbits[lane] = dataclasses.replace(orbits[lane], multiple=multiples[k])
         if multiples[k] == 1:
-            period = part.subset([k]).run(states.subset([k]), 0, steps_per_period)[0]
+            period = part.subset([k]).run(states.subset([k]), 0, steps)[0]
             periods, residual = orbits[lane].periods + SETTLING_PERIODS + longest + 1, float(distances[k, 0])
             orbits[lane] = PeriodicOrbit(orbits[lane].lane, period, residual, periods, OrbitStatus.CONVERGED)
 
@@ -204,27 +164,18 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
             raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")
 
 
-def repetitions(
-    simulation: Simulation,
-    start: State,
-    steps_per_period: int,
-    tolerance: float,
-    longest: int = LONGEST_MULTIPLE,
-    *,
-    leading: Simulation | None = None,
+def _repetitions(
+    simulation: Simulation, start: State, steps_per_period: int, tolerance: float, longest: int
 ) -> tuple[list[int], State, FloatArray]:
     """Find after how many periods of the drive, `longest` at most, each lane's motion repeats to `tolerance`.
 
     The plain motion is followed for `SETTLING_PERIODS`, and x(t + mT) compared with x(t). The m that comes closest to a
     repetition is tried on its own, by a search of the m-fold map. Gives the smallest m of each lane, 0 where there is
     none; where its motion has settled; and |x(t + mT) − x(t)| from there, shape (lanes, longest).
-
-    `leading` is what takes the same steps in less time: it leads to where the simulation itself is looked at.
     """
     scales, end = StateScales(simulation.lanes, steps_per_period), start
-    leading = leading or simulation
     for period in range(SETTLING_PERIODS):
-        end = leading.advance(end, 0, steps_per_period)
+        end = simulation.advance(end, 0, steps_per_period)
         tell(SETTLING, period + 1, SETTLING_PERIODS)
     distances = _distances(simulation, scales, end, steps_per_period, longest)
     multiples = [_smallest(row <= tolerance) for row in distances]
@@ -232,7 +183,7 @@ def repetitions(
         m = int(np.argmin(distances[lane])) + 1
         if distances[lane, m - 1] < HINT * distances[lane, 0]:
             alone, own = simulation.subset([lane]), scales.subset([lane])
-            search = FixedPointSearch(leading.subset([lane]), own, m * steps_per_period, tolerance)
+            search = FixedPointSearch(alone, own, m * steps_per_period, tolerance)
             search.run(end.subset([lane]), SEARCHED)
             if search.best_residual[0] <= tolerance:
                 repeated = _smallest(_distances(alone, own, search.starts([0]), steps_per_period, m)[0] <= tolerance)

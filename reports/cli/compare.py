@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.reports.cli.options import COMMENT_ENDINGS, Store, Workers, check_outs, engine_option, keeping
+from multibody_xval.scenarios.output_files import write_whole
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.output import write_whole
 from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:

@@ -1,14 +1,11 @@
 """``multibody-xval``: every command of the suite."""
 
 import importlib
-import sys
 from functools import cache
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
-
-from reference_lcp.process import run_command
 
 COMMANDS = {
     "engines": ("engines", "List engines, their versions and presets, and why an engine is missing."),
@@ -85,8 +82,3 @@ def multibody_xval(
 
     Example: multibody-xval report --quick --engine mujoco
     """
-
-
-def main(*before: str) -> None:
-    """Run the command line, with words `before` what was typed, and end with its exit code."""
-    sys.exit(run_command(app, [*before, *sys.argv[1:]]))

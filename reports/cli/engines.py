@@ -8,7 +8,8 @@ from typing import Any
 import typer
 
 from multibody_xval.reports.cli.options import AsJson
-from reference_lcp.terminal import print_table, visible
+from multibody_xval.scenarios.terminal_table import print_table
+from reference_lcp.terminal import visible
 
 app = typer.Typer(name="multibody-xval engines", add_completion=False, pretty_exceptions_enable=False)
 

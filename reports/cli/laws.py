@@ -17,8 +17,8 @@ def laws(engines: Engines, *, out: TableFile = None) -> None:
     """
     configs = engines.variants()
     outs = check_outs([out], TABLE_ENDINGS)
+    from multibody_xval.reports.cli.compiling import announce_compilation
     from multibody_xval.scenarios.studies import laws as study
-    from reference_lcp.terminal import announce_compilation
 
     announce_compilation()
     table = study.law_distances(configs)

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from multibody_xval.engines.completion import complete_variant
+from multibody_xval.reports.cli.ending import Interrupted
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
-from reference_lcp.errors import ExitCode, ParameterError, shown
-from reference_lcp.output import checked_output_file
-from reference_lcp.process import announce_interrupt
+from multibody_xval.scenarios.output_files import checked_output_file
+from reference_lcp.errors import ParameterError, shown
 
 if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant
@@ -171,8 +171,7 @@ def keeping(store: Path | None) -> Iterator[None]:
         where = "nothing is kept without --store"
         if store is not None:
             where = f"results are kept in {store}; the same command goes on from there"
-        announce_interrupt(f"interrupted: {where}")
-        raise typer.Exit(ExitCode.INTERRUPTED) from None
+        raise Interrupted(f"interrupted: {where}") from None
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:

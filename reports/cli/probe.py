@@ -66,7 +66,7 @@ def probe(
 
 def _print_tables(found: Probe) -> None:
     """Print what is to be known, a row a line of the recipe, a row for all that is held, and the finding."""
-    from reference_lcp.terminal import print_table
+    from multibody_xval.scenarios.terminal_table import print_table
 
     for note in (*found.notes, *_more_notes(found)):
         print(textwrap.fill(visible(note), 80))

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from multibody_xval.reports.cli.options import check_outs
+from multibody_xval.scenarios.output_files import write_whole
 from reference_lcp.errors import ExitCode
-from reference_lcp.output import write_whole
 from reference_lcp.terminal import tracked, visible
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from multibody_xval.reports.cli.options import (
     grouped,
     keeping,
 )
-from reference_lcp.output import write_whole
-from reference_lcp.terminal import print_table
+from multibody_xval.scenarios.output_files import write_whole
+from multibody_xval.scenarios.terminal_table import print_table
 
 if TYPE_CHECKING:
     import pandas as pd

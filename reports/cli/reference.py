@@ -1,9 +1,10 @@
-"""``multibody-xval reference``: the steady state of one chain, and how fast it is found."""
+"""``multibody-xval reference``: the steady state of one chain."""
 
 from __future__ import annotations
 
 import json
 import math
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,16 +14,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
 
+from multibody_xval.reports.cli.compiling import announce_compilation
 from multibody_xval.reports.cli.options import AsJson, grouped
+from multibody_xval.scenarios.terminal_table import print_table
 from reference_lcp import defaults
-from reference_lcp.deadline import watched
+from reference_lcp.deadline import Watcher, watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
 from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import SearchLines, announce_compilation, print_table, said_if_long
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain
     from reference_lcp.one_call import SteadyState
+
+LINE_SECONDS = 10.0
+"""Between two lines about a search that takes long."""
 
 app = typer.Typer(name="multibody-xval reference", add_completion=False, pretty_exceptions_enable=False)
 
@@ -32,7 +37,7 @@ def typed_number(value: str | float) -> TypedNumber:
     try:
         return TypedNumber(value)
     except ValueError:
-        raise typer.BadParameter("no valid number") from None
+        raise typer.BadParameter("not a valid number") from None
 
 
 class TypedNumber(float):
@@ -132,10 +137,9 @@ class ProofOptions:
             return {"proof": {"status": "not proven", "reason": str(problem), **missing, "seconds": seconds}}
 
 
-@app.callback(invoke_without_command=True)
+@app.command("reference")
 @grouped
 def run(
-    context: typer.Context,
     *,
     friction_ratio: Annotated[float, Ratio(help="Friction ratio μλ_N / (k_c U0).")] = 0.3,
     frequency_ratio: Annotated[float, Ratio(help="Frequency ratio ω / ω_r.")] = 0.9,
@@ -160,13 +164,11 @@ def run(
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
-    if context.invoked_subcommand is not None:
-        return
+    from multibody_xval.reports.figures.period import plot_period
+    from multibody_xval.reports.figures.picture_file import checked_picture, save_picture
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
-    from reference_lcp.chain.simulation import steps_per_period_for
     from reference_lcp.one_call import steady_state
-    from reference_lcp.studies.plot import checked_picture, save_picture
 
     if plot is not None:
         checked_picture("--plot", plot)
@@ -175,18 +177,29 @@ def run(
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
     ratios = {name: ratio for name, ratio in vars(parameters).items() if name != "base_amplitude"}
     question = proof.question({"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **ratios})
-    needed = steps_per_period_for(chain, drive, search.steps_per_period)
-    size = f"{chain.cells:,} cells, {needed:,} steps per period, at most {search.max_periods:,} periods"
-    with said_if_long(f"searching: {size}; Ctrl-C ends it"), watched(SearchLines()):
+    with watched(search_lines()):
         state = steady_state(chain, drive, **vars(search), with_error_bar=error_bar, with_exact_value=exact_value)
     reason = _why_more_steps(state, search.steps_per_period)
     told = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
     proven = proof.answer(question)
     _show(as_json, state.as_dict() | told | proven, lambda: _print(state, reason, proven))
     if plot is not None:
-        save_picture(state.plot(), plot)
+        save_picture(plot_period(state.orbit), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
+
+
+def search_lines() -> Watcher:
+    """Give what prints to standard error every `LINE_SECONDS` how far a search is."""
+    printed = time.monotonic()
+
+    def watch(what: str, done: int, most: int) -> None:
+        nonlocal printed
+        if time.monotonic() >= printed + LINE_SECONDS:
+            printed = time.monotonic()
+            print(f"{what}: {done:,} of at most {most:,} periods; Ctrl-C ends it", file=sys.stderr, flush=True)
+
+    return watch
 
 
 def _show(as_json: bool, content: object, show: Callable[[], None]) -> None:
@@ -256,18 +269,3 @@ def _transitions_of(state: SteadyState, cell: int) -> str:
     missing = [] if bar is None else [change for change in bar.missing_transitions if change.cell == cell]
     lines += [f"{change.time:.5f} {change.kind} (with other steps only)" for change in missing]
     return ", ".join(lines) or "none"
-
-
-@app.command("bench")
-def print_bench(as_json: AsJson = False) -> None:
-    """Measure the speed of the reference on this machine.
-
-    Exit code 0: measured; 2: wrong input; 130: interrupted.
-
-    Example: multibody-xval reference bench
-    """
-    from reference_lcp.studies.bench import bench
-
-    announce_compilation()
-    numbers = bench()
-    _show(as_json, numbers, lambda: print(*(f"{name}: {number:.4g}" for name, number in numbers.items()), sep="\n"))

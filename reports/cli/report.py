@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.compiling import announce_compilation
 from multibody_xval.reports.cli.options import Computing, Engines, Settings, engine_option, grouped, keeping
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.terminal import announce_compilation, visible
+from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
     from multibody_xval.reports.page.write import Written

@@ -14,8 +14,8 @@ from multibody_xval.reports.cli.laws import laws
 from multibody_xval.reports.cli.proofs import proofs
 from multibody_xval.reports.cli.recipe import recipes
 from multibody_xval.reports.cli.studies import accuracy, figure3, work_precision
+from multibody_xval.scenarios.terminal_table import print_table
 from reference_lcp.errors import ParameterError
-from reference_lcp.terminal import print_table
 
 STUDIES = {
     "figure3": (figure3, "Do the paper's claims hold with each engine, and is every point of its figure 3 right?"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from multibody_xval.reports.cli.compiling import announce_compilation
 from multibody_xval.reports.cli.options import (
     COMMENT_ENDINGS,
     Computing,
@@ -19,9 +20,8 @@ from multibody_xval.reports.cli.options import (
     grouped,
     keeping,
 )
+from multibody_xval.scenarios.output_files import write_whole
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.output import write_whole
-from reference_lcp.terminal import announce_compilation
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reference_lcp.output import write_whole
+from multibody_xval.scenarios.output_files import write_whole
 from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from pathlib import Path
 import pandas as pd
 
 from multibody_xval.reports.figures.svg import Panel, pdf
+from multibody_xval.scenarios.output_files import checked_output_file, checked_output_folder, write_whole
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.table_text import csv_text
 from reference_lcp.errors import ParameterError
-from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
 
 PAGE, FIGURES = "index.html", "figures"
 

@@ -8,8 +8,7 @@ import numpy as np
 from multibody_xval.engines.interface.engine import SteadyStateSolver
 from multibody_xval.scenarios.compute.checked import CheckedSimulation, check_trajectory
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
-from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
-from reference_lcp.chain.trajectory import State
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.observables.stick_slip import (
     creep_velocity,
@@ -18,9 +17,8 @@ from reference_lcp.observables.stick_slip import (
 )
 from reference_lcp.observables.transmittance import complex_transmittance
 from reference_lcp.one_call import SteadyState
-from reference_lcp.schemes.euler import euler_simulation
-from reference_lcp.steady.neighbours import LONGEST_CHAIN, PeriodInverse, residual_amplification
-from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits, searched
+from reference_lcp.steady.neighbours import beside_euler, residual_amplification
+from reference_lcp.steady.orbits import periodic_orbits
 
 MOST_PERIODS = 60
 """Periods of a search: engines that settle on the paper's chain take 2 to 55, and those that have not settled by then
@@ -55,7 +53,7 @@ def _found(
         if config.engine == REFERENCE.engine:
             orbits = periodic_orbits(simulation, steps, tolerance=tolerance)
         else:
-            orbits = beside_euler(CheckedSimulation(simulation), steps, tolerance, limit)
+            orbits = beside_euler(CheckedSimulation(simulation), steps, tolerance=tolerance, max_periods=limit)
         return [(orbit, None) for orbit in orbits]
     finally:
         simulation.close()
@@ -65,25 +63,6 @@ def most_periods(config: Config, cases: Sequence[Case]) -> int:
     """Give the limit on periods: long chains, light damping and single precision take longer."""
     slow = any(case.cells > LONG_CHAIN or np.min(case.damping_ratio) < LIGHT_DAMPING for case in cases)
     return DEFAULT_PERIODS if slow or config.capabilities.precision != "double" else MOST_PERIODS
-
-
-def beside_euler(simulation: Simulation, steps: int, tolerance: float, limit: int) -> list[PeriodicOrbit]:
-    """Search from the steady states of Euler's scheme, by Newton's steps with the Jacobians there, mixed.
-
-    A step may lead to where an engine's motion grows without bound: such a search begins anew, from harmonic balance.
-    """
-    if simulation.lanes[0].chain.cells > LONGEST_CHAIN:
-        return periodic_orbits(simulation, steps, tolerance=tolerance)
-    euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
-    ends = [orbit.trajectory.end for orbit in euler]
-    start = State.stack([State(end.positions, end.velocities) for end in ends])
-    newton = PeriodInverse.of(euler).newton
-    orbits = searched(simulation, start, steps, tolerance, limit, LONGEST_MULTIPLE, newton)
-    lost = [number for number, orbit in enumerate(orbits) if orbit.status is OrbitStatus.DIVERGED]
-    if lost:
-        again = periodic_orbits(simulation.subset(lost), steps, tolerance=tolerance)
-        orbits = [again[lost.index(number)] if number in lost else orbit for number, orbit in enumerate(orbits)]
-    return orbits
 
 
 def _read(config: Config, orbit: PeriodicOrbit, known: SteadyState | None) -> Result:

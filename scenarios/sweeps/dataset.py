@@ -16,6 +16,7 @@ import xarray as xr
 
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Config, Status
+from multibody_xval.scenarios.output_files import write_whole
 from multibody_xval.scenarios.result_tables import CONFIG, described, file_columns
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.store import identity
@@ -23,7 +24,6 @@ from multibody_xval.scenarios.sweeps.file import sweep_of
 from multibody_xval.scenarios.sweeps.plan import FREQUENCY, STEPS, Sweep
 from multibody_xval.scenarios.table_text import csv_text
 from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
 
 UNITS = {

@@ -15,10 +15,10 @@ from typing import Any
 import pandas as pd
 from packaging.version import Version
 
+from multibody_xval.scenarios.output_files import write_whole
 from multibody_xval.scenarios.table_text import csv_text
 from multibody_xval.scenarios.truth import Motion, judged, problem_named
 from reference_lcp.errors import ParameterError, RunError, checked_choice, shortened
-from reference_lcp.output import write_whole
 from reference_lcp.terminal import tracked, visible
 
 FOLDER = Path(__file__).parent

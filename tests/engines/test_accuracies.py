@@ -67,7 +67,6 @@ def test_presets_settle_that_have_a_steady_state_at_two_headline_points() -> Non
             {"accuracy": {"transmittance": 0.02}, "accuracy_reason": "soft"},
             "accuracy = 0.02 of transmittance; allowed: 0",
         ),
-        ({"accuracy": {"transmittance": -0.01}, "accuracy_reason": "soft"}, "accuracy = -0.01"),
         ({"accuracy": {"transmittance": 0.01}}, "accuracy_reason is empty"),
     ],
 )

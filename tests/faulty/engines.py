@@ -1,15 +1,18 @@
-"""The family of faulty engines: a plugin, as any other."""
+"""The family of faulty engines: a plugin, as any other. Each has one fault, and its name is ``faulty-`` with that."""
 
+import re
 from types import SimpleNamespace
 
-from multibody_xval.engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from tests.faulty.faults import FAULTS
+from multibody_xval.engines import Capabilities, Engine, Formulation, FrictionLaw
+from tests.faulty.deadly import PROCESSES
+from tests.faulty.faults import SEEN
+from tests.faulty.of_clauses import OF_CLAUSES
 from tests.faulty.scheme import Batch, Fault
 
-SHARED = Preset("Claims the reference's own step.", shares_scheme=True, judged=("chain", "blocks"))
-OTHER = Preset("The same steps, judged beside the exact motion.", judged=("chain", "blocks"))
+PREFIX = "faulty-"
 
-PREFIX = "wrong-"
+FAULTS = {**SEEN, **OF_CLAUSES, **PROCESSES}
+"""All of them by name: each is the only thing that is wrong with its engine."""
 
 
 def family(name: str, fault: Fault) -> type[Engine]:
@@ -23,7 +26,7 @@ def family(name: str, fault: Fault) -> type[Engine]:
             package="faulty-engines",
             licence="MIT",
             friction_law=FrictionLaw.COULOMB,
-            presets={Formulation.JOINT: {"tuned": SHARED, "other": OTHER}},
+            presets={Formulation.JOINT: fault.presets},
             batch_lanes=16,
             optional=True,
         )
@@ -37,10 +40,21 @@ def family(name: str, fault: Fault) -> type[Engine]:
             return None
 
         def _build(self, lanes, formulation, preset) -> Batch:
-            return Batch(lanes, fault)
+            return Batch(lanes, fault, preset)
 
     Faulty.name = f"{PREFIX}{name}"
     return Faulty
 
 
-ENGINES = SimpleNamespace(**{name.replace("-", "_"): family(name, fault) for name, fault in FAULTS.items()})
+class TakesEverything(family("takes", Fault("any formulation, preset and lane is taken"))):
+    """It builds whatever it is asked for."""
+
+    def build(self, lanes, formulation="joint", preset="tuned"):
+        """Build the tuned joint."""
+        return Batch(lanes, SEEN["sound"])
+
+
+ENGINES = SimpleNamespace(
+    takes=TakesEverything,
+    **{re.sub(r"\W", "_", name): family(name, fault) for name, fault in FAULTS.items()},
+)

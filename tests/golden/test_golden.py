@@ -56,21 +56,17 @@ def test_steady_states_are_those_recorded(name: str):
         ("steady/mujoco.csv", "level_db", "-1.001"),
         ("steady/mujoco.csv", "phase_deg", "12.5"),
         ("steady/mujoco.csv", "status", "not periodic"),
-        ("steady/mujoco.csv", "transitions", "3"),
         ("scenarios/mujoco.csv", "value", "17.5"),
         ("edges.csv", "frequency_ratio", "0.86"),
         ("reference.csv", "proven_db", "-37.21086779342775192313"),
-        ("reference.csv", "error_bar_db", "0.027"),
     ],
 )
 def test_another_number_is_a_difference(pattern: str, column: str, value: str, tmp_path: Path):
     file = tmp_path / pattern
     file.parent.mkdir(exist_ok=True)
     lines = (FOLDER / pattern).read_text(encoding="utf-8").splitlines()
-    place = lines[0].split(",").index(column)
     cells = lines[1].split(",")
-    cells[place] = value
-    file.write_text("\n".join([lines[0], ",".join(cells), *lines[2:]]), encoding="utf-8")
-    assert len(list(compare.differences(FOLDER, tmp_path))) == 1
-    file.write_text("\n".join(lines), encoding="utf-8")
-    assert list(compare.differences(FOLDER, tmp_path)) == []
+    cells[lines[0].split(",").index(column)] = value
+    for second, count in ((",".join(cells), 1), (lines[1], 0)):
+        file.write_text("\n".join([lines[0], second, *lines[2:]]), encoding="utf-8")
+        assert len(list(compare.differences(FOLDER, tmp_path))) == count

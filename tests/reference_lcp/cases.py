@@ -2,7 +2,18 @@
 
 import numpy as np
 
-from reference_lcp import Chain, HarmonicBase, simulate_system
+from reference_lcp import (
+    Chain,
+    CompiledSimulation,
+    HarmonicBase,
+    Lane,
+    PeriodicOrbit,
+    periodic_orbits,
+    simulate_system,
+)
+from reference_lcp.exact.event_driven_system import SystemStretch
+from reference_lcp.steady.error_bar import ErrorBar, error_bars_of
+from reference_lcp.steady.neighbours import PeriodInverse
 
 EXACT_DB = {
     (0.1, 0.6): 7.865,
@@ -22,6 +33,33 @@ def driven(frequency_ratio: float, **ratios) -> tuple[Chain, HarmonicBase]:
     """A chain of these ratios, and a base that drives it at its default amplitude."""
     chain = Chain.from_ratios(**ratios)
     return chain, HarmonicBase.from_ratio(chain, frequency_ratio)
+
+
+def canonical_lane(friction_ratio: float, frequency_ratio: float) -> Lane:
+    """A point of figure 3 with 400 steps per period."""
+    return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio), 400)
+
+
+def euler_orbit(chain: Chain, drive: HarmonicBase, steps: int, **limits) -> PeriodicOrbit:
+    """The periodic orbit of Euler's scheme with so many steps per period."""
+    return periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, **limits)[0]
+
+
+def error_bar(orbits, place: int = 0) -> ErrorBar:
+    """The error bar of one of the orbits of a chain, by ascending numbers of steps."""
+    amplification = PeriodInverse.of([orbits[place]]).amplification
+    return error_bars_of([[orbit] for orbit in orbits], place, amplification)[0]
+
+
+def sliding_distance(stretch: SystemStretch, start: float, end: float) -> np.ndarray:
+    """∫ |ġ_T| dt of every contact over the part of a stretch between two times [m], shape (c,)."""
+    first, last = max(start, stretch.start), min(end, stretch.end)
+    if last <= first:
+        return np.zeros(stretch.modes.size)
+    powers = np.arange(1, len(stretch.slip))[:, None]
+    integral = np.vstack([np.zeros(stretch.modes.size), stretch.slip[:-1] / powers])
+    begin, finish = stretch.values(integral * stretch.span, [first, last])
+    return np.abs(finish - begin)
 
 
 def random_chain(rng: np.random.Generator, cells: int) -> Chain:

@@ -1,16 +1,14 @@
 """Searches that take long say so, and chains that are too long for a solver are refused before any work."""
 
 import re
-import time
-from itertools import count
 from typing import Any
 
 import pytest
 
-from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, simulate, steady_state, terminal
+from multibody_xval.reports.cli import reference
+from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, simulate, steady_state
 from reference_lcp.deadline import tell, watched
-from reference_lcp.one_call import LONGEST_BARRED, LONGEST_CHAINS
-from reference_lcp.terminal import SearchLines, said_if_long
+from reference_lcp.one_call import LONGEST_CHAINS
 
 
 def setting(cells: int, **ratios: Any) -> tuple[Chain, HarmonicBase]:
@@ -19,24 +17,25 @@ def setting(cells: int, **ratios: Any) -> tuple[Chain, HarmonicBase]:
 
 
 TOO_LONG = [
-    (lambda own: steady_state(*own, with_error_bar=True), LONGEST_BARRED, "an error bar"),
-    (lambda own: steady_state(*own, with_error_bar=False, with_exact_value=True), 500, "an exact value"),
-    (lambda own: steady_state(*own, solver="exact"), LONGEST_CHAINS["exact"], "the solver 'exact'"),
-    (lambda own: exact_steady_state(*own), LONGEST_CHAINS["exact"], "the solver 'exact'"),
-    (lambda own: steady_state(*own, solver="lemke"), LONGEST_CHAINS["lemke"], "the solver 'lemke'"),
-    (lambda own: simulate(*own, time_step=0.01, steps=1, solver="lemke"), 100, "the solver 'lemke'"),
-]  # fmt: skip
+    (lambda own: steady_state(*own, with_error_bar=True), "an error bar"),
+    (lambda own: steady_state(*own, with_error_bar=False, with_exact_value=True), "an exact value"),
+    (lambda own: steady_state(*own, solver="exact"), "the solver 'exact'"),
+    (lambda own: exact_steady_state(*own), "the solver 'exact'"),
+    (lambda own: steady_state(*own, solver="lemke"), "the solver 'lemke'"),
+    (lambda own: simulate(*own, time_step=0.01, steps=1, solver="lemke"), "the solver 'lemke'"),
+]
 
 
-@pytest.mark.parametrize(("call", "longest", "name"), TOO_LONG)
-def test_a_chain_that_is_too_long_is_refused_with_the_range(call, longest: int, name: str) -> None:
+@pytest.mark.parametrize(("call", "name"), TOO_LONG)
+def test_a_chain_that_is_too_long_is_refused_with_the_range(call, name: str) -> None:
+    longest = LONGEST_CHAINS[name]
     message = f"cells = {longest + 1} is more than {name} takes; allowed: <= {longest}, or without it"
     with pytest.raises(ParameterError, match=f"^{re.escape(message)}$"):
         call(setting(longest + 1))
 
 
 def test_without_friction_a_long_chain_has_its_exact_value() -> None:
-    assert exact_steady_state(*setting(LONGEST_CHAINS["exact"] + 1, friction_ratio=0.0)).orbit.converged
+    assert exact_steady_state(*setting(LONGEST_CHAINS["an exact value"] + 1, friction_ratio=0.0)).orbit.converged
 
 
 def test_too_many_steps_name_the_frequency_that_needs_fewer() -> None:
@@ -68,26 +67,8 @@ def test_a_motion_that_does_not_settle_is_told_too() -> None:
     assert any(what.startswith("no steady state so far") for what in heard)
 
 
-def test_a_line_comes_every_ten_seconds_with_the_time_of_all_periods(capsys) -> None:
-    seconds = count(0, 4)
-    lines = SearchLines(lambda: float(next(seconds)))
-    with watched(lines):
-        for period in range(1, 7):
-            tell("search", period, 400)
-        tell("finer", 1, 100)
-        tell("finer", 2, 100)
-    assert capsys.readouterr().err.splitlines() == [
-        "search: 3 of at most 400 periods; 12 s so far, all take about 27 min",
-        "search: 6 of at most 400 periods; 24 s so far, all take about 27 min",
-    ]
-
-
-def test_what_takes_seconds_says_what_it_is_and_what_is_quick_says_nothing(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(terminal, "SILENT_SECONDS", 0.05)
-    with said_if_long("searching"):
-        time.sleep(0.3)
-    assert capsys.readouterr().err == "searching\n"
-    with said_if_long("searching"):
-        pass
-    time.sleep(0.2)
-    assert not capsys.readouterr().err
+def test_a_line_about_a_long_search_comes_now_and_then(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(reference, "LINE_SECONDS", 0.0)
+    with watched(reference.search_lines()):
+        tell("search", 3, 400)
+    assert capsys.readouterr().err == "search: 3 of at most 400 periods; Ctrl-C ends it\n"

@@ -11,11 +11,11 @@ from reference_lcp.validation import check_record_size, checked_array
 @pytest.mark.parametrize(
     ("value", "requirement", "message"),
     [
-        ([1.0, 1e25], "> 0", "x = 1e+25 is outside its range; allowed: 1e-24 to 1e+24"),
-        ([1.0, 1e-25], "> 0", "x = 1e-25 is outside its range; allowed: 1e-24 to 1e+24"),
-        ([0.0, 1e25], ">= 0", "x = 1e+25 is outside its range; allowed: 0, or 1e-24 to 1e+24"),
+        ([1.0, 1e25], "> 0", "x = 1e+25 is outside its range; allowed: > 0, 1e-24 to 1e+24"),
+        ([1.0, 1e-25], "> 0", "x = 1e-25 is outside its range; allowed: > 0, 1e-24 to 1e+24"),
+        ([0.0, 1e25], ">= 0", "x = 1e+25 is outside its range; allowed: >= 0, 1e-24 to 1e+24"),
         ([0.0, 1.0], "> 0", "x = 0 is outside its range; allowed: > 0, 1e-24 to 1e+24"),
-        ([0.0, -1.0], ">= 0", "x = -1 is outside its range; allowed: >= 0, up to 1e+24"),
+        ([0.0, -1.0], ">= 0", "x = -1 is outside its range; allowed: >= 0, 1e-24 to 1e+24"),
     ],
 )
 def test_the_message_has_value_and_range(value, requirement, message) -> None:

@@ -5,11 +5,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from multibody_xval import Chain, HarmonicForce, steady_state
 from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.write import write_page
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.model import Case
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
@@ -27,43 +25,14 @@ def stored() -> list[Stored]:
     return now({run: run_batch([run])[0] for run in SWEEP.runs()})
 
 
-def test_words_of_a_case_have_the_amplitude_with_its_unit() -> None:
-    own = SWEEP.places[0].case
-    assert tables.place(own) == "friction ratio 0.3, cells 2, drive force, amplitude 0.3 N"
-    assert own.title == "friction 0.3, frequency 1, cells 2, drive force, amplitude 0.3 N"
-    base = Case(friction_ratio=0.3, frequency_ratio=0.9, displacement=0.02)
-    assert base.title == "friction 0.3, frequency 0.9, amplitude 0.02 m"
-
-
 def test_a_page_and_its_files_have_newton(stored: list[Stored], tmp_path: Path) -> None:
+    assert tables.place(SWEEP.places[0].case) == "friction ratio 0.3, cells 2, drive force, amplitude 0.3 N"
     write_page(stored, tmp_path, "report")
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "Amplitude of the last mass over P0 / k_c, " in page
-    assert "drive force, amplitude 0.3 N" in page
     assert "displacement" not in page
-    for name in ("points", "transitions"):
+    write_dataset(dataset(SWEEP, judged(points(stored))), tmp_path / "own.csv")
+    for name in ("points", "transitions", "own"):
         table = pd.read_csv(tmp_path / f"{name}.csv")
-        assert set(table.amplitude) == {0.3}
-        assert set(table.amplitude_unit) == {"N"}
+        assert (set(table.amplitude), set(table.amplitude_unit)) == ({0.3}, {"N"})
         assert "displacement" not in table
-
-
-def test_files_of_a_sweep_have_newton(stored: list[Stored], tmp_path: Path) -> None:
-    table = judged(points(stored))
-    data = dataset(SWEEP, table)
-    assert data.friction_ratio.long_name == "friction bound over the amplitude of the force, μ λ_N / P0"
-    write_dataset(data, tmp_path / "own.csv")
-    read = pd.read_csv(tmp_path / "own.csv")
-    assert (read.amplitude[0], read.amplitude_unit[0]) == (0.3, "N")
-
-
-def test_a_base_keeps_metres() -> None:
-    base = sweep_of({"engines": ["reference"], "grid": {"friction_ratio": [0.3], "frequency_ratio": [0.9]}})
-    assert base.places[0].case.words == {"friction ratio": "0.3", "frequency ratio": "1"}
-
-
-def test_a_period_is_over_the_force() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.3, cells=1)
-    state = steady_state(chain, HarmonicForce(3.0, 20.0), with_error_bar=False)
-    titles = [axes.get_title() for axes in state.plot().axes]
-    assert titles == ["displacement k_c / P0 [-]", "relative velocity k_c / (P0 ω) [-]", "friction / bound [-]"]

@@ -1,6 +1,6 @@
-"""Panels of the page, as they are drawn: what has no level, what is not supported, and errors that are noise."""
+"""Panels of the page, limits of their axes, and numbers as people read them."""
 
-import re
+import math
 from typing import Any
 
 import pandas as pd
@@ -8,8 +8,10 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from multibody_xval.reports.figures import levels, panels
-from multibody_xval.reports.figures.svg import Panel, svg
+from multibody_xval.reports.figures import levels
+from multibody_xval.reports.figures.limits import decade_limits, level_limits
+from multibody_xval.reports.figures.svg import Panel
+from multibody_xval.reports.formatting import significant
 from multibody_xval.scenarios.model import Case
 
 LEVELS = {0.5: 10.0, 0.7: -25.0, 0.9: -71.0}
@@ -52,45 +54,42 @@ def test_each_reason_for_no_level_has_a_mark_and_what_is_not_supported_has_none(
     assert panel.text == "recipe: 0 of 2 points periodic, 1 failed, 1 not supported."
 
 
-def test_a_preset_that_is_not_supported_at_all_is_named() -> None:
-    own = {"recipe": dict.fromkeys(LEVELS, "unsupported"), "default options": dict.fromkeys(LEVELS, "periodic")}
-    (panel,) = levels.transmittance(table(own))
-    assert set(marks(drawn(panel)).values()) == {"o"}
-    assert panel.title.endswith(" (not supported: recipe)")
-    assert "recipe: not supported" in panel.text
-
-
-def test_levels_are_drawn_where_they_are_and_the_axis_ends_below_them() -> None:
+def test_levels_are_drawn_where_they_are_and_one_far_below_the_others_is_a_triangle(monkeypatch) -> None:
     (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
     axes = drawn(panel)
     reference, engine = axes.get_lines()
     assert list(reference.get_ydata()) == list(engine.get_ydata()) == list(LEVELS.values())
     assert axes.get_ylim() == (-89.0, 10.0), "the lowest ten, and a tenth of the axis below it"
-
-
-def test_a_level_far_below_the_others_is_a_triangle_at_the_bottom(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(LEVELS, 0.9, -250.0)
     (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
     assert marks(drawn(panel)) == {0.5: "s", 0.7: "s", 0.9: "v"}
 
 
-def test_errors_that_are_noise_stand_at_the_left_edge_of_two_decades() -> None:
-    sizes = pd.DataFrame({"title": ["a", "b"], "options": ["recipe", "recipe"], "largest_db": [1e-9, 3e-9]})
-    (panel,) = panels.dots(sizes, "largest_db", panels.LEAST_DB, "Largest error", "dB")
-    axes = drawn(panel)
-    assert axes.get_xlim() == pytest.approx((1e-4, 1e-2))
-    assert list(axes.get_lines()[0].get_xdata()) == [1e-4, 1e-4]
-    assert axes.get_xlabel() == "dB, at the left edge 0.0001 or less"
+@pytest.mark.parametrize(
+    ("levels", "limits"),
+    [
+        ([-33.0, 12.0], (-40.0, 20.0)),
+        ([-3.0, -3.0 + 1e-9], (-10.0, 10.0)),
+        ([-300.0, 5.0], (-110.0, 10.0)),
+        ([math.nan, -math.inf, -5.0], (-10.0, 10.0)),
+        ([], (-20.0, 0.0)),
+    ],
+)
+def test_an_axis_of_levels_ends_at_tens_and_spans_20_to_120_db(levels, limits) -> None:
+    assert level_limits(levels) == limits
 
 
-def test_errors_over_frequency_that_are_noise_keep_the_axis_upright() -> None:
-    own = table({"recipe": dict.fromkeys(LEVELS, "periodic")}).assign(error_percent=1e-9)
-    (panel,) = panels.errors(own)
-    assert drawn(panel).get_ylim() == pytest.approx((1e-3, 1e-1))
+@pytest.mark.parametrize(
+    ("sizes", "limits"),
+    [([0.12, 15.0], (0.1, 100.0)), ([1e-9, 2e-9], (1e-4, 1e-2)), ([math.nan, 0.001], (1e-3, 1e-1)), ([], (1e-4, 1e-2))],
+)
+def test_an_axis_of_errors_has_two_decades_at_least(sizes, limits) -> None:
+    assert decade_limits(sizes, 1e-4) == pytest.approx(limits, rel=1e-12)
 
 
-def test_marks_of_one_curve_share_their_style() -> None:
-    (panel,) = levels.transmittance(table({"recipe": dict.fromkeys(LEVELS, "periodic")}))
-    marked = re.findall(r"<g[^>]*>(?:\s*<use [^>]*/>){3}", svg(panel, "own"))
-    assert len(marked) == 1
-    assert marked[0].count("style=") == 1
+NUMBERS = {14.734: "15", 7294.0: "7,300", 0.125: "0.13", 1.0: "1.0", -0.5: "−0.50", -2.1e-12: "0", 2.14e-5: "2.1e−05"}
+
+
+def test_numbers_are_rounded_with_true_signs() -> None:
+    assert {number: significant(number) for number in NUMBERS} == NUMBERS
+    assert significant(math.nan) == "–"

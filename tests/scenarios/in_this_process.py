@@ -61,6 +61,11 @@ def deviating(table: pd.DataFrame) -> set[tuple[str, str]]:
     return set(zip(off.case, off.quantity, strict=True))
 
 
+def quantities(table: pd.DataFrame) -> set[str]:
+    """Give the quantities that deviate in any case."""
+    return {quantity for _, quantity in deviating(table)}
+
+
 def pressed(factor: float) -> Callable[[AnyCase], AnyCase]:
     """Press a block harder by a factor, so that friction is as much too large."""
     return lambda case: changed_block(case, normal_force=factor)

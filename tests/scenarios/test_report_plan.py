@@ -1,94 +1,24 @@
 """What a report measures where, as a function of configurations alone."""
 
 from multibody_xval.engines.interface.variant import Variant
-from multibody_xval.scenarios import report_plan
-from multibody_xval.scenarios.model import Case, Config, Run
-from multibody_xval.scenarios.report_plan import (
-    HEADLINE,
-    HEADLINE_STEPS,
-    claim_frequency_ratios,
-    frictions,
-    grid,
-    grid_cases,
-    headline_cases,
-    left_out,
-    report_runs,
-)
+from multibody_xval.scenarios.model import Config, Run
+from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, grid, report_runs
 from multibody_xval.scenarios.ruler.exact_values import ruler
 
 TUNED = Config("mujoco")
 DEFAULT = Config("mujoco", preset_name="default")
 CONTACT = Config("mujoco", "contact")
 UNSETTLED = Config("mujoco", "contact", "default")
-SLOW = Config("exudyn-regularised")
-SLOW_DEFAULT = Config("exudyn-regularised", preset_name="default")
-SLOWEST = Config("exudyn-regularised", "contact", "default")
 
 
 def of(config: Variant, runs: list[Run]) -> list[Run]:
     return [run for run in runs if run.config == config]
 
 
-def test_every_preset_is_measured_at_the_headline_points_and_joints_on_the_grid() -> None:
+def test_every_preset_is_measured_at_the_headline_points_and_joints_on_the_grid_with_the_ruler() -> None:
     runs = report_runs([TUNED, DEFAULT, CONTACT, UNSETTLED], quick=True)
-    headline = [Run(CONTACT, case, HEADLINE_STEPS) for case in HEADLINE]
-    assert of(CONTACT, runs) == headline
+    assert of(CONTACT, runs) == [Run(CONTACT, case, HEADLINE_STEPS) for case in HEADLINE]
     assert len(of(TUNED, runs)) == len(of(DEFAULT, runs)) == len(HEADLINE) + len(grid(True))
     assert of(UNSETTLED, runs) == [Run(UNSETTLED, HEADLINE[0], HEADLINE_STEPS)]
-
-
-def test_the_ruler_of_every_run_is_planned_too() -> None:
-    runs = report_runs([TUNED], quick=True)
     assert set(ruler((run.case, run.steps) for run in of(TUNED, runs))) <= set(runs)
     assert len(runs) == len(set(runs))
-
-
-def test_the_quick_report_measures_slow_engines_at_one_friction_ratio() -> None:
-    assert frictions(SLOW, quick=True) == (0.3,)
-    assert frictions(SLOW_DEFAULT, quick=True) == ()
-    assert frictions(SLOW, quick=False) == report_plan.FRICTION_RATIOS
-
-
-def test_the_default_report_measures_slow_engines_where_claims_and_edges_need_it() -> None:
-    own = grid_cases(SLOW, quick=False)
-    assert [case for case in own if case.friction_ratio == 0.1] == [
-        Case(friction_ratio=0.1, frequency_ratio=eta) for eta in claim_frequency_ratios()
-    ]
-    assert {case.friction_ratio for case in own} == set(report_plan.FRICTION_RATIOS)
-    assert grid_cases(TUNED, quick=False) == list(grid(False))
-    assert frictions(SLOW_DEFAULT, quick=False) == report_plan.QUICK_FRICTION_RATIOS
-
-
-def test_default_options_are_measured_where_claims_and_edges_need_it_at_every_friction_ratio() -> None:
-    assert grid_cases(DEFAULT, quick=False) == [
-        Case(friction_ratio=own, frequency_ratio=eta)
-        for own in report_plan.FRICTION_RATIOS
-        for eta in claim_frequency_ratios()
-    ]
-    assert grid_cases(DEFAULT, quick=True) == list(grid(True))
-
-
-def test_the_slowest_contact_is_measured_at_one_point_of_the_headline() -> None:
-    assert headline_cases(SLOWEST) == HEADLINE[:1]
-    assert headline_cases(SLOW) == headline_cases(CONTACT) == HEADLINE
-
-
-def test_what_is_left_out_is_said_with_the_command_that_has_it() -> None:
-    said = left_out([TUNED, SLOW, UNSETTLED], quick=True)
-    assert said == (
-        "Left out of the quick report: friction ratios 0.1, 0.6, 5; exudyn-regularised: friction ratios other than "
-        "0.3, and most points with default options; more of it: multibody-xval report. "
-        "At one point alone, since they hardly ever settle: mujoco:contact:default."
-    )
-    assert left_out([TUNED], quick=False) == ""
-    count = len(claim_frequency_ratios())
-    every = len({*report_plan.FREQUENCY_RATIOS, *report_plan.resonances()})
-    need = f"at {count} of {every} frequency ratios, which claims and band edges need"
-    assert left_out([DEFAULT], quick=False) == (
-        f"Measured in part: default options {need}; all of it: multibody-xval sweep."
-    )
-    assert left_out([SLOW, SLOW_DEFAULT, SLOWEST], quick=False) == (
-        f"Measured in part: exudyn-regularised and default options {need}; exudyn-regularised with default options "
-        "not at friction ratios 0.1, 0.6, 5; all of it: multibody-xval sweep. "
-        "At one point alone, since they are slow: exudyn-regularised:contact:default."
-    )

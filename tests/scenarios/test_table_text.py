@@ -5,76 +5,39 @@ import io
 import json
 import math
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.table_text import csv_cell, csv_text, json_text, markdown_lines, print_table, records
 
 NAMES = ["name", "error_db", "points"]
-ROWS = [("a|b [bold]", 1 / 3, 7), ("c, d", math.nan, None), ("e", np.float64(0.1), 2**60)]
-TABLE = pd.DataFrame(ROWS, columns=NAMES, dtype=object)
-TEXTS = pd.DataFrame(
-    [("a|b [bold]", "0.33", "7"), ("c, d", "–", "–"), ("e", "0.10", str(2**60))], columns=["name", "error [dB]", "of"]
-)
+TABLE = pd.DataFrame([("a|b", 1 / 3, 7), ("c, d", math.nan, None)], columns=NAMES, dtype=object)
 
 
-def test_csv_has_keys_every_digit_and_a_word_for_what_is_missing() -> None:
-    read = list(csv.reader(io.StringIO(csv_text(TABLE))))
-    assert read == [
-        ["name", "error_db", "points"],
-        ["a|b [bold]", repr(1 / 3), "7"],
-        ["c, d", "nan", "nan"],
-        ["e", "0.1", str(2**60)],
-    ]
+def test_every_format_has_all_digits_and_says_what_is_missing() -> None:
+    assert list(csv.reader(io.StringIO(csv_text(TABLE)))) == [NAMES, ["a|b", repr(1 / 3), "7"], ["c, d", "nan", "nan"]]
     assert csv_text(TABLE[1:2], missing="").splitlines()[1] == '"c, d",,'
-
-
-def test_json_has_every_digit_and_null_for_what_is_missing() -> None:
     read = json.loads(json_text(records(TABLE)))
-    assert [list(row.values()) for row in read] == [["a|b [bold]", 1 / 3, 7], ["c, d", None, None], ["e", 0.1, 2**60]]
-    assert json.loads(json_text({"limit": math.inf, "rows": slice(1)})) == {
-        "limit": None,
-        "rows": "slice(None, 1, None)",
-    }
+    assert [list(row.values()) for row in read] == [["a|b", 1 / 3, 7], ["c, d", None, None]]
+    assert json.loads(json_text({"limit": math.inf})) == {"limit": None}
+    assert markdown_lines(TABLE[:1].astype(str))[2].startswith("| a\\|b | 0.33")
 
 
-def test_markdown_has_headings_rounded_numbers_and_no_column_too_many() -> None:
-    assert markdown_lines(TEXTS) == [
-        "| name | error [dB] | of |",
-        "|---|---|---|",
-        "| a\\|b [bold] | 0.33 | 7 |",
-        "| c, d | – | – |",
-        f"| e | 0.10 | {2**60} |",
-    ]
-
-
-@pytest.mark.parametrize("rows", [3, 0])
-def test_terminal_shows_texts_as_they_are(rows, capsys) -> None:
-    print_table(TEXTS[:rows])
-    printed = capsys.readouterr().out
-    for word in ("name", "error", "[dB]", "of"):
-        assert word in printed
-    assert ("a|b [bold]" in printed) == bool(rows)
+@pytest.mark.parametrize(
+    ("value", "begin"),
+    [
+        *((text, f"'{text[0]}") for text in ("=1+1", "+1", "-1", "@SUM(A1)")),
+        *((text, "\\") for text in ("\t=1", "\r=1")),
+        *((value, value) for value in (-1.5, -3, None, True, "1 = 2", "–", "", "'=1")),
+    ],
+)
+def test_a_text_that_a_spreadsheet_would_compute_is_a_text_and_numbers_are_numbers(value, begin) -> None:
+    cell = csv_cell(value)
+    assert cell == begin or cell.startswith(begin)
 
 
 HOSTILE = '=HYPERLINK("http://x")\x1b]0;owned\x07\r\n[red]\u202e'
 """What a spreadsheet would compute, a terminal obey, rich colour, and a reader see backwards."""
-
-
-@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)"])
-def test_a_text_that_a_spreadsheet_would_compute_begins_with_an_apostrophe(text) -> None:
-    assert csv_cell(text) == f"'{text}"
-
-
-@pytest.mark.parametrize("value", [-1.5, -3, math.nan, None, True, "1 = 2", "–", "", "'=1"])
-def test_numbers_and_other_texts_stand_in_csv_as_they_are(value) -> None:
-    assert csv_cell(value) is value or csv_cell(value) == value
-
-
-@pytest.mark.parametrize("text", ["\t=1", "\r=1"])
-def test_what_a_spreadsheet_would_skip_before_a_formula_is_visible(text) -> None:
-    assert csv_cell(text)[0] == "\\"
 
 
 def test_no_control_character_of_a_stranger_reaches_a_terminal_or_a_file(capsys) -> None:

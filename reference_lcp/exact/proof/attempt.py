@@ -8,10 +8,10 @@ from reference_lcp.deadline import Deadline, NotProven
 from reference_lcp.exact.event_driven import EventsAccumulate
 from reference_lcp.exact.event_driven_system import AmbiguousModes
 from reference_lcp.exact.proof.candidate import Candidate, candidate
-from reference_lcp.exact.proof.coulomb import Observed, OutOfOrder, Violation, boundaries, observe
+from reference_lcp.exact.proof.coulomb import Observed, OutOfOrder, Violation, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
-from reference_lcp.exact.proof.krawczyk import Solution, solve
+from reference_lcp.exact.proof.krawczyk import Solution, boundaries, solve
 from reference_lcp.exact.proof.multipliers import multiplier_bound
 from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
 from reference_lcp.exact.proof.repair import repaired, without_shortest
@@ -112,7 +112,9 @@ def _transitions(dynamics: Dynamics, solution: Solution) -> list[tuple[int, arb,
     """Give cells from 1, times over the drive's period and new modes of a whole cycle."""
     period, cycle = 2 * arb.pi() / dynamics.omega, dynamics.exact.cycle
     changes = []
-    for when, (cell, new) in zip(boundaries(dynamics, solution)[1:-1], solution.candidate.events, strict=True):
+    for when, (cell, new) in zip(
+        boundaries(dynamics, solution.candidate)[1:-1], solution.candidate.events, strict=True
+    ):
         for shift, sign in ((0, 1), (dynamics.length, -1))[: 2 if dynamics.exact.half else 1]:
             part = (when + shift) / period
             changes.append((cell + 1, part - cycle * (float(part.mid()) // cycle), sign * new))
@@ -128,7 +130,7 @@ def _phases(solution: Solution, cell: int) -> list[tuple[int, int, int]]:
 
 def _stuck(dynamics: Dynamics, solution: Solution, cell: int) -> arb:
     """Part of the time that a contact sticks."""
-    times, events = boundaries(dynamics, solution)[1:-1], solution.candidate.events
+    times, events = boundaries(dynamics, solution.candidate)[1:-1], solution.candidate.events
     if cell in solution.candidate.always_stuck:
         return arb(1)
     total = arb(0)

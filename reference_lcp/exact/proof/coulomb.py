@@ -19,7 +19,7 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
 from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.dynamics import Dynamics, Row, Rows, around_zero
-from reference_lcp.exact.proof.krawczyk import Solution
+from reference_lcp.exact.proof.krawczyk import Solution, boundaries, state_at_start
 
 BERNSTEIN = 20
 """Degree of the Bernstein form; what is above goes into a ball."""
@@ -112,7 +112,7 @@ def observe(dynamics: Dynamics, solution: Solution) -> Observed:
 
 def check_order(dynamics: Dynamics, solution: Solution) -> None:
     """Events must follow each other, and the modes at the end be those of the start, or their opposites."""
-    modes, times = solution.candidate.modes, boundaries(dynamics, solution)
+    modes, times = solution.candidate.modes, boundaries(dynamics, solution.candidate)
     for place, (earlier, later) in enumerate(pairwise(times)):
         if not earlier < later:
             if later < earlier:
@@ -132,18 +132,11 @@ class OutOfOrder(NotProven):
         self.place = place
 
 
-def boundaries(dynamics: Dynamics, solution: Solution) -> list[arb]:
-    """Enclose the times at which stretches begin and end."""
-    start = arb(solution.candidate.start)
-    return [start, *map(arb, solution.candidate.times), start + dynamics.length]
-
-
 def begin(dynamics: Dynamics, solution: Solution, stretch: int) -> Rows:
     """Enclose z at the start of a stretch, rows of one entry."""
     if stretch:
         return solution.ends[stretch - 1]
-    given = dynamics.given(arb(solution.candidate.start))
-    return [[arb(value)] for value in (*solution.candidate.state, *given)]
+    return state_at_start(dynamics, solution.candidate)
 
 
 def _tests(dynamics: Dynamics, solution: Solution, stretch: int) -> Iterator[Test]:
@@ -168,7 +161,7 @@ def _parts(dynamics: Dynamics, solution: Solution, stretch: int, tests: list[Tes
     """Give the polynomials of all parts of a stretch; the last part is followed back from its end."""
     pattern, flow = dynamics.pattern(solution.candidate.modes[stretch]), solution.flows[stretch]
     start, end = begin(dynamics, solution, stretch), solution.ends[stretch]
-    since, until = boundaries(dynamics, solution)[stretch : stretch + 2]
+    since, until = boundaries(dynamics, solution.candidate)[stretch : stretch + 2]
     back = since + (flow.parts - 1) * flow.step - until
     if not back < 0:
         raise NotProven("a stretch is shorter than the error of its ends")

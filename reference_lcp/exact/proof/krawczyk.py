@@ -76,14 +76,9 @@ class Equations:
         row[3 * self.dynamics.cells + cell] = arb(1)
         return row
 
-    def boundaries(self, y: list[arb]) -> list[arb]:
-        """Times at which stretches begin and end."""
-        start = arb(self.candidate.start)
-        return [start, *y[len(self.unknown) :], start + self.dynamics.length]
-
     def durations(self, y: list[arb]) -> list[arb]:
         """Lengths of all stretches."""
-        times = self.boundaries(y)
+        times = boundaries(self.dynamics, self.candidate.moved_to(y))
         return [later - earlier for earlier, later in pairwise(times)]
 
     def flows(self, y: list[arb]) -> list[Flow]:
@@ -94,16 +89,9 @@ class Equations:
             flows.append(Flow(pattern, time.mid()))
         return flows
 
-    def begin(self, y: list[arb]) -> Rows:
-        """Give z at t0, rows of one entry."""
-        motion = self.candidate.moved_to(y).state
-        return [[arb(value)] for value in motion] + [
-            [value] for value in self.dynamics.given(arb(self.candidate.start))
-        ]
-
     def shoot(self, y: list[arb], flows: list[Flow], *, gradients: bool = False) -> tuple[Rows, list[Rows]]:
         """Residuals, and z at the end of each stretch; with `gradients` each row goes on with its derivatives by y."""
-        begin, size = self.begin(y), len(self.unknown)
+        begin, size = state_at_start(self.dynamics, self.candidate.moved_to(y)), len(self.unknown)
         rows = begin
         if gradients:
             width = len(y)
@@ -139,6 +127,17 @@ class Equations:
                 rows[k][size + place] -= rate
 
 
+def boundaries(dynamics: Dynamics, candidate: Candidate) -> list[arb]:
+    """Give the times at which stretches begin and end."""
+    start = arb(candidate.start)
+    return [start, *map(arb, candidate.times), start + dynamics.length]
+
+
+def state_at_start(dynamics: Dynamics, candidate: Candidate) -> Rows:
+    """Give z at t0, rows of one entry."""
+    return [[arb(value)] for value in (*candidate.state, *dynamics.given(arb(candidate.start)))]
+
+
 def _product(row: Row, rows: Rows) -> Row:
     """Row times matrix; most entries of the row are zero."""
     entries = [(value, rows[k]) for k, value in enumerate(row) if value != 0]
@@ -159,31 +158,26 @@ def solve(dynamics: Dynamics, candidate: Candidate) -> Solution:
         residuals, ends = equations.shoot(box, flows, gradients=True)
         jacobian = arb_mat([row[1:] for row in residuals])
         inverse = _inverse(jacobian)
-        found = _newton(equations, y, flows, inverse, goal)
-        distance = largest([abs(a - b) for a, b in zip(found.y, y, strict=True)])
+        nearer, step, points = _newton(equations, y, flows, inverse, goal)
+        distance = largest([abs(a - b) for a, b in zip(nearer, y, strict=True)])
         kappa = _norm(identity(len(y)) - inverse * jacobian)
-        if kappa < CONTRACTION and distance + 2 * found.step < radii[0]:
-            return _enclosed(equations, found, found.step / (1 - kappa), ends, jacobian, flows)
+        if kappa < CONTRACTION and distance + 2 * step < radii[0]:
+            return _enclosed(equations, (nearer, points), step / (1 - kappa), ends, jacobian, flows)
         if not kappa < CONTRACTION and distance < radii[0]:
             if len(radii) == 1:
                 raise NotProven(f"Krawczyk's test fails: |1 - YJ| <= {float(kappa):.2g} on a box of {radii[0]:g}")
             radii = radii[1:]
-        y = found.y
+        y = nearer
     raise NotProven("Newton's method does not settle")
 
 
-@dataclass(frozen=True)
-class _Point:
-    """A point near the solution."""
+def _newton(
+    equations: Equations, y: list[arb], flows: list[Flow], inverse: arb_mat, goal: arb
+) -> tuple[list[arb], arb, list[Rows]]:
+    """Take steps with one inverse while they become smaller, until they are below the goal.
 
-    y: list[arb]
-    step: arb
-    """Upper bound of ‖Y F(y)‖."""
-    ends: list[Rows]
-
-
-def _newton(equations: Equations, y: list[arb], flows: list[Flow], inverse: arb_mat, goal: arb) -> _Point:
-    """Take steps with one inverse while they become smaller, until they are below the goal."""
+    Gives where they end, an upper bound of ‖Y F(y)‖ there, and z at the ends of all stretches.
+    """
     previous = arb("inf")
     for step in range(MOST_STEPS):
         residuals, ends = equations.shoot(y, flows)
@@ -195,19 +189,24 @@ def _newton(equations: Equations, y: list[arb], flows: list[Flow], inverse: arb_
             break
         y = [(value - change).mid() for value, change in zip(y, steps, strict=True)]
         previous = size
-    return _Point(y, size, ends)
+    return y, size, ends
 
 
 def _enclosed(
-    equations: Equations, found: _Point, error: arb, widest: list[Rows], jacobian: arb_mat, flows: list[Flow]
+    equations: Equations,
+    found: tuple[list[arb], list[Rows]],
+    error: arb,
+    widest: list[Rows],
+    jacobian: arb_mat,
+    flows: list[Flow],
 ) -> Solution:
     """Enclose the solution, and z at the ends of all stretches by the mean value theorem."""
-    spread = around_zero(error)
+    (middle, points), spread = found, around_zero(error)
     ends = []
-    for point, wide in zip(found.ends, widest, strict=True):
+    for point, wide in zip(points, widest, strict=True):
         sizes = [sum((abs(entry) for entry in row[1:]), arb(0)) for row in wide]
         ends.append([[row[0] + spread * size] for row, size in zip(point, sizes, strict=True)])
-    y = [value + spread for value in found.y]
+    y = [value + spread for value in middle]
     return Solution(equations.candidate.moved_to(y), float(error.upper()), ends, jacobian, flows)
 
 

@@ -4,12 +4,13 @@ Both are roots of polynomials in ω², which are isolated: nothing changes betwe
 frequencies is proven: the balls of a motion from event to event grow by some 1e8 over a period.
 """
 
+import operator
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate, pairwise
 
-from flint import acb_poly, arb, arb_poly, ctx
+from flint import acb, acb_poly, arb, arb_poly, ctx
 
 from reference_lcp.deadline import NotProven
 from reference_lcp.exact.proof.dynamics import ball
@@ -29,26 +30,6 @@ class LinearRange:
     """Where the level may be 0 dB; nowhere else in the range it is."""
 
 
-@dataclass(frozen=True)
-class _Polynomial:
-    """A polynomial in ω, of real and imaginary part."""
-
-    real: arb_poly
-    imaginary: arb_poly
-
-    def __add__(self, other: "_Polynomial") -> "_Polynomial":
-        return _Polynomial(self.real + other.real, self.imaginary + other.imaginary)
-
-    def __mul__(self, other: "_Polynomial") -> "_Polynomial":
-        real = self.real * other.real - self.imaginary * other.imaginary
-        return _Polynomial(real, self.real * other.imaginary + self.imaginary * other.real)
-
-    @property
-    def size(self) -> arb_poly:
-        """Its absolute square where ω is real, in powers of ω."""
-        return self.real * self.real + self.imaginary * self.imaginary
-
-
 def linear_ranges(exact: ExactChain, low: Fraction, high: Fraction) -> list[LinearRange]:
     """Give the ranges between two frequency ratios in which nothing slips; the chain's own frequency does not count.
 
@@ -61,13 +42,13 @@ def linear_ranges(exact: ExactChain, low: Fraction, high: Fraction) -> list[Line
         unit = ball(exact.inner_stiffness[0] / exact.inner_mass[0])
         moved, over = _amplitudes(exact)
         forces = [
-            arb_poly([0, 0, 0, 0, ball(mass) ** 2]) * amplitude.size - over.size * ball(bound) ** 2
+            arb_poly([0, 0, 0, 0, ball(mass) ** 2]) * _size(amplitude) - _size(over) * ball(bound) ** 2
             for mass, bound, amplitude in zip(exact.inner_mass, exact.friction, moved, strict=True)
             if bound
         ]
         excess = [_in_square(force, 0) for force in forces]
         ends = [ball(low), *_within(excess, unit, low, high), ball(high)]
-        crossings = _within([_in_square(moved[-1].size - over.size, 2)], unit, low, high)
+        crossings = _within([_in_square(_size(moved[-1]) - _size(over), 2)], unit, low, high)
         return [
             LinearRange(first, last, [place for place in crossings if not (place < first or place > last)])
             for first, last in pairwise(ends)
@@ -75,40 +56,42 @@ def linear_ranges(exact: ExactChain, low: Fraction, high: Fraction) -> list[Line
         ]
 
 
-def _amplitudes(exact: ExactChain) -> tuple[list[_Polynomial], _Polynomial]:
+def _amplitudes(exact: ExactChain) -> tuple[list[acb_poly], acb_poly]:
     """Numerators of the outer masses' complex amplitudes over the drive's, and their common denominator.
 
     With κ the spring before a cell and p / q the dynamic stiffness of the cell and all behind it, an amplitude is
     κ q / (κ q + p) of the one before; q is a factor of the cell times the denominator of the cell behind.
     """
-    p, q = _polynomial([0]), _polynomial([1])
+    p, q = acb_poly([0]), acb_poly([1])
     factors, denominators = [], [q]
     for cell in reversed(range(exact.cells)):
         spring = _spring(exact.chain_stiffness[cell], exact.chain_damping_squared[cell])
         inner = _spring(exact.inner_stiffness[cell], exact.inner_damping_squared[cell])
-        outer_mass, inner_mass = (
-            _polynomial([0, 0, -ball(mass[cell])]) for mass in (exact.outer_mass, exact.inner_mass)
-        )
-        own, over = outer_mass + inner_mass, _polynomial([1])
+        outer_mass, inner_mass = (acb_poly([0, 0, -ball(mass[cell])]) for mass in (exact.outer_mass, exact.inner_mass))
+        own, over = outer_mass + inner_mass, acb_poly([1])
         if not exact.friction[cell]:
             over = inner + inner_mass
             own = outer_mass * over + inner_mass * inner
         p, q = own * q + over * p, over * q
-        load = spring if cell or exact.moving_base else _polynomial([spring.real[0]])
+        load = spring if cell or exact.moving_base else acb_poly([spring[0]])
         factors.append(load * over)
         p, q = spring * p, spring * q + p
         denominators.append(q)
-    products = accumulate(reversed(factors), _Polynomial.__mul__)
+    products = accumulate(reversed(factors), operator.mul)
     behind = reversed(denominators[:-1])
     return [product * rest for product, rest in zip(products, behind, strict=True)], q
 
 
-def _polynomial(real: list[arb | int], imaginary: list[arb] | None = None) -> _Polynomial:
-    return _Polynomial(arb_poly(real), arb_poly(imaginary or [0]))
+def _spring(stiffness: Fraction, damping_squared: Fraction) -> acb_poly:
+    """Give k + iωc, in powers of ω."""
+    return acb_poly([ball(stiffness), acb(0, ball(damping_squared).sqrt())])
 
 
-def _spring(stiffness: Fraction, damping_squared: Fraction) -> _Polynomial:
-    return _polynomial([ball(stiffness)], [arb(0), ball(damping_squared).sqrt()])
+def _size(polynomial: acb_poly) -> arb_poly:
+    """Give the absolute square where ω is real, in powers of ω."""
+    coefficients: list[acb] = list(polynomial)
+    real, imaginary = (arb_poly([getattr(own, part) for own in coefficients]) for part in ("real", "imag"))
+    return real * real + imaginary * imaginary
 
 
 def _in_square(even: arb_poly, first: int) -> arb_poly:

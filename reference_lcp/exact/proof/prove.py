@@ -1,6 +1,7 @@
 """Prove a steady state: one call."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import asdict, dataclass
 from decimal import Decimal
 from enum import StrEnum
 from importlib.util import find_spec
@@ -42,10 +43,6 @@ class Enclosure:
         """Whether a number is in it."""
         return abs(Decimal(value) - self.value) <= self.radius
 
-    def as_dict(self) -> dict[str, str]:
-        """Give both as decimal strings, ready for JSON."""
-        return {"value": str(self.value), "radius": str(self.radius)}
-
 
 @dataclass(frozen=True)
 class ProvenTransition:
@@ -53,14 +50,10 @@ class ProvenTransition:
 
     cell: int
     """From 1."""
-    time: Enclosure
+    time_over_period: Enclosure
     """When the new mode begins, over the drive's period, from its phase zero."""
     kind: Mode
     """The new mode."""
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give it ready for JSON."""
-        return {"cell": self.cell, "kind": str(self.kind), "time_over_period": self.time.as_dict()}
 
 
 @dataclass(frozen=True)
@@ -93,22 +86,15 @@ class ProvenSteadyState:
 
     def as_dict(self) -> dict[str, Any]:
         """Give it ready for JSON."""
-        return {
-            "status": "proven",
-            "reason": None,
-            "transmittance_db": self.transmittance_db.as_dict(),
-            "transmittance": self.transmittance.as_dict(),
-            "phase": self.phase.as_dict(),
-            "transitions": [change.as_dict() for change in self.transitions],
-            "stuck_fraction": [fraction.as_dict() for fraction in self.stuck_fraction],
-            "largest_slip": self.largest_slip.as_dict(),
-            "margin": self.margin if self.margin < float("inf") else None,
-            "multipliers_bound": self.multipliers_bound,
-            "unique_by": str(self.unique_by),
-            "inequalities": self.inequalities,
-            "repairs": self.repairs,
-            "seconds": self.seconds,
-        }
+        return {"status": "proven", "reason": None} | asdict(self, dict_factory=_plain)
+
+
+def _plain(fields: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Give decimals and words as texts, and what has no end as nothing."""
+    return {
+        name: str(value) if isinstance(value, Decimal | StrEnum) else None if value == math.inf else value
+        for name, value in fields
+    }
 
 
 def prove_steady_state(

@@ -13,18 +13,18 @@ from typing import Any
 import numpy as np
 
 from multibody_xval.scenarios.cases.motions import ChainMotion
+from multibody_xval.scenarios.catalogue.chains.spectra import (
+    Transmissibility,
+    stationary_transmissibility,
+    transient_transmissibility,
+)
 from multibody_xval.scenarios.catalogue.scenario import Exact, Number, Quantity, Scenario, largest, steps_a_row
 from multibody_xval.scenarios.model import Case, Result, Run
 from reference_lcp.chain.drives import HarmonicBase, MovingBase
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.transient import QUIET, FilteredNoise, RickerPulse, SweptSine
 from reference_lcp.defaults import BASE_AMPLITUDE
-from reference_lcp.observables.transmittance import (
-    Transmissibility,
-    decibel,
-    stationary_transmissibility,
-    transient_transmissibility,
-)
+from reference_lcp.observables.transmittance import decibel
 from reference_lcp.validation import FloatArray
 
 RATIOS: dict[str, Any] = {"damping_ratio": 0.05, "inner_damping_ratio": 0.02}

@@ -13,8 +13,8 @@ from multibody_xval.scenarios.catalogue.chains.broadband import (
     STEPS_A_ROW,
     followed,
 )
+from multibody_xval.scenarios.catalogue.chains.record_file import read_record
 from multibody_xval.scenarios.catalogue.scenario import Scenario, steps_a_row
-from reference_lcp.chain.transient import RecordedBase
 from reference_lcp.defaults import BASE_AMPLITUDE
 
 EXAMPLE = Path(__file__).with_name("example_record.csv")
@@ -39,7 +39,7 @@ def following(file: Path) -> Scenario:
     ParameterError
         If the file cannot be read, or its samples are too far apart for the bands.
     """
-    base = RecordedBase.from_csv(file, BASE_AMPLITUDE / RecordedBase.from_csv(file).amplitude)
+    base = read_record(file, BASE_AMPLITUDE)
     base.check_resolves(RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
     to_sample = math.ceil(PERIOD / base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)  # steps to a row
     return replace(

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from multibody_xval.engines import Engine, Option, Preset
+from multibody_xval.engines import Option, Preset
 from multibody_xval.engines.reference import Reference
 
 
@@ -13,10 +13,6 @@ class NoEngine:
 def raises():
     """Fail where an engine is made."""
     raise OSError("no licence\nserver")
-
-
-class Unfinished(Engine):
-    """Abstract methods are left."""
 
 
 class NoCapabilities(Reference):
@@ -36,26 +32,6 @@ class NoVersion(Reference):
         raise LookupError("no version of the wheel")
 
 
-class VersionIsANumber(Reference):
-    """Its version is no text."""
-
-    name = "broken-number"
-
-    def version(self):
-        """Give a number."""
-        return 2
-
-
-class VersionIsNoText(Reference):
-    """Its version has a byte that is no UTF-8."""
-
-    name = "broken-bytes"
-
-    def version(self):
-        """Give what no file takes."""
-        return "1\udc80"
-
-
 class OptionIsNoText(Reference):
     """One of its options has a value that no file takes."""
 
@@ -70,19 +46,6 @@ class OptionIsANumber(Reference):
 
     name = "broken-type"
     capabilities = replace(Reference.capabilities, presets={"joint": {"tuned": Preset("", {"iterations": 50})}})
-
-
-class UnspeakableError(Exception):
-    """An error whose message cannot be read."""
-
-    def __str__(self):
-        """Fail."""
-        raise LookupError("no words")
-
-
-def cannot_speak():
-    """Fail where an engine is made, and where that is said."""
-    raise UnspeakableError
 
 
 class NoReason(Reference):

@@ -10,7 +10,6 @@ import pytest
 from xdist.remote import Producer
 
 from multibody_xval.engines.contract import cases, plugin
-from multibody_xval.engines.interface.variant import Variant
 
 
 def test_installed_engine_is_listed(install) -> None:
@@ -53,8 +52,8 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
         "def test_it():\n"
         "    suite = {'reference_lcp', 'multibody_xval'}\n"
         "    own = {name for name in sys.modules if name.split('.')[0] in suite}\n"
-        "    plugin = 'multibody_xval.engines.contract.plugin'\n"
-        "    assert own == {plugin, *(plugin.rsplit('.', up)[0] for up in (1, 2, 3))}\n"
+        "    plugins = ['multibody_xval.engines.contract.plugin', 'multibody_xval.scenarios.agreement.plugin']\n"
+        "    assert own == {plugin.rsplit('.', up)[0] if up else plugin for plugin in plugins for up in range(4)}\n"
         "    assert not {'numpy', 'numba', 'rich', 'typer', 'pydantic'} & set(sys.modules)\n"
     )
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
@@ -81,29 +80,29 @@ def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> 
     assert install("plugin").run(str(file)).strip() == "['agrees', 'agrees']"
 
 
-def test_presets_that_take_part_where_they_are_named_are_slow_unless_their_engine_is_named() -> None:
-    recommended, tuned = Variant("mujoco", "joint", "recommended"), Variant("mujoco")
-    (mark,) = cases.later_if_optional(recommended, []).marks
-    assert mark.name == "slow"
-    assert cases.later_if_optional(recommended, ["mujoco"]) is recommended
-    assert cases.later_if_optional(tuned, []) is tuned
-
-
 @pytest.mark.parametrize(
     ("name", "together"),
     [
-        ("site-packages/engines/contract/test_agreement.py::test_pulse[mujoco-warp-joint-tuned]", "mujoco-warp"),
         ("engines/contract/test_invariance.py::test_units[mujoco-warp-contact-default-micrometres]", "mujoco-warp"),
-        ("engines/contract/test_interface.py::test_unknown_preset[mujoco]", "mujoco"),
+        ("agreement::test_agrees[mujoco-warp-contact-tuned-friction 0.3, frequency 0.9]", "mujoco-warp"),
         ("tests/engines/test_folders.py::test_imports[mujoco-joint]", "tests/engines/test_folders.py"),
     ],
 )
 def test_one_worker_runs_all_clauses_for_an_engine(name: str, together: str) -> None:
+    """Its package is imported once."""
     settings = {"dist": "loadscope", "tx": ["2*popen"]}
     config = SimpleNamespace(getoption=settings.get, getvalue=settings.get)
     assert plugin.pytest_xdist_make_scheduler(config, Producer("test"))._split_scope(name) == together
 
 
-def test_tests_are_distributed_otherwise_where_that_is_asked_for() -> None:
-    config = SimpleNamespace(getoption={"dist": "load"}.get)
-    assert plugin.pytest_xdist_make_scheduler(config, None) is None
+@pytest.mark.parametrize(
+    ("name", "tested"),
+    [
+        ("mujoco:joint:tuned", {("joint", "tuned")}),
+        ("mujoco:joint", {("joint", "default"), ("joint", "recommended"), ("joint", "tuned")}),
+    ],
+)
+def test_a_part_of_an_engine_is_held_to_the_contract(name: str, tested: set[tuple[str, str]]) -> None:
+    own = cases.cases((name,))
+    assert {(each.formulation, each.preset_name) for each in own["tested"]} == tested
+    assert own["installed"] == ["mujoco"]

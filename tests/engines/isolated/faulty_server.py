@@ -14,7 +14,6 @@ def versions() -> dict[str, str]:
         "path": os.pathsep.join(sys.path),
         "modules": " ".join(sys.modules),
         "environment": " ".join(sorted(os.environ)),
-        "read": sys.stdin.read(),
     }
 
 
@@ -23,59 +22,54 @@ class EngineLane:
 
     def __init__(self, parameters: dict[str, Any]):
         self._trouble = str(parameters["trouble"])
-        self._made_by = os.getpid()
-        if self._trouble == "refuse":
-            raise ValueError("no spring is that stiff")
 
     def run(self, position: Any, velocity: Any, loads: Any, record: bool) -> dict[str, Any]:
-        getattr(self, "_" + self._trouble)()
+        TROUBLES[self._trouble]()
         motion = np.cumsum(np.vstack([position, *[velocity] * len(loads)]), axis=0)[1:]
         return {
             "position": motion,
             "velocity": np.tile(velocity, (len(loads), 1)),
             "friction": np.zeros((len(loads), position.size // 2)),
-            "process": self._made_by,
         }
 
-    def _none(self) -> None:
-        return
 
-    def _crash(self) -> None:
-        print("about to read nowhere", flush=True)
-        ctypes.string_at(0)
+def _crash() -> None:
+    print("about to read nowhere", flush=True)
+    ctypes.string_at(0)
 
-    def _exit(self) -> None:
-        os._exit(3)
 
-    def _hang(self) -> None:
-        # With the lock of the interpreter held, as compiled code of an engine does.
-        ctypes.PyDLL(None).sleep(1000)
+def _raise() -> None:
+    raise ArithmeticError("the solver lost its way")
 
-    def _raise(self) -> None:
-        raise ArithmeticError("the solver lost its way")
 
-    def _leave(self) -> None:
-        sys.exit("no licence")
+def _print() -> None:
+    for _ in range(20_000):
+        print("Warning : something in the solution of something")
 
-    def _mumble(self) -> None:
-        raise ArithmeticError("no file \udc80\n\x1b[2J")
 
-    def _print(self) -> None:
-        for _ in range(20_000):
-            print("Warning : something in the solution of something")
+def _write(text: bytes) -> None:
+    for descriptor in range(3, 20):
+        try:
+            os.write(descriptor, text)
+        except OSError:
+            continue
 
-    def _garble(self) -> None:
-        for descriptor in range(3, 20):
-            try:
-                os.write(descriptor, b"Warning : something else")
-            except OSError:
-                continue
 
-    def _half(self) -> None:
-        """Announce ten bytes, give three, and end."""
-        for descriptor in range(3, 20):
-            try:
-                os.write(descriptor, (10).to_bytes(8, "little") + b"abc")
-            except OSError:
-                continue
-        os._exit(0)
+def _half() -> None:
+    """Announce ten bytes, give three, and end."""
+    _write((10).to_bytes(8, "little") + b"abc")
+    os._exit(0)
+
+
+TROUBLES = {
+    "none": lambda: None,
+    "crash": _crash,
+    "exit": lambda: os._exit(3),
+    "leave": lambda: sys.exit("no licence"),
+    # With the lock of the interpreter held, as compiled code of an engine does.
+    "hang": lambda: ctypes.PyDLL(None).sleep(1000),
+    "raise": _raise,
+    "print": _print,
+    "garble": lambda: _write(b"Warning : something else"),
+    "half": _half,
+}

@@ -137,56 +137,10 @@ def test_finely_sampled_sine_is_interpolated_to_fourth_order() -> None:
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
 
 
-def test_table_is_read_with_heading_comments_and_scale(tmp_path) -> None:
-    file = tmp_path / "record.csv"
-    file.write_text("time [s],displacement [m]\n# a comment, with a comma\n0,0\n\n0.1,1e-3\n0.2, 2e-3\n0.4,-1e-3\n")
-    assert RecordedBase.from_csv(file, 2.0) == RecordedBase((0.0, 0.1, 0.2, 0.4), (0.0, 2e-3, 4e-3, -2e-3))
-
-
 def test_records_differ_in_their_parameters_where_a_sample_does() -> None:
     other = RecordedBase(RECORD.times, (*RECORD.displacements[:-1], 0.25 + 1e-15))
     assert RECORD.parameters() != other.parameters()
     assert RECORD.parameters() == RecordedBase(RECORD.times, RECORD.displacements).parameters()
-
-
-GOOD = "0,0\n0.1,1\n0.2,2\n0.3,1\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "has 0 samples; allowed: at least 4"),
-        ("0,0\n0.1,1\n0.2,2\n", "has 3 samples; allowed: at least 4"),
-        (GOOD + "0.4\n", "line 5 of record {file} has 1 columns; allowed: 2, time [s] and displacement [m]"),
-        (GOOD + "0.4,1,2\n", "line 5 of record {file} has 3 columns; allowed: 2"),
-        ("time;displacement\n" + GOOD, "line 1 of record {file} has 1 columns; allowed: 2"),
-        (GOOD + "0.4,nan\n", "'nan' in line 5 of record {file} is not a number; allowed: finite numbers"),
-        (GOOD + "0.4,1e999\n", "'1e999' in line 5 of record {file} is not a number; allowed: finite numbers"),
-        (GOOD + "0.4,three\n", "'three' in line 5 of record {file} is not a number"),
-        (GOOD + "0.4,\n", "'' in line 5 of record {file} is not a number"),
-        (GOOD + "0.3,1\n", "record {file}: time = 0.3 s in sample 5 of the record; allowed: > 0.3 s"),
-        (GOOD + "0.25,1\n", "record {file}: time = 0.25 s in sample 5 of the record; allowed: > 0.3 s"),
-        ("0,1\n1,1\n2,1\n3,1\n", "displacement = 1 m throughout; allowed: a base that moves"),
-    ],
-)
-def test_mistakes_in_a_table_are_named_with_file_and_line(tmp_path, text, message) -> None:
-    file = tmp_path / "record.csv"
-    file.write_text(text)
-    with pytest.raises(ParameterError, match=re.escape(message.format(file=file))):
-        RecordedBase.from_csv(file)
-
-
-def test_files_that_cannot_be_read_are_refused(tmp_path) -> None:
-    binary = tmp_path / "binary.csv"
-    binary.write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(ParameterError, match=r"record .*missing\.csv cannot be read: No such file"):
-        RecordedBase.from_csv(tmp_path / "missing.csv")
-    with pytest.raises(ParameterError, match=r"record .* cannot be read: Is a directory"):
-        RecordedBase.from_csv(tmp_path)
-    with pytest.raises(ParameterError, match=r"record .*binary\.csv cannot be read: 'utf-8' codec"):
-        RecordedBase.from_csv(binary)
-    with pytest.raises(ParameterError, match="record scale = 0 is outside its range"):
-        RecordedBase.from_csv(binary, 0.0)
 
 
 def test_record_too_coarse_for_a_frequency_or_finer_than_a_step_is_refused() -> None:

@@ -23,15 +23,12 @@ from reference_lcp.observables.transmittance import complex_transmittance, decib
 from reference_lcp.steady.error_bar import (
     REFINEMENTS,
     ErrorBar,
-    error_bar,
-    euler_orbit,
     measured_error_bar,
     measured_error_bars,
 )
 from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
 from reference_lcp.steady.richardson import SAFETY
-from reference_lcp.studies.bench import canonical_lane
-from tests.reference_lcp.cases import driven
+from tests.reference_lcp.cases import canonical_lane, driven, error_bar, euler_orbit
 
 COVERED = 0.97
 """Part of the exact values that bars must cover."""

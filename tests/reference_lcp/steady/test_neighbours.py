@@ -1,5 +1,7 @@
 """Steady states beside those of the Euler scheme: the same as from harmonic balance, in fewer periods, or anew."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -14,11 +16,9 @@ from reference_lcp.steady import neighbours
 from reference_lcp.steady.anderson import StateScales
 from reference_lcp.steady.neighbours import (
     LONGEST_CHAIN,
-    NEWTON_PERIODS,
     PeriodInverse,
-    orbits_from_balance,
-    orbits_from_euler,
-    orbits_warm_started,
+    beside_euler,
+    refined_orbits,
     residual_amplification,
 )
 from reference_lcp.steady.orbits import periodic_orbits
@@ -52,7 +52,7 @@ def amplitudes(orbits) -> np.ndarray:
 def test_beside_the_scheme_the_same_motion_is_found_in_half_of_the_periods(monkeypatch) -> None:
     harder = rubbing_harder(monkeypatch)
     balanced = periodic_orbits(harder, STEPS, tolerance=TOLERANCE)
-    beside = orbits_from_euler(harder, STEPS, tolerance=TOLERANCE)
+    beside = beside_euler(harder, STEPS, tolerance=TOLERANCE)
     assert all(orbit.converged for orbit in beside)
     assert amplitudes(beside) == pytest.approx(amplitudes(balanced), rel=1e-7)
     assert sum(orbit.periods for orbit in beside) < sum(orbit.periods for orbit in balanced) / 2
@@ -69,46 +69,22 @@ def test_offsets_of_cells_that_stay_stuck_are_left_to_the_period() -> None:
     assert kept @ inverse.newton[-1] @ kept == pytest.approx(kept, abs=1e-6)
 
 
-def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
+def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance(monkeypatch) -> None:
     """Newton's steps of the wrong sign lead away; what is then found is what harmonic balance leads to."""
-    simulation = simulation_of()
-    orbits = periodic_orbits(simulation, STEPS, tolerance=TOLERANCE)
-    away = -30 * PeriodInverse.of(orbits).newton
-    start = State.at_rest(len(orbits), 7)
-    found = orbits_warm_started(simulation, start, [True] * len(orbits), away, STEPS, tolerance=TOLERANCE)
+    orbits = periodic_orbits(simulation_of(), STEPS, tolerance=TOLERANCE)
+    away = dataclasses.replace(PeriodInverse.of(orbits), distance=-30 * PeriodInverse.of(orbits).distance)
+    (found,) = refined_orbits(orbits, [2], away, tolerance=TOLERANCE, max_periods=400)
+    lanes = [dataclasses.replace(orbit.lane, time_step=orbit.lane.time_step / 2) for orbit in orbits]
     assert [orbit.converged for orbit in found] == [True] * len(orbits)
-    assert amplitudes(found) == pytest.approx(amplitudes(orbits), rel=1e-7)
-
-
-def test_where_nothing_is_found_and_nothing_else_is_to_be_tried_the_best_of_the_search_is_given() -> None:
-    simulation = simulation_of()
-    orbits = periodic_orbits(simulation, STEPS, tolerance=TOLERANCE)
-    away = -30 * PeriodInverse.of(orbits).newton
-    start = State.at_rest(len(orbits), 7)
-    known = [True] * len(orbits)
-    found = orbits_warm_started(
-        simulation, start, known, away, STEPS, tolerance=TOLERANCE, longest_multiple=1, anew=False
-    )
-    assert [orbit.converged for orbit in found] == [False] * len(orbits)
-    assert max(orbit.periods for orbit in found) == NEWTON_PERIODS + 1
-
-
-def test_from_harmonic_balance_the_same_motion_is_found_by_newtons_steps_in_two_thirds_of_the_periods(
-    monkeypatch,
-) -> None:
-    harder = rubbing_harder(monkeypatch)
-    plain = periodic_orbits(harder, STEPS, tolerance=TOLERANCE)
-    newton = orbits_from_balance(harder, STEPS, tolerance=TOLERANCE)
-    assert all(orbit.converged for orbit in newton)
-    assert amplitudes(newton) == pytest.approx(amplitudes(plain), rel=1e-7)
-    assert sum(orbit.periods for orbit in newton) < sum(orbit.periods for orbit in plain) * 2 / 3
+    finer = periodic_orbits(CompiledSimulation(lanes), 2 * STEPS, tolerance=TOLERANCE)
+    assert amplitudes(found) == pytest.approx(amplitudes(finer), rel=1e-7)
 
 
 def test_long_chains_are_searched_without_their_jacobian(monkeypatch) -> None:
     monkeypatch.setattr(neighbours, "LONGEST_CHAIN", 6)
     monkeypatch.setattr(neighbours, "PeriodInverse", None)
     assert LONGEST_CHAIN > 7
-    assert all(orbit.converged for orbit in orbits_from_euler(simulation_of(), STEPS, tolerance=TOLERANCE))
+    assert all(orbit.converged for orbit in beside_euler(simulation_of(), STEPS, tolerance=TOLERANCE))
 
 
 def orbit_of(chain: Chain, frequency_ratio: float, steps: int = 400) -> PeriodicOrbit:

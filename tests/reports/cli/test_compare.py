@@ -10,11 +10,11 @@ import pytest
 
 from multibody_xval.reports.changes import Comparison, markdown
 from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.compare.stores import compare
 from multibody_xval.scenarios.model import REFERENCE, Run, failed
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.scenarios.stores import CASE, OTHER, STEPS, of, with_bound, write_store
 
 BEFORE = {CASE: with_bound(1.01), OTHER: with_bound(1.05, OTHER)}
@@ -49,46 +49,33 @@ def compared(*arguments: object) -> int:
         ("before", ExitCode.DONE, ExitCode.DONE, "10 unchanged: both are as close to the exact motion."),
     ],
 )
-def test_a_worse_version_fails_and_a_better_one_passes(folder, now, code, strict, says, capsys) -> None:
+def test_a_worse_version_fails_and_a_better_one_passes(folder, now, code, strict, says, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     assert compared("before.sqlite", f"{now}.sqlite") == code
     printed = capsys.readouterr().out
     assert printed.splitlines()[-1].startswith(f"10 points, from before.sqlite to {now}.sqlite: {says}")
     assert "\x1b" not in printed
+    if now == "worse":
+        assert printed.startswith("mujoco 3.3.7 → 4.0.0\n")
+        assert "mujoco:joint:tuned: options iterations 4 → 9\n" in printed
+        assert re.search(r"friction 0.3, frequency 0.47 +regressed: transmittance", printed)
+        assert max(map(len, printed.splitlines()[3:-1])) <= 80
     assert compared("before.sqlite", f"{now}.sqlite", "--strict") == strict
-
-
-def test_versions_options_and_changed_points_are_printed(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    assert compared("before.sqlite", "worse.sqlite") == ExitCode.FAILED
-    printed = capsys.readouterr().out
-    assert printed.startswith("mujoco 3.3.7 → 4.0.0\n")
-    assert "mujoco:joint:tuned: options iterations 4 → 9\n" in printed
-    assert "cone" not in printed
-    assert re.search(r"friction 0.3, frequency 0.47 +regressed: transmittance", printed)
-    assert "frequency 0.9" not in printed
-    assert max(map(len, printed.splitlines()[3:-1])) <= 80
 
 
 def test_files_say_what_the_command_says(folder) -> None:
     outs = [f"--out=changes{ending}" for ending in (".md", ".json", ".csv")]
     assert compared("before.sqlite", "crashing.sqlite", "--db=0.5", *outs) == ExitCode.FAILED
     content = json.loads(Path("changes.json").read_text())
-    counts = {name: content[name] for name in ("points", "missing", "regressed", "unchanged", "passes", "db", "strict")}
-    assert counts == {
-        "points": 10, "missing": 1, "regressed": 0, "unchanged": 9, "passes": False, "db": 0.5, "strict": False,
-    }  # fmt: skip
+    counts = {"points": 10, "missing": 1, "regressed": 0, "unchanged": 9, "passes": False, "db": 0.5, "strict": False}
+    assert {name: content[name] for name in counts} == counts
     rows = list(csv.DictReader(Path("changes.csv").read_text().splitlines()))
     assert [row["change"] for row in rows] == [row["change"] for row in content["changes"]]
     (gone,) = [row for row in rows if row["change"] == "missing"]
     assert (gone["frequency_ratio"], gone["status_now"], gone["version_now"]) == ("0.47", "failed", "4.0.0")
-    assert (gone["amplitude"], gone["amplitude_unit"]) == ("0.01", "m")
     document = Path("changes.md").read_text()
-    assert document.startswith(
-        "## Engine regression: fails\n\n10 points, from before.sqlite to crashing.sqlite: 1 missing"
-    )
+    assert document.startswith("## Engine regression: fails\n\n10 points, from before.sqlite to crashing.sqlite: 1 mis")
     assert "| missing: periodic before, failed now: it crashed\\x1b[2J |" in document
-    assert "- mujoco 3.3.7 → 4.0.0\n" in document
-    assert "<details>" not in document
 
 
 def test_a_document_of_many_changes_folds_them_and_fits_a_comment(folder) -> None:
@@ -114,28 +101,16 @@ def test_default_options_of_mujoco_are_farther_from_the_exact_motion_at_every_po
 
 
 WRONG = [
-    ("", "0 stores and 0 --engine; allowed: two stores, or two --engine and no store"),
     ("--engine=mujoco", "0 stores and 1 --engine; allowed: two stores"),
-    ("before.sqlite", "1 stores and 0 --engine"),
     ("before.sqlite --engine=mujoco --engine=pybullet", "1 stores and 2 --engine"),
-    ("before.sqlite worse.sqlite --engine=mujoco --engine=pybullet", "2 stores and 2 --engine"),
     ("before.sqlite worse.sqlite --store=kept.sqlite", "--store = kept.sqlite with two stores"),
     ("before.sqlite worse.sqlite --workers=1", "--workers = 1 with two stores, of which nothing is computed"),
     ("before.sqlite worse.sqlite --db=0", "db = 0 is outside its range; allowed: > 0, 0.001 to 1000"),
-    ("before.sqlite worse.sqlite --db=one", "--db = 'one' is not a number; allowed: a number"),
-    ("before.sqlite worse.sqlite --db=1e5", "db = 100000 is outside its range; allowed: 0.001 to 1000"),
     ("--engine=mujoco --engine=pybullet --db=nan", "db = nan is outside its range; allowed: > 0, 0.001 to 1000"),
-    ("--engine=mujoco:joint:best --engine=pybullet", "best"),
     ("--engine=mujoco:contact:tuned --engine=mujoco:nose=3", "nose"),
-    ("--engine=mujoco --engine=pybullet:contact:nothing", "nothing"),
-    (
-        "before.sqlite other.sqlite",
-        "before.sqlite (mujoco:joint:tuned) and other.sqlite (of no engine) have no point in common; allowed: stores",
-    ),
-    ("before.sqlite text.sqlite", "store text.sqlite is damaged or no store"),
+    ("before.sqlite other.sqlite", "and other.sqlite (of no engine) have no point in common; allowed: stores"),
     ("before.sqlite none.sqlite", "store none.sqlite is no file; allowed: "),
     ("before.sqlite worse.sqlite --out=changes.doc", "ending '.doc'; allowed: .md or .json or .csv"),
-    ("before.sqlite worse.sqlite --out=before.csv --out=before.csv", "before.csv"),
 ]
 
 

@@ -1,24 +1,15 @@
 """``multibody-xval report``: what it refuses, what it writes, and its exit code."""
 
-import errno
-import os
-import sqlite3
-import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.report import app
 from multibody_xval.reports.page import sources
-from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config, Result, Run
-from multibody_xval.scenarios.result_tables import now, points
-from multibody_xval.scenarios.running.evaluate import Means
-from multibody_xval.scenarios.store import Store, Stored
 from reference_lcp.errors import ExitCode
-from reference_lcp.process import run_command
 from tests.reports.conftest import kept, spoilt
 
 TOML = """\
@@ -48,127 +39,51 @@ def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sources, "computed", refuse)
 
 
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Compute in this process, and keep what is computed."""
-
-    def computed(runs: Sequence[Run], means: Means, what: str = "", then: Sequence[tuple] = ()) -> list[Stored]:
-        store = Store(means.store)
-        found: dict[Run, Result] = {}
-        new: Sequence[Run] = runs
-        while new:
-            known = store.known(new)
-            own = {run: run_batch([run])[0] for run in new if run not in known}
-            store.add(own)
-            found |= known | own
-            table = points(now(found))
-            new = [run for _, propose in then for run in propose(table) if run not in found]
-        store.close()
-        return now(found)
-
-    monkeypatch.setattr(sources, "computed", computed)
-
-
 @pytest.mark.usefixtures("no_computation")
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
         (["--no-run", "--store", "nowhere.sqlite"], "nowhere.sqlite is no file"),
-        (["--store", "{folder}"], "is a folder or a device"),
         (["--store", "a.sqlite", "--store", "b.sqlite"], "--store is given 2 times"),
-        (["--sweep", "{sweep}", "--quick"], "neither --engine nor --quick"),
         (["--sweep", "{sweep}", "--engine", "mujoco"], "neither --engine nor --quick"),
         (["--data", "{sweep}", "--quick"], "allowed next to it: --out alone"),
         (["--data", "{sweep}"], "the ending '.toml'"),
         (["--no-run", "--quick"], "allowed without it: --quick"),
-        (["--no-run", "--retry-failed"], "--retry-failed with --no-run"),
         (["--sweep", "nowhere.toml"], "nowhere.toml"),
-        (["--engine", "mujocco"], "mujocco"),
-        (["--workers", "0"], "workers"),
-        (["--workers", "two"], "workers"),
         (["--time-limit", "0"], "time_limit"),
     ],
 )
-def test_wrong_input_is_refused_and_leaves_no_folder(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], named: str
-) -> None:
+def test_wrong_input_is_refused_and_leaves_no_folder(tmp_path: Path, capsys, arguments, named) -> None:
     file = tmp_path / "sweep.toml"
     file.write_text(TOML)
-    asked = [argument.format(sweep=file, folder=tmp_path) for argument in arguments]
+    asked = [argument.format(sweep=file) for argument in arguments]
     assert run_command(app, [*asked, "--out", str(tmp_path / "out")]) == ExitCode.WRONG_INPUT
     assert named in one_line(capsys)
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.usefixtures("no_computation")
-def test_a_folder_that_cannot_hold_the_page_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").write_text("")
-    (tmp_path / "index.html").mkdir()
-    for out, named in ((tmp_path / "file" / "report", "--out"), (tmp_path, "index.html")):
-        assert run_command(app, ["--quick", "--out", str(out)]) == ExitCode.WRONG_INPUT
-        assert named in one_line(capsys)
-
-
-@pytest.mark.usefixtures("no_computation")
-def test_a_folder_that_cannot_be_written_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def full(**_arguments: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(tempfile, "TemporaryFile", full)
-    assert run_command(app, ["--quick", "--out", str(tmp_path)]) == ExitCode.WRONG_INPUT
-    assert "No space left on device" in one_line(capsys)
-
-
-def test_a_store_of_another_program_is_refused_and_left_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    foreign = tmp_path / "foreign.sqlite"
-    with sqlite3.connect(foreign) as connection:
-        connection.execute("CREATE TABLE notes (text TEXT)")
-    connection.close()
-    before = foreign.read_bytes()
-    arguments = ["--no-run", "--out", str(tmp_path / "out"), "--store", str(foreign)]
-    assert run_command(app, arguments) == ExitCode.WRONG_INPUT
-    assert "is no store of this suite" in one_line(capsys)
-    assert foreign.read_bytes() == before
-
-
 @pytest.mark.parametrize(("factor", "code"), [(1.0, ExitCode.DONE), (1.01, ExitCode.FAILED)])
 def test_an_engine_that_is_one_per_cent_off_is_code_1_after_the_page_is_written(
-    results: dict[Run, Result], tmp_path: Path, capsys: pytest.CaptureFixture[str], factor: float, code: ExitCode
+    results: dict[Run, Result], tmp_path: Path, capsys, factor: float, code: ExitCode
 ) -> None:
     store = kept(spoilt(results, Config("mujoco"), factor), tmp_path / "own.sqlite")
     assert run_command(app, ["--no-run", "--store", str(store), "--out", str(tmp_path / "out")]) == code
     *lines, last = capsys.readouterr().out.splitlines()
     assert last.endswith(f"{tmp_path / 'out' / 'index.html'})")
-    assert last.startswith("Tuned to the chain, ")
     assert any(line.startswith("mujoco:joint:tuned: 3 of 3 numbers deviate") for line in lines) == (code == 1)
 
 
 @pytest.mark.usefixtures("here")
-def test_the_report_of_a_sweep_is_whole_and_a_second_one_computes_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_report_of_a_sweep_is_whole_and_a_second_one_computes_nothing(tmp_path: Path, monkeypatch) -> None:
     (tmp_path / "sweep.toml").write_text(TOML)
     arguments = ["--sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "out")]
     assert run_command(app, arguments) == ExitCode.DONE
     first = pd.read_csv(tmp_path / "out" / "points.csv")
     assert {"edges.csv", "index.html", "results.sqlite"} <= {file.name for file in (tmp_path / "out").iterdir()}
-    assert f"report --sweep {tmp_path / 'sweep.toml'}" in (tmp_path / "out" / "index.html").read_text()
-    monkeypatch.setattr("tests.reports.cli.test_report.run_batch", refuse)
-    capsys.readouterr()
+    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", refuse)
     assert run_command(app, [*arguments, "--no-run"]) == ExitCode.DONE
     assert run_command(app, arguments) == ExitCode.DONE
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "out" / "points.csv"), first)
-
-
-@pytest.mark.usefixtures("here")
-def test_a_tolerance_of_a_sweep_judges_its_points(tmp_path: Path) -> None:
-    (tmp_path / "sweep.toml").write_text(TOML + "[tolerances]\ntransmittance_db = 1e-7\n")
-    arguments = ["--sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "out")]
-    assert run_command(app, arguments) == ExitCode.FAILED
 
 
 @pytest.mark.slow
@@ -180,16 +95,3 @@ def test_the_report_of_an_engine_has_its_three_presets(tmp_path: Path, capsys: p
     assert list(headline) == ["default options", "recipe", "tuned to the chain"]
     assert headline.loc["MuJoCo, joint"].astype(str).tolist() == ["15", "0.12", "0.12"]
     assert "At one point alone" in (tmp_path / "out" / "index.html").read_text()
-
-
-@pytest.mark.usefixtures("no_computation")
-def test_an_interrupted_run_says_that_results_are_kept_and_writes_no_page(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupt(*_arguments: object, **_options: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(sources, "computed", interrupt)
-    assert run_command(app, ["--engine", "mujoco", "--out", str(tmp_path)]) == ExitCode.INTERRUPTED
-    assert f"kept in {tmp_path / 'results.sqlite'}" in capsys.readouterr().err
-    assert not (tmp_path / "index.html").exists()

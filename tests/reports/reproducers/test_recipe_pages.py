@@ -10,14 +10,14 @@ import pytest
 
 from multibody_xval.engines.interface.presets import Formulation, OfStep
 from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.recipe import app
 from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
-from multibody_xval.scenarios import recipes
+from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 from multibody_xval.scenarios.running.evaluate import Means
-from reference_lcp.process import run_command
 
 DOCS = Path(__file__).parents[3] / "docs"
 

@@ -4,6 +4,7 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.reproduce import app
 from multibody_xval.reports.reproducers.questions import SHOWN
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, script
@@ -11,7 +12,6 @@ from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config
 from reference_lcp.errors import ParameterError
-from reference_lcp.process import run_command
 from tests.reports.reproducers.test_reproducers import (
     DIGITS,
     MEANS,

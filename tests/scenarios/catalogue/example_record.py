@@ -1,7 +1,5 @@
 """The formula of the record that ships with the suite."""
 
-from pathlib import Path
-
 import numpy as np
 
 from reference_lcp.validation import FloatArray
@@ -32,10 +30,3 @@ def example_samples() -> tuple[FloatArray, FloatArray]:
     envelope = time / 2 * np.exp(1 - time / 2) * (1 - (time / time[-1]) ** 4) ** 2
     shaking = envelope * (np.sin(np.outer(time, omega) + phase) @ amplitude)
     return np.round(time, 2), np.round(PEAK * shaking / np.max(np.abs(shaking)), 8)
-
-
-def write_example(file: Path) -> None:
-    """Write the example as a table that `RecordedBase.from_csv` reads."""
-    lines = ["time [s],displacement [m]"]
-    lines += [f"{time:.2f},{displacement:.8f}" for time, displacement in zip(*example_samples(), strict=True)]
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Points of two stores, or of two configurations: closer to the exact motion is improved, farther is regressed."""
+"""Two stores, or two configurations: closer to the exact motion is improved, farther is regressed."""
 
 import math
 from dataclasses import replace
@@ -8,15 +8,16 @@ import pandas as pd
 import pytest
 
 from multibody_xval import compare
-from multibody_xval.reports.changes import identities
-from multibody_xval.scenarios.compare.stores import conclusion, fails, pairs, summary
-from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed, unsupported
+from multibody_xval.reports.changes import WRITTEN, Comparison, changed_numbers, identities
+from multibody_xval.reports.formatting import flat
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.compare.stores import conclusion, fails
+from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed, unsupported
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.store import opened
 from reference_lcp.errors import ParameterError
-from tests.scenarios.stores import CASE, ENGINE, OTHER, STEPS, of, with_bound, write_store
-
-REFERENCE_NAME = "reference:joint:tuned"
+from tests.scenarios.in_this_process import pressed, result_of
+from tests.scenarios.stores import CASE, STEPS, of, with_bound, write_store
 
 
 @pytest.fixture
@@ -27,29 +28,20 @@ def written(tmp_path: Path):
 
 def own(changes: pd.DataFrame) -> pd.DataFrame:
     """The rows of the engine; those of the reference are the same in every store."""
-    reference = changes.configuration == REFERENCE_NAME
+    reference = changes.configuration == "reference:joint:tuned"
     assert (changes[reference].change == "unchanged").all()
     return changes[~reference]
 
 
-GIVEN = {"improved": (1.05, 1.01), "regressed": (1.01, 1.05), "unchanged": (1.02, 1.02)}
-
-
-@pytest.mark.parametrize("change", GIVEN)
-def test_the_error_to_the_exact_motion_decides(written, change: str) -> None:
-    before, now = (written(f"{at}", {CASE: with_bound(GIVEN[change][at])}, f"{at}.0") for at in (0, 1))
-    rows = own(compare(before, now))
-    assert rows.change.tolist() == [change]
-    assert rows[["version_before", "version_now"]].to_numpy().tolist() == [["0.0", "1.0"]]
-    assert fails(rows) == (change == "regressed")
-    assert fails(rows, strict=True) == (change != "unchanged")
-
-
-def test_errors_are_those_to_the_exact_motion_in_per_cent(written) -> None:
-    before, now = (written(f"{factor}", {CASE: with_bound(factor)}) for factor in (1.01, 1.05))
+@pytest.mark.parametrize(
+    ("factors", "change"), [((1.05, 1.01), "improved"), ((1.01, 1.05), "regressed"), ((1.02, 1.02), "unchanged")]
+)
+def test_the_error_to_the_exact_motion_decides(written, factors, change: str) -> None:
+    before, now = (written(f"{at}", {CASE: with_bound(factors[at])}, f"{at}.0") for at in (0, 1))
     (row,) = own(compare(before, now)).to_dict("records")
+    assert (row["change"], row["version_before"], row["version_now"]) == (change, "0.0", "1.0")
     exact = of(next(run for run in ruler([(CASE, STEPS)]) if run.config.preset_name == "exact")).transmittance
-    for side, factor in (("before", 1.01), ("now", 1.05)):
+    for side, factor in zip(("before", "now"), factors, strict=True):
         error = 100 * abs(with_bound(factor).transmittance / exact - 1)
         assert row[f"error_percent_{side}"] == pytest.approx(error, rel=1e-9)
 
@@ -62,47 +54,25 @@ def test_the_largest_change_that_does_not_count_is_given(written) -> None:
     assert own(compare(before, now, db=1.1 * decibel)).change.tolist() == ["unchanged"]
 
 
-@pytest.mark.parametrize("db", [0, -1, 1001, float("nan")])
-def test_a_largest_change_outside_its_range_is_refused_before_a_file_is_read(db: float) -> None:
-    with pytest.raises(ParameterError, match=r"^db .*allowed: "):
-        compare("nowhere.sqlite", "nowhere.sqlite", db=db)
-
-
 SOUND, BROKEN = with_bound(1.0), failed("it crashed")
+LONGER = replace(SOUND, stuck=tuple(min(1.0, part + 0.05) for part in SOUND.stuck))
 RESTLESS, WITHOUT = Result(status=Status.NOT_PERIODIC), unsupported("not installed")
 ENDED = [
     (SOUND, BROKEN, "missing", "periodic before, failed now: it crashed"),
     (SOUND, RESTLESS, "missing", "periodic before, not periodic now"),
-    (RESTLESS, BROKEN, "missing", "not periodic before, failed now: it crashed"),
+    (SOUND, LONGER, "regressed", "stuck fraction 0.05"),
+    (LONGER, SOUND, "improved", "stuck fraction 0.05"),
     (BROKEN, SOUND, "improved", "failed before, periodic now: it crashed"),
     (BROKEN, BROKEN, "unchanged", ""),
     (WITHOUT, SOUND, "new", "unsupported before, periodic now: not installed"),
-    (WITHOUT, BROKEN, "new", "unsupported before, failed now: it crashed"),
 ]
 
 
 @pytest.mark.parametrize(("before", "now", "change", "what"), ENDED)
-def test_how_runs_end_decides_first(written, before: Result, now: Result, change: str, what: str) -> None:
+def test_how_runs_end_decides_first_and_contacts_that_stick_longer_count(written, before, now, change, what) -> None:
     rows = own(compare(written("before", {CASE: before}), written("now", {CASE: now})))
     assert rows[["change", "what"]].to_numpy().tolist() == [[change, what]]
-    assert fails(rows) == (change == "missing")
-
-
-def test_a_contact_that_sticks_for_another_part_of_the_period_is_a_change(written) -> None:
-    longer = replace(SOUND, stuck=tuple(min(1.0, part + 0.05) for part in SOUND.stuck))
-    sound, wrong = written("sound", {CASE: SOUND}), written("wrong", {CASE: longer})
-    rows = own(compare(sound, wrong))
-    assert rows[["change", "what"]].to_numpy().tolist() == [["regressed", "stuck fraction 0.05"]]
-    assert own(compare(wrong, sound)).change.tolist() == ["improved"]
-    two_steps = replace(SOUND, stuck=tuple(min(1.0, part + 2 / STEPS) for part in SOUND.stuck))
-    assert own(compare(sound, written("near", {CASE: two_steps}))).what.tolist() == [""]
-
-
-def test_the_ruler_of_either_store_judges_both(written) -> None:
-    results = [{CASE: with_bound(factor)} for factor in (1.01, 1.05)]
-    for ruled in (0, 1):
-        before, now = (written(f"{ruled}{at}", results[at], ruled=at == ruled) for at in (0, 1))
-        assert compare(before, now).change.tolist() == ["regressed"]
+    assert fails(rows) == (change in ("missing", "regressed"))
 
 
 def test_a_change_that_no_store_has_a_ruler_for_is_unknown_and_fails(written) -> None:
@@ -119,48 +89,14 @@ def test_a_worse_reference_is_found_though_it_is_the_ruler(written) -> None:
     before, now = written("before", {CASE: SOUND}), written("now", {CASE: SOUND})
     with opened(now) as store:
         store.add({Run(REFERENCE, CASE, STEPS): with_bound(1.05)})
-    rows = compare(before, now)
-    assert rows[rows.change != "unchanged"][["configuration", "steps", "change"]].to_numpy().tolist() == [
-        [REFERENCE_NAME, STEPS, "regressed"]
-    ]
+    (row,) = compare(before, now).query("change != 'unchanged'").to_dict("records")
+    assert (row["configuration"], row["change"]) == ("reference:joint:tuned", "regressed")
 
 
-def test_neither_the_order_of_results_nor_points_of_one_grid_alone_matter(written) -> None:
-    third = Case(friction_ratio=1.0, frequency_ratio=0.9)
-    at = {CASE: with_bound(1.05), OTHER: with_bound(1.01, OTHER)}
-    before = written("before", at)
-    now = written("now", {third: with_bound(1.0, third), OTHER: at[OTHER], CASE: with_bound(1.01)})
-    rows = own(compare(before, now)).set_index("case")
-    assert rows.change.to_dict() == {CASE: "improved", OTHER: "unchanged", third: "new"}
-    assert not fails(rows)
-    back = own(compare(now, before)).set_index("case")
-    assert back.change.to_dict() == {CASE: "regressed", OTHER: "unchanged", third: "missing"}
-
-
-def test_of_several_versions_in_a_store_the_last_counts(written) -> None:
-    before = written("before", {CASE: with_bound(1.01)}, "1.0")
-    now = written("now", {CASE: with_bound(1.01)}, "1.0")
-    written("now", {CASE: with_bound(1.05)}, "2.0", ruled=False)
-    rows = own(compare(before, now))
-    assert rows[["version_now", "change"]].to_numpy().tolist() == [["2.0", "regressed"]]
-
-
-def test_stores_without_a_common_point_are_refused(written) -> None:
-    before = written("before", {CASE: SOUND})
-    now = written("now", {OTHER: with_bound(1.0, OTHER)})
+def test_stores_that_have_the_reference_alone_in_common_are_refused(written, tmp_path: Path) -> None:
+    other = stored_as(tmp_path / "other.sqlite", 1.0, "pybullet")
     with pytest.raises(ParameterError, match="have no point in common; allowed: stores with the same configurations"):
-        compare(before, now)
-
-
-def test_stores_that_have_the_reference_alone_in_common_are_refused(written) -> None:
-    now = written("now", {CASE: SOUND})
-    with opened(now) as store:
-        rows = [row for row in store.rows() if row.run.config != ENGINE]
-    other = written("other", {})
-    with opened(other) as store:
-        store.add({row.run: row.result for row in rows} | {Run(Config("pybullet"), CASE, STEPS): SOUND})
-    with pytest.raises(ParameterError, match="no point in common"):
-        compare(now, other)
+        compare(written("now", {CASE: SOUND}), other)
 
 
 def stored_as(file: Path, factor: float, *names: str) -> Path:
@@ -183,34 +119,50 @@ def test_a_preset_and_the_same_with_an_option_are_compared_where_each_store_has_
     assert f"{PRESET} -> {CHANGED}: options iterations 100 → 50" in identities(compare(before, now))
 
 
-def test_of_several_with_other_options_the_same_alone_are_compared(tmp_path: Path) -> None:
-    before = stored_as(tmp_path / "before.sqlite", 1.01, PRESET)
-    now = stored_as(tmp_path / "now.sqlite", 1.05, CHANGED, PRESET)
-    rows = own(compare(before, now)).set_index("configuration")
-    assert rows.change.to_dict() == {PRESET: "regressed", CHANGED: "new"}
-    several = stored_as(tmp_path / "several.sqlite", 1.05, CHANGED, OTHERWISE)
-    with pytest.raises(ParameterError, match="have no point in common; allowed: ") as refused:
-        compare(before, several)
-    assert f"before.sqlite ({PRESET}) and {several} ({CHANGED}, {OTHERWISE})" in str(refused.value)
+SCENARIO, ENGINE = SCENARIOS["stopping-distance"], Config("mujoco")
+NAME, (OWN, *_) = next(iter(SCENARIO.cases)), SCENARIO.own_runs(ENGINE).values()
+RULER = [run for run in SCENARIO.runs([ENGINE]) if run.case == OWN.case and run.config != ENGINE]
 
 
-MATCHED = {
-    "two engines": (["mujoco", "mujoco:joint:default"], ["pybullet:joint:default", "pybullet:contact"], [1], [0]),
-    "an option": (["mujoco:joint:default", "mujoco"], ["mujoco:noslip_iterations=3"], [1], [0]),
-    "one and one": (["mujoco:joint:default"], ["pybullet:contact"], [0], [0]),
-    "nothing": (["mujoco:joint:default", "mujoco"], ["pybullet:contact"], [], []),
-}
+def thrown(factor: float) -> Result:
+    """The scheme's motion of a block that friction holds by a factor too strongly."""
+    return result_of(Run(REFERENCE, pressed(factor)(OWN.case), OWN.steps))
 
 
-@pytest.mark.parametrize("case", MATCHED)
-def test_formulations_and_presets_are_matched_whatever_their_options(case: str) -> None:
-    *names, left, right = MATCHED[case]
-    before, now = ([Config.parse(name) for name in own] for own in names)
-    assert pairs(before, now) == [(before[i], now[k]) for i, k in zip(left, right, strict=True)]
+@pytest.fixture
+def changes(tmp_path: Path):
+    """Compare stores with a result each, with the ruler or without, and give the numbers by their names."""
+
+    def compared(*results: Result, ruled: bool = True) -> pd.DataFrame:
+        files = [tmp_path / name for name in ("before.sqlite", "now.sqlite")]
+        for file, result in zip(files, results, strict=True):
+            with opened(file) as store:
+                store.add({run: result_of(run) for run in (RULER if ruled else [])} | {OWN: result})
+        return compare(*files).set_index("quantity")
+
+    return compared
 
 
-def test_the_sentence_at_the_end_says_which_is_closer(written) -> None:
-    rows = own(compare(written("before", {CASE: with_bound(1.05)}), written("now", {CASE: SOUND})))
-    assert conclusion(rows, "a", "b") == "1 point, from a to b: 1 improved: b is closer to the exact motion."
-    assert summary(rows).columns.tolist()[:4] == ["configuration", "points", "regressed", "improved"]
-    assert summary(rows).improved.tolist() == [1]
+@pytest.mark.parametrize(
+    ("before", "now", "change"), [(1.05, 1.01, "improved"), (1.01, 1.05, "regressed"), (1.02, 1.02, "unchanged")]
+)
+def test_the_error_of_a_distance_decides(changes, before, now, change) -> None:
+    rows = changes(thrown(before), thrown(now))
+    assert rows.change["distance"] == change
+    assert rows.change["drift"] == "unchanged"
+    assert rows.error_before["distance"] == pytest.approx(1 / before - 1, abs=0.004)  # and what a step errs
+    assert fails(rows) == (change == "regressed")
+    assert rows.case["distance"] == f"stopping-distance, {NAME}: distance"
+
+
+def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_and_its_verdict(changes) -> None:
+    rows = changes(thrown(1.01), thrown(1.05))
+    own, table = rows.loc["distance"], rows.reset_index()
+    assert own.value_before > own.value_now > 0, "more friction stops it earlier"
+    (shown,) = flat(changed_numbers(table)).to_numpy().tolist()
+    numbers = [f"{own.value_before:.5g}", f"{own.value_now:.5g}", "<1e−9"]
+    assert shown == ["mujoco:joint:tuned", f"distance; stopping-distance, {NAME}", *numbers, "regressed; deviates"]
+    for ending in WRITTEN:
+        text = WRITTEN[ending](Comparison(table, "before", "now", 0.001, strict=False))
+        assert NAME in text.replace("\\", "")
+        assert ending != ".csv" or "transmittance_db_now" not in text, "there are no steady states"

@@ -12,10 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from multibody_xval import sweep
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
 from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
-from multibody_xval.scenarios.sweeps.dataset import write_dataset
 from reference_lcp.errors import ParameterError, RunError
 
 pytest.importorskip("distributed")
@@ -40,9 +38,9 @@ def running(
 @pytest.fixture
 def cluster(install) -> Iterator[tuple[str, subprocess.Popen]]:
     """Address and process of a scheduler with two workers, for which the deadly engines are installed."""
-    environment = install("wrong_engines").environment
+    environment = install("faulty").environment
     scheduler = running("distributed.cli.dask_scheduler", "--port=0", environment=environment, says=r"tcp://\S+:\d+")
-    with install("wrong_engines").visible(), scheduler as (address, process):
+    with install("faulty").visible(), scheduler as (address, process):
         options = (address, "--nworkers=2", "--nthreads=1")
         with running("distributed.cli.dask_worker", *options, environment=environment, says="Registered to"):
             yield address, process
@@ -71,10 +69,14 @@ def test_a_run_that_hangs_or_crashes_fails_alone(cluster) -> None:
     assert "SIGSEGV" in reasons["faulty-crash"]
 
 
-def test_nobody_at_the_address_is_a_line(monkeypatch) -> None:
+def test_nobody_at_the_address_is_a_line_and_is_no_longer_asked(monkeypatch) -> None:
     monkeypatch.setattr("multibody_xval.scenarios.running.dask_pool.CONNECT_SECONDS", 1)
     with pytest.raises(ParameterError, match=r"scheduler = 'tcp://127.0.0.1:9' cannot be reached"):
         computed(runs_of("mujoco", 0.9), Means(scheduler="tcp://127.0.0.1:9"))
+    with pytest.raises(ParameterError, match="cannot be reached"):
+        computed(runs_of("mujoco", 0.9), Means(scheduler="-1"))
+    with pytest.raises(ValueError, match="No client"):
+        pytest.importorskip("distributed").default_client()
 
 
 def test_a_scheduler_that_dies_ends_the_command_in_a_line_and_keeps_what_is_stored(cluster, tmp_path: Path) -> None:
@@ -92,11 +94,3 @@ def test_a_scheduler_that_dies_ends_the_command_in_a_line_and_keeps_what_is_stor
         computed(runs_of(REFERENCE.engine, *many), Means(scheduler=address, store=store))
     assert time.monotonic() - begin < 120
     assert len(stored_results(store)) > 0
-
-
-def test_a_scheduler_that_was_misspelt_is_no_longer_asked(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match="cannot be reached"):
-        sweep("reference", 0.3, [0.9], scheduler="-1")
-    with pytest.raises(ValueError, match="No client"):
-        pytest.importorskip("distributed").default_client()
-    write_dataset(sweep("reference", 0.3, [0.9], chain={"cells": 2}, workers=1), tmp_path / "own.nc")

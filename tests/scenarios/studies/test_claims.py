@@ -12,23 +12,10 @@ from scipy.optimize import brentq
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.edges import edges, propose
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed, linear_limits
-from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, grid
+from multibody_xval.scenarios.report_plan import FRICTION_RATIOS
 from multibody_xval.scenarios.result_tables import CONFIG, points
 from multibody_xval.scenarios.store import Stored
-from multibody_xval.scenarios.studies import claims as module
-from multibody_xval.scenarios.studies.claims import (
-    FAILS,
-    HOLDS,
-    MOVED,
-    OPEN,
-    READING,
-    answers,
-    bands,
-    claim_cases,
-    claims,
-    conclusions,
-    shown,
-)
+from multibody_xval.scenarios.studies import claims as study
 
 ROOT = Path(__file__).parents[3]
 
@@ -37,7 +24,7 @@ TUNED, DEFAULT = Config("mujoco"), Config("mujoco", preset_name="default")
 LOWER = {0.0: 0.8526, 0.1: 0.7532, 0.3: 0.6373, 0.6: 0.7560, 1.0: 0.9988, 5.0: 1.1726}
 UPPER = {f: math.inf if f else math.sqrt(2) for f in FRICTION_RATIOS}
 STUCK = {0.0: 0.0, 0.1: 0.48, 0.3: 0.48, 0.6: 0.52, 1.0: 0.99, 5.0: 1.0}
-EXPECTED = [HOLDS, READING, HOLDS]
+EXPECTED = [study.HOLDS, study.READING, study.HOLDS]
 
 STEP_ERROR = 2e-4
 """Of an edge in η_r with 400 steps per period: that of frictionless edges is 1e-4 and less."""
@@ -50,33 +37,22 @@ def made(
     lower: Mapping[float, float] = LOWER,
     upper: Mapping[float, float] = UPPER,
     stuck: Mapping[float, float] = STUCK,
-    changed: Mapping[Case, Result] | None = None,
+    lost: float = math.nan,
 ) -> Made:
-    """Give results of a configuration whose bands are these, and its edges; some results may be others."""
+    """Give results of a configuration whose bands are these, and its edges; at one friction ratio every run failed."""
     stored, rows = [], []
-    for case in claim_cases():
+    for case in study.claim_cases():
         f = case.friction_ratio
         within = lower[f] < case.frequency_ratio < upper[f]
         own = Result(status=Status.PERIODIC, transmittance=0.1 if within else 2.0, stuck=(stuck[f],) * 7)
-        stored.append(Stored(Run(config, case, 400), "1", (changed or {}).get(case, own)))
+        stored.append(Stored(Run(config, case, 400), "1", failed("crashed") if f == lost else own))
     key = (config.engine, config.formulation, config.preset_name, "1")
-    for f, ends in zip(lower, zip(lower.values(), upper.values(), strict=True), strict=True):
+    for f in lower:
         curve = (*key, Case(friction_ratio=f, frequency_ratio=1.0), 400)
-        found = [(name, eta) for name, eta in zip(("lower", "upper"), ends, strict=True) if math.isfinite(eta)]
+        found = [(name, ends[f]) for name, ends in (("lower", lower), ("upper", upper)) if math.isfinite(ends[f])]
         rows += [(*curve, name, eta, 1e-6, 0.0, 0, 0) for name, eta in found]
-    names = [
-        *CONFIG,
-        "version",
-        "curve",
-        "steps",
-        "edge",
-        "frequency_ratio",
-        "width",
-        "interpolation",
-        "before",
-        "lost",
-    ]
-    return stored, pd.DataFrame(rows, columns=names)
+    names = ["version", "curve", "steps", "edge", "frequency_ratio", "width", "interpolation", "before", "lost"]
+    return stored, pd.DataFrame(rows, columns=[*CONFIG, *names])
 
 
 def tables(*own: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -84,23 +60,23 @@ def tables(*own: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
     return points([row for stored, _ in own for row in stored]), pd.concat([found for _, found in own])
 
 
-def known(*own: Made) -> pd.DataFrame:
-    """Give the bands of the only configuration by friction ratio."""
-    return bands(*tables(*own)).set_index("friction_ratio")
+def known(own: Made) -> pd.DataFrame:
+    """Give the bands of a configuration by friction ratio."""
+    return study.bands(*tables(own)).set_index("friction_ratio")
 
 
 def outcomes(own: pd.DataFrame) -> list[str]:
-    return [answer for answer, _, _ in answers(own)]
+    return [answer for answer, _, _ in study.answers(own)]
 
 
 def sentence(own: Made) -> str:
     """Give the sentence of a configuration beside a reference with the published edges."""
-    return conclusions(*tables(made(REFERENCE), own)).sentence.iloc[-1]
+    return study.conclusions(*tables(made(REFERENCE), own)).sentence.iloc[-1]
 
 
 def refined_edges(config: Config) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Run what the claims need of a configuration in this process; gives points and edges."""
-    runs = [Run(config, case, 400) for case in claim_cases()]
+    runs = [Run(config, case, 400) for case in study.claim_cases()]
     found: dict[Run, Result] = {}
     while runs:
         found.update(zip(runs, run_batch(runs), strict=True))
@@ -114,17 +90,15 @@ def reference() -> tuple[pd.DataFrame, pd.DataFrame]:
     return refined_edges(REFERENCE)
 
 
-def test_claims_hold_for_the_reference_with_the_published_edges(reference: tuple[pd.DataFrame, pd.DataFrame]) -> None:
-    own = bands(*reference).set_index("friction_ratio")
-    assert claims(*reference).answer.tolist() == EXPECTED
+def test_claims_hold_for_the_reference_with_the_published_edges(reference) -> None:
+    own = study.bands(*reference).set_index("friction_ratio")
+    assert study.claims(*reference).answer.tolist() == EXPECTED
     assert own.lower.to_dict() == pytest.approx(LOWER, abs=STEP_ERROR)
     assert own.upper[list(FRICTION_RATIOS[1:])].tolist() == [math.inf] * 5
-    assert "none up to 3 at 0.1, 0.3, 0.6" in claims(*reference).numbers[0]
+    assert "none up to 3 at 0.1, 0.3, 0.6" in study.claims(*reference).numbers[0]
 
 
-def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(
-    reference: tuple[pd.DataFrame, pd.DataFrame],
-) -> None:
+def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(reference) -> None:
     """At a friction ratio of 5 no contact slips at the edge: the cut-off is that of a chain of single masses."""
 
     def crossing(low: float, high: float, limit: int) -> float:
@@ -133,7 +107,7 @@ def test_edges_of_free_and_of_locked_cells_are_those_of_the_linear_chain(
 
         return brentq(excess, low, high)
 
-    own = bands(*reference).set_index("friction_ratio")
+    own = study.bands(*reference).set_index("friction_ratio")
     free = crossing(0.8505, 0.8686, 0), crossing(1.4, 1.422, 0)
     assert (own.lower[0.0], own.upper[0.0]) == pytest.approx(free, abs=STEP_ERROR)
     assert own.share[0.0] == pytest.approx((free[1] - free[0]) / 1.3, abs=STEP_ERROR)
@@ -147,161 +121,59 @@ def test_with_friction_30_percent_too_small_cells_do_not_lock(monkeypatch, refer
     build = Config.build
 
     def weak(self, lanes):
-        scaled = [
-            replace(lane, chain=replace(lane.chain, normal_force=0.7 * lane.chain.normal_force)) for lane in lanes
-        ]
+        chains = [replace(lane.chain, normal_force=0.7 * lane.chain.normal_force) for lane in lanes]
+        scaled = [replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)]
         return build(REFERENCE, scaled if self == TUNED else lanes)
 
     monkeypatch.setattr(Config, "build", weak)
     wrong = refined_edges(TUNED)
-    both = pd.concat([reference[0], wrong[0]]), pd.concat([reference[1], wrong[1]])
-    own, right = (bands(*each).set_index("friction_ratio") for each in (wrong, reference))
+    own, right = (study.bands(*each).set_index("friction_ratio") for each in (wrong, reference))
     assert own.lower[0.0] == pytest.approx(right.lower[0.0], abs=1e-9)
-    assert outcomes(own) == [HOLDS, FAILS, HOLDS]
+    assert outcomes(own) == [study.HOLDS, study.FAILS, study.HOLDS]
+    both = [pd.concat(each) for each in zip(reference, wrong, strict=True)]
     start = "With MuJoCo (tuned to the chain) one would conclude that cells do not lock at 1, otherwise than with the"
-    assert conclusions(*both).sentence.iloc[-1].startswith(start)
+    assert study.conclusions(*both).sentence.iloc[-1].startswith(start)
 
 
-def test_points_of_claims_are_points_of_the_default_grid() -> None:
-    assert set(claim_cases()) <= set(grid(quick=False))
-
-
-def test_claims_hold_for_bands_made_by_hand() -> None:
-    own = known(made())
-    assert outcomes(own) == EXPECTED
-    assert own.lower.to_dict() == LOWER
-    assert own.upper.to_dict() == UPPER
-
-
-@pytest.mark.parametrize(
-    ("friction", "number", "text"),
-    [
-        (0.1, 0, "missing: the band at friction ratio 0.1"),
-        (5.0, 1, "missing: the band at friction ratio 5"),
-        (5.0, 2, "missing: the band at friction ratio 5"),
-    ],
-)
-def test_a_claim_whose_points_are_missing_is_open_and_says_which(friction: float, number: int, text: str) -> None:
-    answer = answers(known(made()).drop(index=friction))[number]
-    assert answer == (OPEN, text, "")
-
-
-def test_locking_is_open_without_the_steady_state_at_the_resonator() -> None:
-    lost = {Case(friction_ratio=1.0, frequency_ratio=1.0): Result(status=Status.NOT_PERIODIC)}
-    answer = answers(known(made(changed=lost)))[1]
-    assert answer == (OPEN, "missing: the steady state at η_r = 1 at friction ratio 1", "")
+@pytest.mark.parametrize(("friction", "number"), [(0.1, 0), (5.0, 1), (5.0, 2)])
+def test_a_claim_whose_points_are_missing_is_open_and_says_which(friction: float, number: int) -> None:
+    whole = known(made())
+    assert outcomes(whole) == EXPECTED
+    text = f"missing: the band at friction ratio {friction:g}"
+    assert study.answers(whole.drop(index=friction))[number] == (study.OPEN, text, "")
 
 
 @pytest.mark.parametrize(
     ("name", "friction", "value", "number", "answer", "text"),
     [
-        ("lower", 0.6, 0.86, 0, READING, "by the covered share alone"),
-        ("lower", 0.6, 1.3, 0, FAILS, "not wider than without friction at 0.6"),
-        ("upper", 0.6, 1.15, 0, READING, "by the lower edge alone"),
-        ("stuck", 5.0, 0.6, 1, FAILS, "cells do not lock at 5"),
-        ("lower", 5.0, 0.9988, 1, FAILS, "the first cut-off does not move up"),
-        ("lower", 0.1, 0.6, 2, FAILS, "the band is widest at 0.1"),
-        ("lower", 0.1, LOWER[0.3] + MOVED / 2, 2, FAILS, "no wider at 0.3 than elsewhere"),
+        ("lower", 0.6, 0.86, 0, study.READING, "by the covered share alone"),
+        ("lower", 0.6, 1.3, 0, study.FAILS, "not wider than without friction at 0.6"),
+        ("stuck", 5.0, 0.6, 1, study.FAILS, "cells do not lock at 5"),
+        ("lower", 5.0, 0.9988, 1, study.FAILS, "the first cut-off does not move up"),
+        ("lower", 0.1, LOWER[0.3] + study.MOVED / 2, 2, study.FAILS, "no wider at 0.3 than elsewhere"),
     ],
 )
-def test_a_band_that_is_elsewhere_changes_the_answer(
-    name: str, friction: float, value: float, number: int, answer: str, text: str
-) -> None:
+def test_a_band_that_is_elsewhere_changes_the_answer(name, friction, value, number, answer, text) -> None:
     usual = {"lower": LOWER, "upper": UPPER, "stuck": STUCK}
-    own = answers(known(made(**{name: {**usual[name], friction: value}})))[number]
+    own = study.answers(known(made(**{name: {**usual[name], friction: value}})))[number]
     assert own[0] == answer
     assert text in own[2]
 
 
-@pytest.mark.parametrize(("deep", "is_known"), [(True, True), (False, False)])
-def test_a_point_without_a_steady_state_leaves_a_band_open_unless_others_are_deep(deep: bool, is_known: bool) -> None:
-    """Where no other point is below -10 dB there may be a band, and there may be none."""
-    cases = [case for case in claim_cases() if case.friction_ratio == 0.3]
-    changed = {} if deep else {case: Result(status=Status.PERIODIC, transmittance=1.0) for case in cases}
-    without_band = {} if deep else {0.3: math.inf}
-    shallow = known(made(lower=LOWER | without_band, changed=changed))
-    assert shallow.lower[0.3] == (LOWER[0.3] if deep else math.inf)
-    assert shallow.share[0.3] > 0 if deep else shallow.share[0.3] == 0
-    changed |= {cases[-1]: Result(status=Status.NOT_PERIODIC)}
-    assert (0.3 in known(made(lower=LOWER | without_band, changed=changed)).index) is is_known
-
-
-def test_a_band_is_not_known_where_a_run_failed_was_never_made_or_an_edge_is_not_refined() -> None:
-    case = claim_cases()[-1]
-    stored, found = made(changed={case: failed("crashed")})
-    assert 5.0 not in known((stored, found)).index
-    assert 5.0 not in known((stored[:-1], found)).index
-    stored, found = made()
-    found.loc[(found.edge == "lower") & (found.frequency_ratio == LOWER[0.1]), "width"] = 0.1
-    assert 0.1 not in known((stored, found)).index
-
-
-def test_a_curve_below_the_threshold_from_its_first_point_on_has_no_lower_edge_unless_points_before_are_lost() -> None:
-    stored, found = made()
-    own = (found.edge == "lower") & (found.frequency_ratio == LOWER[0.1])
-    found.loc[own, ["frequency_ratio", "width", "interpolation", "before"]] = [math.nan, math.nan, math.nan, -1]
-    assert known((stored, found)).lower[0.1] == -math.inf
-    found.loc[own, "lost"] = 2
-    assert 0.1 not in known((stored, found)).index
-
-
-def test_a_band_covers_a_share_whatever_its_ends() -> None:
-    def share(lower: float, upper: float) -> float:
-        return known(made(lower=LOWER | {0.3: lower}, upper=UPPER | {0.3: upper})).share[0.3]
-
-    assert share(0.95, math.inf) == pytest.approx(0.5)
-    assert share(-math.inf, math.inf) == 1.0
-    assert share(0.95, 1.6) == share(0.95, 2.0) == pytest.approx(0.5)
-
-
-def test_a_sentence_says_how_far_the_lower_edge_is_off() -> None:
+def test_a_sentence_says_how_far_the_lower_edge_is_off_and_which_claims_are_open() -> None:
     assert sentence(made(DEFAULT, LOWER | {0.1: 0.7632})) == (
         "With MuJoCo (default options) one would conclude the same as with the reference; its lower edge is off by up "
         "to 0.01 (friction ratio 0.1: 0.7632 instead of 0.7532)."
     )
-    table = conclusions(*tables(made(REFERENCE), made(DEFAULT, LOWER | {0.1: 0.7632})))
-    assert table.farthest.tolist() == pytest.approx([0.0, 0.01])
-
-
-def test_a_sentence_says_which_claims_are_open_and_why() -> None:
-    lost = {case: failed("crashed") for case in claim_cases() if case.friction_ratio == 5.0}
-    assert sentence(made(changed=lost)) == (
-        "With MuJoCo (tuned to the chain) one would conclude the same as with the reference. Claim b is not decided; "
-        "missing: the band at friction ratio 5. Claim c is not decided; missing: the band at friction ratio 5."
-    )
-
-
-def test_without_any_band_nothing_can_be_concluded() -> None:
-    lost = dict.fromkeys(claim_cases(), failed("crashed"))
-    missing = "nothing can be concluded: missing: the band at friction ratio 0, 0.1, 0.3, 0.6."
-    assert sentence(made(DEFAULT, changed=lost)) == f"With MuJoCo (default options) {missing}"
-    assert conclusions(*tables(made(REFERENCE, changed=lost))).sentence.tolist() == [f"With the reference {missing}"]
-
-
-def test_the_reference_is_first_and_says_every_claim_that_it_decides() -> None:
-    table = conclusions(*tables(made(), made(REFERENCE)))
-    assert table.engine.tolist() == ["reference", "mujoco"]
-    assert table.sentence[0] == (
-        "With the reference one would conclude that the band is wider than without friction up to a friction ratio of "
-        "0.6, that beyond, each cell behaves like one mass while the first cut-off moves up, and that the band is "
-        "widest at 0.3."
-    )
-    assert table[list(module.STATED)].to_numpy().tolist() == [EXPECTED, EXPECTED]
+    assert "Claim b is not decided; missing: the band at friction ratio 5." in sentence(made(lost=5.0))
 
 
 def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(reference) -> None:
     page = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
-    assert "| " + " | ".join(shown(conclusions(*reference)).iloc[0]) + " |" in page
-    assert all(numbers in page for numbers in claims(*reference).numbers)
+    assert "| " + " | ".join(study.shown(study.conclusions(*reference)).iloc[0]) + " |" in page
+    assert all(numbers in page for numbers in study.claims(*reference).numbers)
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    own = bands(*reference).set_index("friction_ratio").lower
+    own = study.bands(*reference).set_index("friction_ratio").lower
     assert f"its lower edge falls from {own[0.0]:.3f} to {own[0.3]:.3f}" in readme
     installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-1]
     assert f"with {float(installed):.2f} instead of {own[5.0]:.2f}" in readme
-
-
-def test_points_of_the_headline_alone_ask_for_no_claims() -> None:
-    stored, found = made()
-    few = [row for row in stored if row.run.case.frequency_ratio == 1.6]
-    assert claims(*tables((few, found))).empty
-    assert conclusions(*tables((few, found))).empty

@@ -1,6 +1,7 @@
-"""Sweeps against closed forms: every point is the steady state at its place, out of a run or out of a store."""
+"""Sweeps against closed forms: every point is the steady state at its place, and points go where a curve bends."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,15 +9,36 @@ import pytest
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
-from multibody_xval.scenarios.model import Case, Result, Run, linear_limits
+from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval.scenarios.model import REFERENCE, Case, Run, linear_limits
 from multibody_xval.scenarios.running.evaluate import Means
-from multibody_xval.scenarios.store import Store, Stored, opened
+from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps import swept as module
 from multibody_xval.scenarios.sweeps.dataset import judged_table
 from multibody_xval.scenarios.sweeps.file import sweep_of
-from multibody_xval.scenarios.sweeps.frequency_grid import level
+from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid, level, missing, resonances
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp import Chain, HarmonicBase, steady_state
+
+BENT = AdaptiveGrid(first=0.3, last=1.6, accuracy_db=0.5)
+
+
+def free_db(eta: float) -> float:
+    """Level of the paper's chain without friction, in closed form."""
+    return 20 * math.log10(abs(linear_limits(Case(friction_ratio=0.0, frequency_ratio=eta))[0]))
+
+
+@pytest.mark.parametrize("accuracy", [0.5, 2.0])
+def test_interpolated_curve_is_as_accurate_as_asked_and_asks_for_no_more(accuracy: float) -> None:
+    peaks, levels = resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)), dict[float, float]()
+    while new := missing(BENT.model_copy(update={"accuracy_db": accuracy}), peaks, levels):
+        levels |= {eta: free_db(eta) for eta in new}
+    eta = np.array(sorted(levels))
+    between = np.concatenate([(3 * eta[1:] + eta[:-1]) / 4, (eta[1:] + 3 * eta[:-1]) / 4])
+    curve = PchipInterpolator(eta, [level(levels[own]) for own in eta.tolist()])
+    errors = curve(between) - [level(free_db(own)) for own in between.tolist()]
+    assert np.abs(errors).max() <= 1.5 * accuracy
+
 
 pytestmark = pytest.mark.usefixtures("here")
 
@@ -53,33 +75,11 @@ def test_every_point_is_the_steady_state_at_its_place(data: xr.Dataset) -> None:
     assert abs(float(data.transmittance_db.sel({**place, "mass_ratio": 1.0}, drop=True)[0]) - expected) > 0.1
 
 
-def test_a_store_alone_gives_the_same(data: xr.Dataset, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "computed", lambda *_, **__: pytest.fail("something is run"))
-    xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
-
-
-def test_a_second_sweep_runs_nothing(data: xr.Dataset, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_store_alone_and_a_second_sweep_give_the_same_and_run_nothing(data, store: Path, monkeypatch) -> None:
     monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
     xr.testing.assert_identical(swept(SWEEP, Means(store=store)), data)
-
-
-def test_what_a_store_lacks_is_missing_and_the_rest_is_shown(store: Path, data: xr.Dataset) -> None:
-    wider = sweep_of({"engines": ["reference"], "grid": {**GRID, "friction_ratio": [0.0, 0.4]}, "chain": {"cells": 2}})
-    part = stored_sweep(wider, store)
-    assert set(part.status.sel(friction_ratio=0.4).values.ravel()) == {"missing"}
-    assert part.transmittance_db.sel(friction_ratio=0.4).isnull().all()
-    expected = data.transmittance_db.sel(configuration=["reference"], friction_ratio=[0.0])
-    xr.testing.assert_equal(part.transmittance_db.sel(friction_ratio=[0.0]), expected)
-
-
-def test_of_several_versions_the_installed_one_is_given(data, store, tmp_path, monkeypatch) -> None:
-    every = list(module.stored_results(store))
-    older = [Stored(own.run, "0.1", own.result) for own in every if own.run.config.engine == "mujoco"]
-    for both in ([*every, *older], [*older, *every]):
-        monkeypatch.setattr(module, "stored_results", lambda _store, both=both: both)
-        assert "0.1" not in set(stored_sweep(SWEEP, store).version.values.ravel())
-    monkeypatch.setattr(module, "stored_results", lambda _store: older)
-    assert set(stored_sweep(SWEEP, store).version.sel(configuration="mujoco").values.ravel()) == {"0.1"}
+    monkeypatch.setattr(module, "computed", lambda *_, **__: pytest.fail("something is run"))
+    xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
 
 
 ADAPTIVE = sweep_of({
@@ -109,53 +109,10 @@ def test_adaptive_curves_are_right_between_their_points(adaptive: xr.Dataset) ->
     assert float(adaptive.error_db.sel(friction_ratio=0.0).max()) < 0.5
 
 
-def test_curves_have_frequencies_of_their_own_and_the_same_with_an_equal_scheme(adaptive: xr.Dataset) -> None:
-    there = adaptive.status != "missing"
-    one, other = there.sel(configuration="reference").values
-    assert (one != other).any(), "the friction ratios need the same frequencies: the test says nothing"
-    np.testing.assert_array_equal(there.sel(configuration="mujoco"), there.sel(configuration="reference"))
-
-
 def test_an_adaptive_sweep_out_of_its_store_has_the_points_that_it_chose(adaptive: xr.Dataset, store: Path) -> None:
     """Points of other frequencies, such as those that band edges add, are not among them."""
     xr.testing.assert_identical(stored_sweep(ADAPTIVE, store), adaptive)
-    place = ADAPTIVE.places[0]
-    more = sweep_of({
-        "engines": ["reference"], "grid": {"friction_ratio": [0.0], "frequency_ratio": [0.777]},
-        "chain": {"cells": 2}, "drive": {"kind": "force", "amplitude": 5.0},
-    })  # fmt: skip
-    assert more.places[0] == place
-    swept(more, Means(store=store))
+    run = Run(REFERENCE, replace(ADAPTIVE.places[0].case, frequency_ratio=0.777), 400)
+    with opened(store) as kept:
+        kept.add({run: run_batch([run])[0]})
     assert 0.777 not in stored_sweep(ADAPTIVE, store).frequency_ratio.values
-
-
-class Full(Exception):
-    """Ends a sweep in its midst."""
-
-
-def test_a_sweep_that_is_stopped_goes_on_with_the_same_points(adaptive, tmp_path, monkeypatch) -> None:
-    stopped = tmp_path / "stopped.sqlite"
-    adds, keep = iter(range(5)), Store.add
-
-    def add(own: Store, results: dict[Run, Result]) -> None:
-        keep(own, results)
-        if next(adds, None) is None:
-            raise Full
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Store, "add", add)
-        with pytest.raises(Full):
-            swept(ADAPTIVE, Means(store=stopped))
-    with opened(stopped) as kept:
-        assert 0 < len(list(kept.rows())) < int((adaptive.status != "missing").sum())
-    again = swept(ADAPTIVE, Means(store=stopped))
-    xr.testing.assert_identical(again.drop_vars("seconds"), adaptive.drop_vars("seconds"))
-
-
-@pytest.mark.parametrize(("tolerance", "verdict"), [(1e-9, "deviates"), (3.0, "agrees")])
-def test_a_tolerance_of_the_sweep_judges_its_points(tolerance: float, verdict: str) -> None:
-    own = sweep_of({
-        "engines": ["mujoco"], "grid": {"friction_ratio": [0.3], "frequency_ratio": [0.9]}, "chain": {"cells": 1},
-        "tolerances": {"transmittance_db": tolerance},
-    })  # fmt: skip
-    assert swept(own, Means()).verdict.item() == verdict

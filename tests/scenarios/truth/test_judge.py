@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.truth import judged, problem_named, problems, read_motion
+from multibody_xval.scenarios.truth import judged, problem_named, read_motion
 from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.systems import simulate_system
 
@@ -41,21 +41,17 @@ def passes(problem, file, time_step=None):
     return (judged(problem, read_motion(file, problem), time_step).verdict == "agrees").all()
 
 
-def test_a_scheme_of_first_order_agrees_with_its_own_step(tmp_path):
+def test_a_scheme_of_first_order_agrees_with_its_own_step_and_not_with_a_finer_one(tmp_path):
     problem = problem_named("cell-let-go")
-    found = judged(problem, read_motion(written(tmp_path, problem), problem))
-    assert found.verdict.tolist() == ["agrees", "agrees"]
+    file = written(tmp_path, problem)
+    assert passes(problem, file)
+    assert not passes(problem, file, problem.time_step / 10)
+    found = judged(problem, read_motion(file, problem))
     file = written(tmp_path, problem, refined=4, velocities=False)
     alone = judged(problem, read_motion(file, problem), problem.time_step / 4)
     assert alone.verdict.tolist() == ["agrees", "agrees"]
     assert (alone.position_allowed < found.position_allowed).all()
     assert alone.velocity_off.isna().all()
-
-
-def test_a_coarse_step_does_not_pass_as_a_fine_one(tmp_path):
-    problem = problem_named("cell-let-go")
-    file = written(tmp_path, problem)
-    assert not passes(problem, file, problem.time_step / 10)
 
 
 @pytest.mark.parametrize("name", ["block-stops", "pushed-up-a-slope", "chain-steady-0.6-0.7"])
@@ -77,52 +73,33 @@ def test_a_held_block_that_creeps_deviates_and_has_slid(tmp_path):
 
 @pytest.mark.parametrize("velocities", [True, False])
 @pytest.mark.parametrize(
-    ("name", "states"),
+    ("name", "friction", "states"),
     [
-        ("block-held", ["held"]),
-        ("block-breaks-away", ["slid"]),
-        ("block-stops", ["stuck"]),
-        ("launched-box", ["stuck"]),
-        ("slope-grid", ["held", "held", "slid", "slid"] * 3),
-        ("cell-let-go", ["–", "stuck"]),
-        ("chain-locked", ["–"] * 7 + ["held"] * 7),
+        ("block-held", 1.0, ["held"]),
+        ("block-breaks-away", 1.0, ["slid"]),
+        ("block-stops", 1.0, ["stuck"]),
+        ("slope-grid", 1.0, ["held", "held", "slid", "slid"] * 3),
+        ("slope-grid", 1.1, ["held", "held", "held", "slid"] * 3),
+        ("cell-let-go", 1.0, ["–", "stuck"]),
     ],
 )
-def test_what_a_body_does_is_held_slid_or_stuck(name, states, velocities, tmp_path):
+def test_what_a_body_does_is_held_slid_or_stuck(name, friction, states, velocities, tmp_path):
     problem = problem_named(name)
-    found = judged(problem, read_motion(written(tmp_path, problem, velocities=velocities), problem))
-    assert found.exact.tolist() == states
+    file = written(tmp_path, problem, velocities=velocities, friction=friction)
+    found = judged(problem, read_motion(file, problem))
     assert found.motion.tolist() == states
-
-
-def test_a_block_with_too_much_friction_is_held_where_it_should_slide(tmp_path):
-    problem = problem_named("slope-grid")
-    found = judged(problem, read_motion(written(tmp_path, problem, friction=1.1), problem)).iloc[2]
-    assert (found.exact, found.motion, found.verdict) == ("slid", "held", "deviates")
-
-
-def test_rows_between_the_times_and_columns_of_others_do_not_matter(tmp_path):
-    problem = problem_named("block-held")
-    file = tmp_path / "motion.csv"
-    rows = [f"0,{time}" for time in sorted([0.0, 0.05, 0.33, *problem.times])]
-    file.write_text("\n".join(["x0 , time", *rows]))
-    assert passes(problem, file)
+    assert (found.exact.tolist() == states) == (friction == 1)
+    assert (found.verdict[found.motion != found.exact] == "deviates").all()
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", r"columns of .*motion.csv = '' lack time; allowed: 'time, x0'"),
-        ("time,x1\n0,0\n1,0", r"lack x0; allowed: 'time, x0'"),
         ("time,x0\n0.1,nan", r"line 2 of motion.csv = '0.1,nan'; allowed: a finite number a column"),
         ("time,x0\n0.1,0\n0.2", r"line 3 of motion.csv = '0.2'"),
-        ("time,x0\n0.1,much", r"line 2 of motion.csv"),
-        ("time,x0\n0.1,0", r"1 that do not rise; allowed: two or more"),
-        ("time,x0\n0.2,0\n0.1,0", r"2 that do not rise"),
-        (
-            "time,x0\n0.1,0\n0.2,0",
-            r"no row at 0.3 s, but 2 from 0.1 to 0.2 s; allowed: one at each of the problem's 10",
-        ),
+        ("time,x0\n0.2,0\n0.1,0", r"2 that do not rise; allowed: two or more"),
+        ("time,x0\n0.1,0\n0.2,0", r"no row at 0.3 s, but 2 from 0.1 to 0.2 s; allowed: one at each of the problem's"),
     ],
 )
 def test_a_file_that_says_something_else_is_refused(text, message, tmp_path):
@@ -133,26 +110,12 @@ def test_a_file_that_says_something_else_is_refused(text, message, tmp_path):
         judged(problem, read_motion(file, problem))
 
 
-@pytest.mark.parametrize(("scale", "unit"), [(1e3, "mm"), (1e2, "cm"), (1e-3, "km")])
-@pytest.mark.parametrize("name", ["block-stops", "cell-let-go"])
+@pytest.mark.parametrize(("name", "scale", "unit"), [("block-stops", 1e3, "mm"), ("cell-let-go", 1e-3, "km")])
 def test_other_units_are_named(name, scale, unit, tmp_path):
     problem = problem_named(name)
     motion = read_motion(written(tmp_path, problem, scale=scale), problem)
-    with pytest.raises(
-        ParameterError, match=f"{re.escape(f'{scale:g}')} times the exact ones, as if in {unit}; allowed: m"
-    ):
+    message = re.escape(f"{scale:g} times the exact ones, as if in {unit}; allowed: m")
+    with pytest.raises(ParameterError, match=message):
         judged(problem, motion)
-
-
-@pytest.mark.parametrize("step", [0.0, -1.0, float("nan"), 1000.0])
-def test_a_step_that_is_none_or_longer_than_the_problem_is_refused(step, tmp_path):
-    problem = problem_named("block-held")
-    motion = read_motion(written(tmp_path, problem), problem)
     with pytest.raises(ParameterError, match=r"time_step = .*> 0"):
-        judged(problem, motion, step)
-
-
-def test_an_unknown_problem_is_refused_with_the_one_that_is_most_like_it():
-    with pytest.raises(ParameterError, match=r"problem = 'block-stop' is unknown; .*did you mean block-stops\?"):
-        problem_named("block-stop")
-    assert problem_named("block-stops") is problems()["block-stops"]
+        judged(problem, motion, 0.0)

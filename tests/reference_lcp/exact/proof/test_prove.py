@@ -82,7 +82,7 @@ def test_floating_point_is_within_its_error_of_what_is_proven(friction_ratio, fr
     assert [(change.cell, change.kind) for change in proof.transitions] == [
         (change.cell, change.kind) for change in state.transitions
     ]
-    assert [float(change.time.value) for change in proof.transitions] == pytest.approx(
+    assert [float(change.time_over_period.value) for change in proof.transitions] == pytest.approx(
         [change.time / period for change in state.transitions], abs=1e-11
     )
     slips = state.travels / state.orbit.lane.drive.amplitude
@@ -224,7 +224,7 @@ def test_modulated_normal_force_is_the_limit_of_small_steps(multiple) -> None:
 
 def test_modulation_that_repeats_after_two_periods_is_proven() -> None:
     proof = proven("0.3", "0.9", cells=3, modulation="0.3", modulation_multiple="0.5")
-    assert max(change.time.value for change in proof.transitions) > 1
+    assert max(change.time_over_period.value for change in proof.transitions) > 1
     assert proof.transmittance_db.radius < Decimal("1e-20")
 
 

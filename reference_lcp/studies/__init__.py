@@ -1,1 +1,0 @@
-"""How large the errors are: error bars, convergence, speed."""
