@@ -98,7 +98,7 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
         lists=_lists(lane.chain, start, lane.time_step, run.steps),
         load=load_lines(lane.drive),
         reading=reading.render(
-            case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway, over=number.over, **_published(case)
+            case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway, over=number.over, **_published(run.case)
         ).rstrip(),
         metric=quantity.name,
         unit=f" {quantity.unit}" if quantity.unit else "",

@@ -9,7 +9,7 @@ constants come along too. The function must end in ``SteppedWorld(...)``, whose 
 
 import ast
 import inspect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from types import FunctionType, ModuleType
 from typing import Any
@@ -135,11 +135,9 @@ class _Specialiser(ast.NodeTransformer):
     def visit_For(self, node: ast.For) -> Any:
         over = self.scope.value(node.iter)
         self.scope.forget(names_set(node))
-        return (
-            None
-            if over is not UNKNOWN and not list(over)
-            else ast.For(node.target, self.visit(node.iter), self.block(node.body), [])
-        )
+        if over is not UNKNOWN and not list(over):
+            return None
+        return ast.For(node.target, self.visit(node.iter), self.block(node.body), [])
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> Any:
         with self.scope.within(names_set(node.args, *node.body)):
@@ -153,8 +151,8 @@ class _Specialiser(ast.NodeTransformer):
 
     visit_ImportFrom = visit_Import  # noqa: N815 (as `ast` calls it)
 
-    def visit_Assert(self, _node: Any) -> None:
-        return  # what is refused is refused before
+    def visit_Assert(self, _node: Any) -> Any:
+        return None  # what is refused is refused before
 
     visit_Raise = visit_Assert  # noqa: N815
 
@@ -185,8 +183,6 @@ class _Specialiser(ast.NodeTransformer):
         found = self.scope.module.get(node.id)
         if isinstance(found, ModuleType):
             self.lines.imports.add(f"import {found.__name__}" + f" as {node.id}" * (found.__name__ != node.id))
-        elif isinstance(found, FunctionType) and found.__module__.startswith(SUITE):
-            return ast.Name(self._helper(found, {}), ast.Load())
         elif callable(found):
             self.lines.imports.add(f"from {found.__module__} import {node.id}")
         elif node.id in self.scope.module:
@@ -204,23 +200,10 @@ class _Specialiser(ast.NodeTransformer):
             known = {own: value for own, value in given.items() if is_object(value)}
             node.args = [own for own in node.args if not is_object(self.scope.value(own))]
             node.func = ast.Name(self._helper(target, known), ast.Load())
-            node.args, node.keywords = [self.visit(own) for own in node.args], self._keywords(node.keywords)
+            node.args = [self.visit(own) for own in node.args]
+            node.keywords = [self.visit(own) for own in node.keywords]
             return node
-        node.func, node.args = self.visit(node.func), [self.visit(own) for own in node.args]
-        node.keywords = self._keywords(node.keywords)
-        return node
-
-    def _keywords(self, keywords: Iterable[ast.keyword]) -> list[ast.keyword]:
-        """Write keywords; those of a mapping that is known one by one."""
-        written = []
-        for own in keywords:
-            value = self.visit(own.value)
-            if own.arg is None and isinstance(value, ast.Dict):
-                pairs = zip(value.keys, value.values, strict=True)
-                written += [ast.keyword(key.value, part) for key, part in pairs]  # type: ignore[union-attr]
-            else:
-                written.append(ast.keyword(own.arg, value))
-        return written
+        return self.generic_visit(node)
 
     def _helper(self, function: FunctionType, known: Mapping[str, Any]) -> str:
         """Give the name of a helper, which is written once."""

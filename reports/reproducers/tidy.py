@@ -27,8 +27,10 @@ def used(lines: Sequence[ast.stmt], frame: str) -> list[ast.stmt]:
 
 
 def names_read(lines: Iterable[ast.AST]) -> set[str]:
-    """Give the names that are read."""
-    return {node.id for node in _every(lines) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
+    """Give the names that are read, also those to which something is added."""
+    nodes = list(_every(lines))
+    added = {ast.unparse(node.target) for node in nodes if isinstance(node, ast.AugAssign)}
+    return added | {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
 
 
 def _every(lines: Iterable[ast.AST]) -> Iterator[ast.AST]:
