@@ -67,14 +67,6 @@ def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words)
     assert all(word in err for word in words)
 
 
-@pytest.mark.slow
-def test_bench_prints_its_numbers(capsys) -> None:
-    numbers = answered(capsys, "bench")
-    assert numbers["figure3_points"] == 1314
-    assert numbers["figure3_worst_residual"] <= 1e-8
-    assert numbers["steady_states_per_second"] == pytest.approx(1314 / numbers["figure3_seconds"])
-
-
 def test_error_bar_and_exact_value_are_printed(capsys) -> None:
     answer = answered(capsys, "--error-bar", "--exact-value")
     error = abs(answer["transmittance_db"] - answer["exact_db"])
