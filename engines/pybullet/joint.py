@@ -77,11 +77,7 @@ class PyBulletLane(ExplicitForcesLane):
         super().__init__(lane, preset)
         self._bullet = bullet
 
-    def connect(self, _mode: int) -> None:
-        """Open the connection now; it never draws."""
-        self._opened()
-
-    def disconnect(self) -> None:
+    def close(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""
         self._bullet.disconnect()
 

@@ -154,7 +154,7 @@ class _Specialiser(ast.NodeTransformer):
     def visit_Assert(self, _node: Any) -> Any:
         return None  # what is refused is refused before
 
-    visit_Raise = visit_Assert  # noqa: N815
+    visit_Raise: Any = visit_Assert  # noqa: N815
 
     def visit_IfExp(self, node: ast.IfExp) -> Any:
         test = self.scope.value(node.test)
