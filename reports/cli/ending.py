@@ -23,6 +23,10 @@ USAGE_ERROR: Any = typer.BadParameter.__base__
 """Of wrong options too; typer exports only this subclass."""
 
 
+KINDS = {"valid integer": "a whole number", "valid number": "a number", "valid float": "a number"}
+"""What typer's messages say of a value that is none."""
+
+
 class Interrupted(Exception):
     """Ctrl-C was pressed; the message says what is kept."""
 
@@ -65,18 +69,26 @@ def _ended(problem: BaseException, words: list[str]) -> ExitCode:
         _discard_output()
         problem = RunError(f"standard output cannot be written: {problem.strerror}")
     if isinstance(problem, USAGE_ERROR):
-        problem = ParameterError(problem.format_message() + _given(problem, words))
+        problem = ParameterError(_usage(problem, words))
     if not isinstance(problem, ParameterError | RunError):
         return _report_fault(problem)
     _print(f"error: {problem}")
     return ExitCode.WRONG_INPUT if isinstance(problem, ParameterError) else ExitCode.RUN_FAILED
 
 
-def _given(problem: Any, words: list[str]) -> str:
-    """Say which value was given for the option that a usage error is about."""
-    names = getattr(getattr(problem, "param", None), "opts", [])
+def _usage(problem: Any, words: list[str]) -> str:
+    """Say what is wrong with the words of a command, with the value that was given for an option."""
+    message, names = problem.format_message(), getattr(getattr(problem, "param", None), "opts", [])
     parts = [part for word in words for part in (word.split("=", 1) if word.startswith("--") else [word])]
-    return next((f" (given: {shown(value)})" for name, value in itertools.pairwise(parts) if name in names), "")
+    for name, value in itertools.pairwise(parts):
+        if name in names:
+            kind = next((own for word, own in KINDS.items() if word in message), None)
+            return (
+                f"{name} = {shown(value)} is not {kind}; allowed: {kind}"
+                if kind
+                else f"{message} (given: {shown(value)})"
+            )
+    return message
 
 
 def _raised_by_typer(problem: BaseException) -> bool:

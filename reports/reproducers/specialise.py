@@ -151,10 +151,11 @@ class _Specialiser(ast.NodeTransformer):
 
     visit_ImportFrom = visit_Import  # noqa: N815 (as `ast` calls it)
 
-    def visit_Assert(self, _node: Any) -> Any:
-        return None  # what is refused is refused before
+    def visit_Assert(self, _node: ast.Assert) -> None:
+        """Leave it out: what is refused is refused before."""
 
-    visit_Raise: Any = visit_Assert  # noqa: N815
+    def visit_Raise(self, _node: ast.Raise) -> None:
+        """Leave it out, too."""
 
     def visit_IfExp(self, node: ast.IfExp) -> Any:
         test = self.scope.value(node.test)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from multibody_xval.scenarios.cases.chain_ratios import ChainRatios
-from multibody_xval.scenarios.compute.steady import beside_euler
 from multibody_xval.scenarios.model import Case
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
@@ -19,6 +18,7 @@ from reference_lcp.errors import ParameterError, shown
 from reference_lcp.observables.transmittance import complex_transmittance
 from reference_lcp.one_call import exact_steady_state
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
+from reference_lcp.steady.neighbours import beside_euler
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 RESIDUAL = 1e-6
@@ -113,7 +113,7 @@ def steady_state_of(simulation: Step | FloatArray, exact: PeriodicMotion, residu
 def _searched(step: Step, exact: PeriodicMotion, residual: float) -> PeriodicOrbit:
     """Search from the steady state of Euler's scheme."""
     model = _Stepped(exact.case.lane(exact.steps), step)
-    (orbit,) = beside_euler(SequentialSimulation([model]), exact.steps, residual, MOST_PERIODS)
+    (orbit,) = beside_euler(SequentialSimulation([model]), exact.steps, tolerance=residual, max_periods=MOST_PERIODS)
     if not orbit.converged:
         pytest.fail(
             f"no periodic steady state after {orbit.periods} periods: they differ by {orbit.residual:.2g} of the "

@@ -25,7 +25,8 @@ FOR_EVER = 10_000
 
 def is_deadly(batch: Batch) -> bool:
     """Whether a chain is driven at `DEADLY`."""
-    return any(abs(own.drive.angular_frequency / own.chain.resonator_frequency - DEADLY) < 1e-9 for own in batch.lanes)
+    driven = [(own, getattr(own.drive, "angular_frequency", np.nan)) for own in batch.lanes]
+    return any(abs(omega / own.chain.resonator_frequency - DEADLY) < 1e-9 for own, omega in driven)
 
 
 def at_the_deadly_point(act: Callable[[], object], *, once: bool = False) -> Callable[..., State]:
@@ -127,12 +128,18 @@ def change_numpy(_batch: Batch) -> None:
     np.sin = lambda values: 0.5 * sine(values)
 
 
+def read_nowhere(_batch: Batch, _state: State, _start: int, _steps: int, _rows: Rows) -> State:
+    ctypes.string_at(0)
+    raise AssertionError("the process goes on")
+
+
 def dies(what: str, act: Callable[[], object], *, once: bool = False) -> Fault:
     return Fault(what, around=at_the_deadly_point(act, once=once))
 
 
 PROCESSES: Mapping[str, Fault] = {
     "crash": dies("a read where there is no memory", lambda: ctypes.string_at(0)),
+    "dies": Fault("a read where there is no memory, always", around=read_nowhere),
     "hang": dies("an endless wait in compiled code", hang),
     "disarms": dies("an endless wait without the process's alarm", disarm),
     "stopped": dies("a process that is stopped", kill(signal.SIGSTOP)),

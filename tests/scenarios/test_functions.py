@@ -37,7 +37,8 @@ print(len(edges), set(data.verdict.values.ravel().tolist()), set(table.verdict))
 
 @pytest.mark.slow
 def test_script_without_a_main_guard_sweeps_checks_and_draws(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", SCRIPT]
+    (tmp_path / "script.py").write_text(SCRIPT)
+    command = [sys.executable, "script.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "8 {'agrees'} {'agrees'}\n"

@@ -13,6 +13,7 @@ from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABO
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
 from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
+from multibody_xval.scenarios.catalogue.chains.record_file import read_record
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import steps_a_row
@@ -141,7 +142,7 @@ def test_a_time_step_that_leaves_out_what_friction_does_shows_nothing() -> None:
 
 def test_example_record_is_its_formula_and_small() -> None:
     assert EXAMPLE.stat().st_size < 20_000
-    record, (times, displacements) = RecordedBase.from_csv(EXAMPLE), example_samples()
+    record, (times, displacements) = read_record(EXAMPLE), example_samples()
     assert record == RecordedBase(tuple(times.tolist()), tuple(displacements.tolist()))
     assert record.amplitude == PEAK
 

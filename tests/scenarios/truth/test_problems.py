@@ -84,8 +84,8 @@ def test_contacts_stick_and_slip_when_a_proof_says_so():
     proven = prove(exact_chain(OPERATING_POINTS[-1])).transitions
     assert [(own.contact, own.kind) for own in found] == [(own.cell - 1, str(own.kind)) for own in proven]
     for own, other in zip(found, proven, strict=True):
-        apart = abs(Decimal(own.time.value) - Decimal(str(other.time.value)))
-        assert apart <= Decimal(own.time.radius) + Decimal(str(other.time.radius))
+        apart = abs(Decimal(own.time.value) - Decimal(str(other.time_over_period.value)))
+        assert apart <= Decimal(own.time.radius) + Decimal(str(other.time_over_period.radius))
 
 
 def test_a_block_stops_where_its_energy_is_spent():
