@@ -77,6 +77,10 @@ class PyBulletLane(ExplicitForcesLane):
         super().__init__(lane, preset)
         self._bullet = bullet
 
+    def close(self) -> None:
+        """Close the connection that this lane shares with the others of its simulation."""
+        self._bullet.disconnect()
+
 
 class PyBulletJointLane(PyBulletLane):
     """Sliders with motors."""
