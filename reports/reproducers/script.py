@@ -15,6 +15,7 @@ from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
@@ -147,6 +148,8 @@ def header(shown: Reproduction, number: Number, protocol: str = "", units: str =
         f"{shown.scenario.name}: {shown.case}{protocol}. "
         f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}. {units}"
     )
+    if isinstance(adapter, OutOfProcessEngine):
+        told += f" Run it with the system's Python, /usr/bin/python3 (apt install {adapter.capabilities.package})."
     return docstring(f"{adapter.capabilities.title}{version}: {shown.scenario.question}", told)
 
 

@@ -4,14 +4,14 @@ It is read as its source, in which scene and setting are known. What asks them i
 other expressions stay as they are written. Of a condition that is known, the branch that is not taken goes. A function
 of the suite that is called comes along as a helper, without the arguments that are scene or setting; imports and
 constants come along too. The function must end in ``SteppedWorld(...)``, whose functions get its names: ``step``,
-``state`` and so on.
+``state`` and so on; one of a server ends in ``SimpleNamespace(...)``.
 """
 
 import ast
 import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from types import FunctionType, ModuleType
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -76,7 +76,7 @@ class _Specialiser(ast.NodeTransformer):
         if isinstance(value, ast.IfExp):
             return self._functions(value.body if self.scope.value(value.test) else value.orelse)
         target = self.scope.module.get(ast.unparse(value.func))
-        if target is SteppedWorld:
+        if target in (SteppedWorld, SimpleNamespace):
             names = [own.name for own in fields(SteppedWorld)]
             given = {**dict(zip(names, value.args, strict=False)), **{own.arg: own.value for own in value.keywords}}
             return [_assigned(name, self.visit(own)) for name, own in given.items() if ast.unparse(own) != name]
@@ -97,7 +97,7 @@ class _Specialiser(ast.NodeTransformer):
     def visit(self, node: ast.AST) -> Any:
         """Write a line or an expression; one that asks scene or setting is replaced by its value."""
         if isinstance(node, ast.expr) and self.scope.asks(node):
-            if isinstance(node, ast.Attribute) and node.attr == "time_step":
+            if _is_time_step(node):
                 return ast.Name("TIME_STEP", ast.Load())
             if is_plain(value := self.scope.value(node)):
                 return self._literal(value)
@@ -232,6 +232,14 @@ class _Specialiser(ast.NodeTransformer):
             kind = ast.List if isinstance(value, list) else ast.Tuple
             return kind([self._literal(own) for own in value], ast.Load())
         return ast.parse(repr(value.item() if isinstance(value, np.generic) else value), mode="eval").body
+
+
+def _is_time_step(node: ast.expr) -> bool:
+    """Whether an expression is the time step of a setting, or the one that a server is given."""
+    own = node.args[0] if isinstance(node, ast.Call) and ast.unparse(node.func) == "float" else node
+    if isinstance(own, ast.Subscript):
+        return isinstance(own.slice, ast.Constant) and own.slice.value == "time_step"
+    return isinstance(own, ast.Attribute) and own.attr == "time_step"
 
 
 def _assigned(name: str, value: ast.expr) -> ast.Assign:

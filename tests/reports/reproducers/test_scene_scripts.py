@@ -27,7 +27,6 @@ SCENES = {
 
 REFUSED = {
     "exudyn-bristle", "exudyn-regularised",  # the solver takes all steps of a run itself
-    "ode", "siconos",  # another Python builds the scene
 }  # fmt: skip
 
 WRITTEN = [
