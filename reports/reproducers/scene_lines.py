@@ -42,16 +42,23 @@ def scene_lines(shown: Reproduction, number: Number) -> str:
         own = specialised(builder(world.server), {"given": given(world.given)})
     else:
         own = specialised(build, {"scene": case.scene, "setting": setting})
-    _read_part(own.world, PARTS.get(shown.quantity.name, 0))
+    runs = "run" in names_set(*own.world)
+    if not runs:
+        _read_part(own.world, PARTS.get(shown.quantity.name, 0))
     templates = environment("multibody_xval.reports.reproducers", markup=False)
     frame = templates.get_template("scene.py.jinja").render(
-        quantity=shown.quantity, exact=f"{number.exact:g}", closes="close" in names_set(*own.world), **_numbers(run)
+        quantity=shown.quantity,
+        exact=f"{number.exact:g}",
+        closes="close" in names_set(*own.world),
+        runs=runs,
+        **_numbers(run),
     )
     constants = [ast.Assign([ast.Name(name, ast.Store())], value) for name, value in own.constants.items()]
     lines = used([*constants, *own.helpers.values(), *own.world], frame)
     read = names_read([*lines, ast.parse(frame)])
     settling = round(case.settling / time_step)
     parts = [
+        *["\n".join(["import sys", "", *own.switches])] * bool(own.switches),
         "\n".join(imports_of(own.imports | {"import numpy as np", "import math"}, read)),
         "\n".join(
             [

@@ -3,7 +3,6 @@
 import math
 import textwrap
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -52,20 +51,17 @@ def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
             raise ParameterError(f"case = {shown.case!r} has a row that is turned; allowed in a script: 0°")
     elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
         raise ParameterError(reason)
-    elif not _writes(shown):
-        others = (replace(shown, run=replace(shown.run, config=own)) for own in shown.scenario.configs([]))
-        names = dict.fromkeys(other.run.config.engine for other in others if _writes(other))
-        engine_name = shown.run.config.engine
-        raise ParameterError(f"engine = {engine_name} has no script of {scenario}; allowed: {', '.join(names)}")
+    else:
+        _check_written(shown)
     return shown
 
 
-def _writes(shown: Reproduction) -> bool:
-    """Whether an adapter builds a scene in a way that can be written as a script."""
+def _check_written(shown: Reproduction) -> None:
+    """Refuse a scene that an adapter builds in a way that cannot be written as a script, with the reason."""
     try:
-        return bool(scene_lines(shown, Number(math.nan, 0.0)))
-    except NotWritable:
-        return False
+        scene_lines(shown, Number(math.nan, 0.0))
+    except NotWritable as reason:
+        raise ParameterError(f"{shown.run.config} has no script of {shown.scenario.name}: {reason}") from None
 
 
 def reproducer_of(config: Config) -> Reproducer:

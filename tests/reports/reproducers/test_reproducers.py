@@ -37,7 +37,10 @@ from reference_lcp.errors import ParameterError
 ALONE = """
 import ast, importlib, os, runpy, sys
 for script in sys.argv[1:]:
-    for line in ast.parse(open(script).read()).body:
+    _, *lines = ast.parse(open(script).read()).body
+    for line in lines:
+        if not isinstance(line, (ast.Import, ast.ImportFrom)):
+            break  # what is set before an import, or the model
         if isinstance(line, ast.Import):
             for module in line.names:
                 importlib.import_module(module.name)
