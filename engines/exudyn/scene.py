@@ -81,12 +81,15 @@ def add_links(system: Any, node: int, scene: JointScene | ArmScene) -> None:
     exudyn = import_exudyn()
     from exudyn import itemInterface
 
-    kinds, single = exudyn.JointType, isinstance(scene, JointScene)
-    number = 1 if isinstance(scene, JointScene) else scene.links
-    joint = kinds.RevoluteY if not single else kinds.PrismaticX if scene.kind == "slide" else kinds.RevoluteZ
-    inertia, centre = ((1.0, 1.0, 1.0), 0.0) if single else (LINK_INERTIA, LINK_LENGTH / 2)
+    kinds = exudyn.JointType
+    if isinstance(scene, JointScene):
+        joint = kinds.PrismaticX if scene.kind == "slide" else kinds.RevoluteZ
+        number, gravity, inertia, centre = 1, 0.0, (1.0, 1.0, 1.0), 0.0
+    else:
+        joint = kinds.RevoluteY
+        number, gravity, inertia, centre = scene.links, -GRAVITY, LINK_INERTIA, LINK_LENGTH / 2
     system.AddObject(itemInterface.ObjectKinematicTree(
-        nodeNumber=node, gravity=[0.0, 0.0, 0.0 if single else -GRAVITY], jointTypes=[joint] * number,
+        nodeNumber=node, gravity=[0.0, 0.0, gravity], jointTypes=[joint] * number,
         linkParents=np.arange(number) - 1,
         jointTransformations=exudyn.Matrix3DList([np.eye(3)] * number),
         jointOffsets=exudyn.Vector3DList([[LINK_LENGTH if link else 0.0, 0.0, 0.0] for link in range(number)]),

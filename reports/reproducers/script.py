@@ -21,12 +21,13 @@ from multibody_xval.reports.reproducers.scene_lines import scene_lines
 from multibody_xval.reports.reproducers.specialise import NotWritable
 from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
-from multibody_xval.scenarios.catalogue.blocks import breakaway, published
+from multibody_xval.scenarios.catalogue.blocks import breakaway, published, static_friction
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.compute.scenes import unsupported_reason
-from multibody_xval.scenarios.model import AnyCase, Config
+from multibody_xval.scenarios.model import AnyCase, Config, Run
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, shortened
 from reference_lcp.terminal import visible
@@ -49,6 +50,8 @@ def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
         reproducer_of(shown.run.config)
         if getattr(shown.run.case, "direction", 0.0):
             raise ParameterError(f"case = {shown.case!r} has a row that is turned; allowed in a script: 0°")
+        if (reason := shown.run.config.preset.unsupported_reason(_lane(shown.run), str(shown.run.config))) is not None:
+            raise ParameterError(reason)
     elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
         raise ParameterError(reason)
     else:
@@ -84,7 +87,7 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
     """Write the script of a chain or a block."""
     run, case, quantity = shown.run, shown.run.of(Motion), shown.quantity
     reproducer, preset = reproducer_of(run.config), run.config.preset
-    lane, start = case.lane(run.steps, pressed=is_pressed(run)), case.initial_state()
+    lane, start = _lane(run), case.initial_state()
     units = preset.options.get("units")
     converted = units is not None and units.value != "SI" and not reproducer.own_units
     protocol = f", the last of {PERIODS} periods from rest" if quantity is FROM_REST else ""
@@ -95,14 +98,25 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
         lists=_lists(lane.chain, start, lane.time_step, run.steps),
         load=load_lines(lane.drive),
         reading=reading.render(
-            case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway, over=number.over, **_published(run.case)
+            case=case,
+            steps=run.steps,
+            periods=PERIODS,
+            breakaway=breakaway,
+            static_friction=static_friction,
+            over=number.over,
+            **_published(run.case),
         ).rstrip(),
         metric=quantity.name,
         unit=f" {quantity.unit}" if quantity.unit else "",
         exact=_short(number.exact),
+        static_ratio=lane.static_ratio,
         **reproducer.numbers(lane, preset, start),
     )
     return text.rstrip() + "\n"
+
+
+def _lane(run: Run) -> Lane:
+    return run.of(Motion).lane(run.steps, pressed=is_pressed(run))
 
 
 def _published(case: AnyCase) -> Mapping[str, Any]:
