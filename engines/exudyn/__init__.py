@@ -11,7 +11,7 @@ from typing import ClassVar
 from multibody_xval.engines.exudyn.contact import ContactLane
 from multibody_xval.engines.exudyn.joint import BristleLane, RegularisedLane
 from multibody_xval.engines.exudyn.reproducer import bristle_numbers, disc_numbers, zone_numbers
-from multibody_xval.engines.exudyn.scene import NO_CONTACTS, STEP, JointWorld
+from multibody_xval.engines.exudyn.scene import NO_CONTACTS, STEP, joints
 from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from multibody_xval.engines.shared.pip_engine import PipEngine
@@ -24,7 +24,7 @@ class Exudyn(PipEngine):
     module: ClassVar[str] = "exudyn"
     versions: ClassVar[str] = ">=1.13.6"
     scene_step: ClassVar[float] = STEP
-    scene_worlds: ClassVar = {Formulation.JOINT: JointWorld}
+    scene_worlds: ClassVar = {Formulation.JOINT: joints}
     no_scenes: ClassVar[str] = NO_CONTACTS
 
 

@@ -95,17 +95,10 @@ class BristleLane(JointLane):
         stiffness, damping = self._bristles
         return {
             "nodeNumber": self._system.AddNode(data),
-            **self._friction(cell, self._static_decay(cell)),
+            **self._friction(cell, float(static_decays(self.lane, self._preset, self._units)[cell])),
             "stickingStiffness": float(stiffness[cell]),
             "stickingDamping": float(damping[cell]),
         }
-
-    def _static_decay(self, cell: int) -> float:
-        """Velocity at which static friction decays, in the units of the lane: the default, or a part of a kick."""
-        if "stickingStiffness" in self._preset.options:
-            return STATIC_DECAY / self._units.velocity
-        kick = self._chain.friction_bound[cell] / reduced_mass(self._chain)[cell] * self._time_step / self._substeps
-        return STATIC_DECAY_PER_KICK * float(kick)
 
     def _solver_settings(self) -> Any:
         settings = super()._solver_settings()
@@ -149,6 +142,14 @@ def zone_widths(lane: Lane, preset: Preset) -> FloatArray:
     kick = lane.static_ratio * chain.friction_bound * (1 / chain.outer_mass + 1 / chain.inner_mass)
     kick = kick * lane.time_step / preset["substeps"]
     return np.maximum(preset["zone"] * speed, preset["zone_per_kick"] * kick)
+
+
+def static_decays(lane: Lane, preset: Preset, units: Units) -> FloatArray:
+    """Give velocities at which static friction of bristles decays, shape (n,): the default, or a part of a kick."""
+    if "stickingStiffness" in preset.options:
+        return np.full(lane.chain.cells, STATIC_DECAY / units.velocity)
+    chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
+    return STATIC_DECAY_PER_KICK * (chain.friction_bound / reduced_mass(chain) * time_step / preset["substeps"])
 
 
 def bristles(lane: Lane, preset: Preset, units: Units) -> tuple[FloatArray, FloatArray]:

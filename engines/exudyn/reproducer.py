@@ -6,17 +6,19 @@ from typing import Any
 import numpy as np
 
 from multibody_xval.engines.exudyn.contact import INERTIA, contact_springs
-from multibody_xval.engines.exudyn.joint import bristles, bristles_at, zone_widths
+from multibody_xval.engines.exudyn.joint import bristles, bristles_at, static_decays, zone_widths
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.script_units import SI
 from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
 
 
 def zone_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
     """Give the width of the zone, and the settings of the solver."""
-    return {**_solver(lane, preset), "zone": zone_widths(lane, preset), "bristles": False}
+    zone = zone_widths(lane, preset)
+    return {**_solver(lane, preset), **_static(lane, zone), "zone": zone, "bristles": False}
 
 
 def bristle_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
@@ -26,6 +28,7 @@ def bristle_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, An
     outer, inner = np.split(start.positions[0], 2)
     return {
         **_solver(lane, preset),
+        **_static(lane, static_decays(lane, preset, SI)),
         "bristles": True,
         "slip": slip,
         "foot": inner - outer - deflection,
@@ -48,6 +51,14 @@ def disc_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
         "slip": -np.diff(start.velocities.reshape(2, -1), axis=0)[0],
         "radius": units.length,
         "inertia": INERTIA * units.mass * units.length**2,
+    }
+
+
+def _static(lane: Lane, decay: FloatArray) -> Mapping[str, Any]:
+    """Give what static friction is above kinetic friction, if it is, and the slip velocity at which that decays."""
+    return {
+        "offset": (lane.static_ratio - 1) * lane.chain.friction_bound if lane.static_ratio > 1 else None,
+        "decay": decay,
     }
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from multibody_xval.engines.exudyn.simulation import imported, silent
+from multibody_xval.engines.exudyn.simulation import import_exudyn, silent
 from multibody_xval.engines.interface.scene import (
     GRAVITY,
     LINK_INERTIA,
@@ -13,9 +13,7 @@ from multibody_xval.engines.interface.scene import (
     ArmScene,
     JointScene,
     SceneSetting,
-    Vector,
-    not_launched,
-    not_pushed,
+    SolvedWorld,
 )
 from reference_lcp.validation import FloatArray
 
@@ -25,104 +23,89 @@ STEP = 0.01
 NO_CONTACTS = "its contacts with friction are those of spheres and discs; boxes have none"
 
 
-class JointWorld:
-    """A tree of links, whose solver takes all steps of a run itself; see `SceneWorld`."""
+def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SolvedWorld:
+    """Build a tree of links, whose solver takes all steps of a run itself."""
+    exudyn = import_exudyn()
+    from exudyn import itemInterface
 
-    def __init__(self, scene: JointScene | ArmScene, setting: SceneSetting):
-        self._setting, self._steps = setting, 0
-        with imported() as exudyn:
-            self._exudyn, self._container = exudyn, exudyn.SystemContainer()
-            self._system = self._container.AddSystem()
-            self._sensor = self._assemble(scene)
-
-    def run(self, steps: int) -> FloatArray:
-        """Take so many steps, and give the coordinates after each, shape (steps, joints)."""
-        step, settings = self._setting.time_step, self._exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        # A little less than a step, for times in seconds add up with round-off.
-        settings.solution.sensors.writePeriod = step * (1 - 1e-6)
-        integration = settings.timeIntegration
-        integration.verboseMode = 0
-        integration.startTime, integration.endTime = self._steps * step, (self._steps + steps) * step
-        integration.numberOfSteps = steps
-        iterations = self._setting.changed("discontinuous_iterations")
-        if iterations is not None:
-            integration.discontinuous.maxIterations = iterations
-        with silent(self._exudyn):
-            self._system.SolveDynamic(settings)
-        self._steps += steps
-        data, kinds = self._system.systemData, self._exudyn.ConfigurationType
-        data.SetSystemState(data.GetSystemState(configuration=kinds.Current), configuration=kinds.Initial)
-        rows: FloatArray = self._system.GetSensorStoredData(self._sensor)[1:, 1:]
-        return rows
-
-    def launch(self, velocity: Vector, spin: float) -> None:
-        """Refuse: there is no box."""
-        not_launched(velocity, spin)
-
-    def push(self, force: float) -> None:
-        """Refuse: there is no box."""
-        not_pushed(force)
-
-    def close(self) -> None:
-        """Empty the system."""
-        self._container.Reset()
-
-    def _assemble(self, scene: JointScene | ArmScene) -> Any:
-        """Add the tree, its friction and its load; give the sensor of its coordinates."""
-        from exudyn import itemInterface
-
-        system = self._system
-        bounds = (scene.friction,) if isinstance(scene, JointScene) else scene.friction
-        still = [0.0] * len(bounds)
+    container = exudyn.SystemContainer()
+    system, steps_taken = container.AddSystem(), 0
+    bounds = (scene.friction,) if isinstance(scene, JointScene) else scene.friction
+    still = [0.0] * len(bounds)
+    with silent(exudyn):
         node = system.AddNode(itemInterface.NodeGenericODE2(
             numberOfODE2Coordinates=len(bounds), referenceCoordinates=still,
             initialCoordinates=still, initialCoordinates_t=still,
         ))  # fmt: skip
-        system.AddObject(itemInterface.ObjectKinematicTree(nodeNumber=node, **self._links(scene, len(bounds))))
-        ground = system.AddNode(itemInterface.NodePointGround())
-        fixed = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        add_links(system, node, scene)
+        fixed = system.AddMarker(itemInterface.MarkerNodeCoordinate(
+            nodeNumber=system.AddNode(itemInterface.NodePointGround()), coordinate=0,
+        ))  # fmt: skip
         for joint, bound in enumerate(bounds):
             marker = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=joint))
             system.AddObject(itemInterface.CoordinateSpringDamperExt(
-                markerNumbers=[fixed, marker], dynamicFrictionForce=bound, **self._friction()
+                markerNumbers=[fixed, marker], dynamicFrictionForce=bound, **friction(system, setting)
             ))  # fmt: skip
             if isinstance(scene, JointScene):
                 system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=scene.load))
-        kind = self._exudyn.OutputVariableType.Coordinates
-        sensor = itemInterface.SensorNode(
-            nodeNumber=node, outputVariableType=kind, storeInternal=True, writeToFile=False
-        )
-        sensor = system.AddSensor(sensor)
+        sensor = system.AddSensor(itemInterface.SensorNode(
+            nodeNumber=node, outputVariableType=exudyn.OutputVariableType.Coordinates,
+            storeInternal=True, writeToFile=False,
+        ))  # fmt: skip
         system.Assemble()
-        return sensor
 
-    def _links(self, scene: JointScene | ArmScene, number: int) -> dict[str, Any]:
-        """Give joints and links, of a tree without branches."""
-        exudyn, single = self._exudyn, isinstance(scene, JointScene)
-        kinds = exudyn.JointType
-        kind = kinds.RevoluteY
-        if isinstance(scene, JointScene):
-            kind = kinds.PrismaticX if scene.kind == "slide" else kinds.RevoluteZ
-        inertia, centre = ((1.0, 1.0, 1.0), 0.0) if single else (LINK_INERTIA, LINK_LENGTH / 2)
-        return {
-            "gravity": [0.0, 0.0, 0.0 if single else -GRAVITY],
-            "jointTypes": [kind] * number,
-            "linkParents": np.arange(number) - 1,
-            "jointTransformations": exudyn.Matrix3DList([np.eye(3)] * number),
-            "jointOffsets": exudyn.Vector3DList([[LINK_LENGTH if link else 0.0, 0.0, 0.0] for link in range(number)]),
-            "linkInertiasCOM": exudyn.Matrix3DList([np.diag(inertia)] * number),
-            "linkCOMs": exudyn.Vector3DList([[centre, 0.0, 0.0]] * number),
-            "linkMasses": [LINK_MASS] * number,
-        }
+    def run(steps: int) -> FloatArray:
+        nonlocal steps_taken
+        settings, end = exudyn.SimulationSettings(), steps_taken + steps
+        settings.solution.file.write = False
+        # A little less than a step, for times in seconds add up with round-off.
+        settings.solution.sensors.writePeriod = setting.time_step * (1 - 1e-6)
+        integration = settings.timeIntegration
+        integration.verboseMode = 0
+        integration.startTime, integration.endTime = steps_taken * setting.time_step, end * setting.time_step
+        integration.numberOfSteps = steps
+        if setting.changed("discontinuous_iterations") is not None:
+            integration.discontinuous.maxIterations = setting.changed("discontinuous_iterations")
+        with silent(exudyn):
+            system.SolveDynamic(settings)
+        steps_taken = end
+        data, kinds = system.systemData, exudyn.ConfigurationType
+        data.SetSystemState(data.GetSystemState(configuration=kinds.Current), configuration=kinds.Initial)
+        return np.asarray(system.GetSensorStoredData(sensor)[1:, 1:])
 
-    def _friction(self) -> dict[str, Any]:
-        """Give the law of a joint's friction: a zone, or a bristle with its own data."""
-        from exudyn import itemInterface
+    return SolvedWorld(run=run, close=container.Reset)
 
-        preset = self._setting.preset
-        if "frictionProportionalZone" in preset.options:
-            return {"frictionProportionalZone": preset["frictionProportionalZone"]}
-        data = itemInterface.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3)
-        bristle = {name: preset[name] for name in ("stickingStiffness", "stickingDamping")}
-        return {"nodeNumber": self._system.AddNode(data), **bristle}
+
+def add_links(system: Any, node: int, scene: JointScene | ArmScene) -> None:
+    """Add joints and links, of a tree without branches."""
+    exudyn = import_exudyn()
+    from exudyn import itemInterface
+
+    kinds = exudyn.JointType
+    if isinstance(scene, JointScene):
+        joint = kinds.PrismaticX if scene.kind == "slide" else kinds.RevoluteZ
+        number, gravity, inertia, centre = 1, 0.0, (1.0, 1.0, 1.0), 0.0
+    else:
+        joint = kinds.RevoluteY
+        number, gravity, inertia, centre = scene.links, -GRAVITY, LINK_INERTIA, LINK_LENGTH / 2
+    system.AddObject(itemInterface.ObjectKinematicTree(
+        nodeNumber=node, gravity=[0.0, 0.0, gravity], jointTypes=[joint] * number,
+        linkParents=np.arange(number) - 1,
+        jointTransformations=exudyn.Matrix3DList([np.eye(3)] * number),
+        jointOffsets=exudyn.Vector3DList([[LINK_LENGTH if link else 0.0, 0.0, 0.0] for link in range(number)]),
+        linkInertiasCOM=exudyn.Matrix3DList([np.diag(inertia)] * number),
+        linkCOMs=exudyn.Vector3DList([[centre, 0.0, 0.0]] * number),
+        linkMasses=[LINK_MASS] * number,
+    ))  # fmt: skip
+
+
+def friction(system: Any, setting: SceneSetting) -> dict[str, Any]:
+    """Give the law of a joint's friction: a zone, or a bristle with its own data."""
+    from exudyn import itemInterface
+
+    preset = setting.preset
+    if "frictionProportionalZone" in preset.options:
+        return {"frictionProportionalZone": preset["frictionProportionalZone"]}
+    data = system.AddNode(itemInterface.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3))
+    bristle = {name: preset[name] for name in ("stickingStiffness", "stickingDamping")}
+    return {"nodeNumber": data, **bristle}

@@ -36,8 +36,8 @@ class ExudynLane(LaneModel):
         self._harmonic = harmonic_amplitudes(lane)
         self._loads: list[float] = []
         self._first_load = 0
-        with imported() as exudyn:
-            self._exudyn = exudyn
+        self._exudyn = exudyn = import_exudyn()
+        with silent(exudyn):
             self._container = exudyn.SystemContainer()
             self._system = self._container.AddSystem()
             self._assemble()
@@ -196,9 +196,8 @@ def harmonic_amplitudes(lane: Lane) -> tuple[float, float, float] | None:
     return None
 
 
-@contextlib.contextmanager
-def imported() -> Iterator[Any]:
-    """Import Exudyn without its greeting, and keep its console silent while a system is built."""
+def import_exudyn() -> Any:
+    """Import Exudyn without its greeting."""
     if "exudyn" not in sys.modules:
         # The build without range checks, a quarter faster: the only switch that other programs do not inherit.
         sys.exudynFast = True  # type: ignore[attr-defined]
@@ -206,8 +205,7 @@ def imported() -> Iterator[Any]:
         import exudyn
         import exudyn.advancedUtilities
         import exudyn.itemInterface
-    with silent(exudyn):
-        yield exudyn
+    return exudyn
 
 
 @contextlib.contextmanager

@@ -258,6 +258,16 @@ class SteppedWorld:
 
 
 @dataclass(frozen=True)
+class SolvedWorld:
+    """A scene whose engine takes all steps of a run itself: a `SceneWorld` of functions."""
+
+    run: Callable[[int], FloatArray]
+    close: Callable[[], object] = nothing
+    launch: Callable[[Vector, float], object] = not_launched
+    push: Callable[[float], object] = not_pushed
+
+
+@dataclass(frozen=True)
 class SceneSetting:
     """How an engine is to run a scene."""
 

@@ -156,11 +156,12 @@ class OutOfProcessLane(LaneModel):
 class ServedScene:
     """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
 
-    def __init__(self, process: EngineProcess, parameters: Message, downhill: Vector | None = None):
-        """Take what the server builds it from, and where it is pushed, if that may be."""
-        self._built, self._downhill = Built(process, parameters), downhill
+    def __init__(self, name: str, server: Path, parameters: Message):
+        """Take the engine, its server and what that builds the scene from; a box is pushed along ``downhill``."""
+        self.server, self.given = server, parameters
+        self._built = Built(process_of(name, server), parameters)
         self._launch: Sequence[float] = ()
-        self._push = [0.0, 0.0, 0.0]
+        self._push: Sequence[float] = ()
         self.close = self._built.close
 
     def run(self, steps: int) -> FloatArray:
@@ -179,10 +180,9 @@ class ServedScene:
 
     def push(self, force: float) -> None:
         """Push the followed box with the next request; see `SceneWorld.push`."""
-        if self._downhill is None:
+        if "downhill" not in self.given:
             not_pushed(force)
-        else:
-            self._push = [force * part for part in self._downhill]
+        self._push = [force]
 
 
 class OutOfProcessEngine(Engine):

@@ -6,9 +6,8 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
 - ``EngineLane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
   arrays with one row a step (position and velocity alone where nothing is recorded).
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
-  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that is a
-  scene has ``follow(steps, launch, push)`` instead, which gives a row a step, see
-  `multibody_xval.engines.isolated.out_of_process.ServedScene`.
+  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not;
+- or else ``scene(parameters)``, whose functions are those of `multibody_xval.engines.interface.scene.SteppedWorld`.
 
 A message is a pickled dictionary of the data type, the shape and the bytes of every array: a pickled array would need
 the other side's version of NumPy. An ``npz`` file holds the same, and takes as long as a hundred steps of a fast
@@ -91,7 +90,9 @@ class Service:
         return {"python": platform.python_version(), **self._load().versions()}
 
     def _build(self, request: Message) -> Message:
-        self._lanes[int(request["number"])] = self._load().EngineLane(request)
+        server = self._load()
+        build = server.scene if hasattr(server, "scene") else server.EngineLane
+        self._lanes[int(request["number"])] = build(request)
         return {}
 
     def _run(self, request: Message) -> Message:
@@ -104,8 +105,16 @@ class Service:
         return {name: rows[name][-1:] for name in (*MOTION, *GAPS) if name in rows}
 
     def _follow(self, request: Message) -> Message:
-        scene = self._lanes[int(request["number"])]
-        return {"rows": scene.follow(int(request["steps"]), request["launch"], request["push"])}
+        scene, rows = self._lanes[int(request["number"])], []
+        if request["launch"].size:
+            *velocity, spin = request["launch"].tolist()
+            scene.launch(velocity, spin)
+        for _ in range(int(request["steps"])):
+            for force in request["push"].tolist():
+                scene.push(force)
+            scene.step()
+            rows.append(np.concatenate(scene.state(), axis=None))
+        return {"rows": np.array(rows)}
 
 
 def _end_at(seconds: float) -> None:

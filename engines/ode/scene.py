@@ -14,9 +14,8 @@ from multibody_xval.engines.interface.scene import (
     ContactScene,
     JointScene,
     SceneSetting,
-    Vector,
 )
-from multibody_xval.engines.isolated.out_of_process import ServedScene, process_of
+from multibody_xval.engines.isolated.out_of_process import ServedScene
 from multibody_xval.engines.shared.solids import solids
 
 STEP = 0.01
@@ -27,7 +26,7 @@ SERVER = Path(__file__).with_name("scene_server.py")
 
 def contacts(scene: ContactScene, setting: SceneSetting) -> ServedScene:
     """Build a scene with contacts: the followed box comes last."""
-    return _served(solids(scene), setting, "mode", "soft_cfm", downhill=scene.downhill)
+    return _served(solids(scene), setting, "mode", "soft_cfm")
 
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> ServedScene:
@@ -44,8 +43,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> ServedScene:
     return _served({**links, **acting}, setting, "fmax")
 
 
-def _served(given: dict[str, Any], setting: SceneSetting, *options: str, downhill: Vector | None = None) -> ServedScene:
+def _served(given: dict[str, Any], setting: SceneSetting, *options: str) -> ServedScene:
     changed = {name: setting.changed(name) for name in ("cfm", "erp", *options)}
     of_preset = {name: value for name, value in changed.items() if value is not None}
     stepping = {"time_step": setting.time_step, "sleeping": setting.sleeping}
-    return ServedScene(process_of("ode", SERVER), {**given, **of_preset, **stepping}, downhill)
+    return ServedScene("ode", SERVER, {**given, **of_preset, **stepping})

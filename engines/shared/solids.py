@@ -16,23 +16,24 @@ from multibody_xval.engines.interface.scene import (
 
 
 def solids(scene: ContactScene) -> dict[str, Any]:
-    """Give kind, half sides [m], mass [kg], place [m] and orientation of every box, the followed one last, and forces.
+    """Give columns of every box that moves, the followed one last, and the forces.
 
-    A box is ``fixed``, ``pressed`` on a slider along x, ``driven``, whatever acts on it, or ``free``; where there is a
-    plane, ``normal`` is its own.
+    Columns are sides [m], mass [kg], place [m], orientation and velocity [m/s]. The first box of a scene with a belt
+    is driven, whatever acts on it; with a grip it is pressed on a slider along x, and a fixed one as large is at
+    ``wall``. Where there is a plane, ``normal`` is its own.
     """
-    boxes: list[tuple[str, Sequence[float], float, Vector, Quaternion]] = []
-    plane: dict[str, Any] = {}
+    boxes: list[tuple[Sequence[float], float, Vector, Quaternion]] = []
+    fixed: dict[str, Any] = {"normal": scene.normal}
     if scene.grip:
         reach, height = scene.finger
-        boxes.append(("fixed", FINGER, FINGER_MASS, (-reach, 0.0, height), LEVEL))
-        boxes.append(("pressed", FINGER, FINGER_MASS, (reach, 0.0, height), LEVEL))
+        fixed = {"wall": (-reach, 0.0, height)}
+        boxes.append(([2 * half for half in FINGER], FINGER_MASS, (reach, 0.0, height), LEVEL))
     elif scene.belt:
-        boxes.append(("driven", BELT, 1.0, (0.0, 0.0, -BELT[2]), LEVEL))
-    else:
-        plane = {"normal": scene.normal}
+        fixed = {}
+        boxes.append(([2 * half for half in BELT], 1.0, (0.0, 0.0, -BELT[2]), LEVEL))
     for mass, side, place in scene.stack:
-        boxes.append(("free", [side / 2] * 3, mass, place, scene.orientation))
-    columns = zip(("kind", "half", "mass", "place", "orientation"), zip(*boxes, strict=True), strict=True)
+        boxes.append(([side] * 3, mass, place, scene.orientation))
+    columns = zip(("size", "mass", "place", "orientation"), zip(*boxes, strict=True), strict=True)
+    moving = [(scene.belt if box == 0 else 0.0, 0.0, 0.0) for box in range(len(boxes))]
     acting = {"friction": scene.friction, "belt": scene.belt, "grip": scene.grip, "gravity": GRAVITY}
-    return {**dict(columns), **acting, **plane}
+    return {**dict(columns), **acting, **fixed, "velocity": moving, "downhill": scene.downhill}

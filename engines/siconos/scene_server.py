@@ -1,5 +1,6 @@
 """Scenes as users of Siconos write them, served by `worker` in a Python that has it: bodies, and Bullet's contacts."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,67 +17,60 @@ MARGIN = 0.02
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-class EngineLane:
-    """One scene; `parameters` are what `engines.siconos.scene` sends of it, and the options of its preset."""
-
-    def __init__(self, parameters: dict[str, Any]):
-        self._given = parameters
-        self._system = kernel.NonSmoothDynamicalSystem(0.0, END)
-        self._contacts = bullet.SiconosBulletCollisionManager(bullet.SiconosBulletOptions())
-        law = kernel.NewtonImpactFrictionNSL(0.0, 0.0, float(parameters["friction"]), 3)
-        self._contacts.insertNonSmoothLaw(law, 0, 0)
-        if "normal" in parameters:
-            self._contacts.insertStaticContactorSet(shape(collision.SiconosPlane()), plane_pose(parameters["normal"]))
-        columns = (parameters[name].tolist() for name in ("kind", "half", "mass", "place", "orientation"))
-        for solid in zip(*columns):
-            self._add(*solid)
-        self._make_stepping()
-
-    def _add(self, kind: str, half: Any, mass: float, place: Any, turned: Any) -> None:
-        """Add a box; the last one is followed."""
-        lengths = 2 * np.array(half)
-        solid = collision.SiconosBox(*lengths.tolist())
-        solid.setInsideMargin(MARGIN * min(lengths))
-        box = shape(solid)
-        if kind == "fixed":
-            self._contacts.insertStaticContactorSet(box, [*place, *turned])
-            return
-        squares = lengths**2
-        motion = np.zeros(6)
+def scene(given: dict[str, Any]) -> Any:
+    """Build a scene from what `engines.siconos.scene` sends of it, and the options of its preset."""
+    grip, belt = float(given["grip"]), float(given["belt"])
+    system = kernel.NonSmoothDynamicalSystem(0.0, END)
+    contacts = bullet.SiconosBulletCollisionManager(bullet.SiconosBulletOptions())
+    contacts.insertNonSmoothLaw(kernel.NewtonImpactFrictionNSL(0.0, 0.0, float(given["friction"]), 3), 0, 0)
+    if grip:
+        contacts.insertStaticContactorSet(box(given["size"].tolist()[0]), [*given["wall"].tolist(), 1.0, 0.0, 0.0, 0.0])
+    elif not belt:
+        contacts.insertStaticContactorSet(shape(collision.SiconosPlane()), plane_pose(given["normal"]))
+    bodies, weight = [], np.zeros(3)
+    sizes, masses = given["size"].tolist(), given["mass"].tolist()
+    places, turns = given["place"].tolist(), given["orientation"].tolist()
+    velocities = given["velocity"].tolist()
+    for size, mass, place, turned, velocity in zip(sizes, masses, places, turns, velocities):
+        squares = np.array(size) ** 2
         inertia = np.diag(mass / 12 * (np.sum(squares) - squares))
-        force = np.array([0.0, 0.0, -mass * float(self._given["gravity"])])
-        if kind == "driven":
-            motion[0] = float(self._given["belt"])
-        elif kind == "pressed":
-            force[:] = -float(self._given["grip"]), 0.0, 0.0
-        self._body = collision.RigidBodyDS([*place, *turned], motion, mass, inertia)
-        self._body.setContactors(box)
-        self._body.setFExtPtr(force)
-        self._own_force = force
-        if kind != "free":
-            held = range(6) if kind == "driven" else range(1, 6)
-            self._body.setBoundaryConditions(kernel.BoundaryCondition(list(held), motion[held.start :]))
-        self._system.insertDynamicalSystem(self._body)
+        weight = np.array([0.0, 0.0, -mass * float(given["gravity"])])
+        bodies.append(collision.RigidBodyDS([*place, *turned], [*velocity, 0.0, 0.0, 0.0], mass, inertia))
+        bodies[-1].setContactors(box(size))
+        bodies[-1].setFExtPtr(weight)
+        system.insertDynamicalSystem(bodies[-1])
+    if belt:
+        bodies[0].setBoundaryConditions(kernel.BoundaryCondition([0, 1, 2, 3, 4, 5], [belt, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    if grip:
+        bodies[0].setFExtPtr(np.array([-grip, 0.0, 0.0]))
+        bodies[0].setBoundaryConditions(kernel.BoundaryCondition([1, 2, 3, 4, 5], [0.0, 0.0, 0.0, 0.0, 0.0]))
+    integrator = kernel.MoreauJeanOSI(float(given["theta"]))
+    clock = kernel.TimeDiscretisation(0.0, float(given["time_step"]))
+    stepping = kernel.TimeStepping(system, clock, integrator, kernel.FrictionContact(3))
+    stepping.insertInteractionManager(contacts)
 
-    def _make_stepping(self) -> None:
-        integrator = kernel.MoreauJeanOSI(float(self._given["theta"]))
-        clock = kernel.TimeDiscretisation(0.0, float(self._given["time_step"]))
-        self._stepping = kernel.TimeStepping(self._system, clock, integrator, kernel.FrictionContact(3))
-        self._stepping.insertInteractionManager(self._contacts)
+    def step() -> None:
+        stepping.computeOneStep()
+        stepping.nextStep()
 
-    def follow(self, steps: int, launch: Any, push: Any) -> Any:
-        """Give the followed box a velocity, unless it is empty, and take steps under a force; gives a row a step."""
-        self._body.setFExtPtr(self._own_force + push)
-        if len(launch):
-            *linear, spin = launch.tolist()
-            self._body.velocity()[:] = *linear, 0.0, 0.0, spin
-            self._body.swapInMemory()  # a step begins from there
-        rows = np.empty((steps, 10))
-        for row in rows:
-            self._stepping.computeOneStep()
-            self._stepping.nextStep()
-            row[:7], row[7:] = self._body.q(), self._body.velocity()[:3]
-        return rows
+    def state() -> Any:
+        return bodies[-1].q()[:3], bodies[-1].q()[3:], bodies[-1].velocity()[:3]
+
+    def launch(velocity: Any, spin: float) -> None:
+        bodies[-1].velocity()[:] = *velocity, 0.0, 0.0, spin
+        bodies[-1].swapInMemory()  # a step begins from there
+
+    def push(force: float) -> None:
+        bodies[-1].setFExtPtr(weight + force * np.array(given["downhill"].tolist()))
+
+    return SimpleNamespace(step=step, state=state, launch=launch, push=push)
+
+
+def box(size: Any) -> Any:
+    """Give a box as a set of one contactor."""
+    solid = collision.SiconosBox(*size)
+    solid.setInsideMargin(MARGIN * min(size))
+    return shape(solid)
 
 
 def shape(form: Any) -> Any:

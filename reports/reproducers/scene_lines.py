@@ -8,9 +8,11 @@ from typing import Any
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, SceneSetting
+from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, ServedScene
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.known import names_set
 from multibody_xval.reports.reproducers.questions import Number, Reproduction
+from multibody_xval.reports.reproducers.served import builder, given
 from multibody_xval.reports.reproducers.specialise import specialised
 from multibody_xval.reports.reproducers.tidy import imports_of, model_text, names_read, text_of, used
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
@@ -23,7 +25,7 @@ PARTS = {"torque": 1, "friction": 2, "time": 2}
 
 UNITS = {
     "GRAVITY": "m/s²", "GROUND": "m", "FINGER": "m", "BELT": "m", "FINGER_MASS": "kg", "BELT_MASS": "kg",
-    "BELT_FORCE": "N", "LINK_LENGTH": "m", "LINK_HALF": "m", "LINK_MASS": "kg", "LINK_INERTIA": "kg m²",
+    "BELT_FORCE": "N", "LINK_LENGTH": "m", "LINK_HALF": "m", "LINK_MASS": "kg", "LINK_INERTIA": "kg m²", "END": "s",
 }  # fmt: skip
 """Of constants."""
 
@@ -33,18 +35,30 @@ def scene_lines(shown: Reproduction, number: Number) -> str:
     run, case = shown.run, shown.run.of(SceneMotion)
     config, time_step = run.config, case.time / run.steps
     build = engine(config.engine).scene_worlds[Formulation(config.formulation)]
-    known = {"scene": case.scene, "setting": SceneSetting(config.preset, time_step)}
-    own = specialised(build, known)
-    _read_part(own.world, PARTS.get(shown.quantity.name, 0))
+    setting = SceneSetting(config.preset, time_step)
+    if isinstance(engine(config.engine), OutOfProcessEngine):
+        world = build(case.scene, setting)
+        assert isinstance(world, ServedScene)
+        own = specialised(builder(world.server), {"given": given(world.given)})
+    else:
+        own = specialised(build, {"scene": case.scene, "setting": setting})
+    runs = "run" in names_set(*own.world)
+    if not runs:
+        _read_part(own.world, PARTS.get(shown.quantity.name, 0))
     templates = environment("multibody_xval.reports.reproducers", markup=False)
     frame = templates.get_template("scene.py.jinja").render(
-        quantity=shown.quantity, exact=f"{number.exact:g}", closes="close" in names_set(*own.world), **_numbers(run)
+        quantity=shown.quantity,
+        exact=f"{number.exact:g}",
+        closes="close" in names_set(*own.world),
+        runs=runs,
+        **_numbers(run),
     )
     constants = [ast.Assign([ast.Name(name, ast.Store())], value) for name, value in own.constants.items()]
     lines = used([*constants, *own.helpers.values(), *own.world], frame)
     read = names_read([*lines, ast.parse(frame)])
     settling = round(case.settling / time_step)
     parts = [
+        *["\n".join(["import sys", "", *own.switches])] * bool(own.switches),
         "\n".join(imports_of(own.imports | {"import numpy as np", "import math"}, read)),
         "\n".join(
             [

@@ -3,7 +3,6 @@
 import math
 import textwrap
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib import import_module
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -15,18 +14,20 @@ from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
 from multibody_xval.reports.reproducers.specialise import NotWritable
 from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
-from multibody_xval.scenarios.catalogue.blocks import breakaway, published
+from multibody_xval.scenarios.catalogue.blocks import breakaway, published, static_friction
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.compute.scenes import unsupported_reason
-from multibody_xval.scenarios.model import AnyCase, Config
+from multibody_xval.scenarios.model import AnyCase, Config, Run
 from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, shortened
 from reference_lcp.terminal import visible
@@ -49,22 +50,21 @@ def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
         reproducer_of(shown.run.config)
         if getattr(shown.run.case, "direction", 0.0):
             raise ParameterError(f"case = {shown.case!r} has a row that is turned; allowed in a script: 0°")
+        if (reason := shown.run.config.preset.unsupported_reason(_lane(shown.run), str(shown.run.config))) is not None:
+            raise ParameterError(reason)
     elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:
         raise ParameterError(reason)
-    elif not _writes(shown):
-        others = (replace(shown, run=replace(shown.run, config=own)) for own in shown.scenario.configs([]))
-        names = dict.fromkeys(other.run.config.engine for other in others if _writes(other))
-        engine_name = shown.run.config.engine
-        raise ParameterError(f"engine = {engine_name} has no script of {scenario}; allowed: {', '.join(names)}")
+    else:
+        _check_written(shown)
     return shown
 
 
-def _writes(shown: Reproduction) -> bool:
-    """Whether an adapter builds a scene in a way that can be written as a script."""
+def _check_written(shown: Reproduction) -> None:
+    """Refuse a scene that an adapter builds in a way that cannot be written as a script, with the reason."""
     try:
-        return bool(scene_lines(shown, Number(math.nan, 0.0)))
-    except NotWritable:
-        return False
+        scene_lines(shown, Number(math.nan, 0.0))
+    except NotWritable as reason:
+        raise ParameterError(f"{shown.run.config} has no script of {shown.scenario.name}: {reason}") from None
 
 
 def reproducer_of(config: Config) -> Reproducer:
@@ -87,7 +87,7 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
     """Write the script of a chain or a block."""
     run, case, quantity = shown.run, shown.run.of(Motion), shown.quantity
     reproducer, preset = reproducer_of(run.config), run.config.preset
-    lane, start = case.lane(run.steps, pressed=is_pressed(run)), case.initial_state()
+    lane, start = _lane(run), case.initial_state()
     units = preset.options.get("units")
     converted = units is not None and units.value != "SI" and not reproducer.own_units
     protocol = f", the last of {PERIODS} periods from rest" if quantity is FROM_REST else ""
@@ -98,14 +98,25 @@ def _lane_script(shown: Reproduction, number: Number) -> str:
         lists=_lists(lane.chain, start, lane.time_step, run.steps),
         load=load_lines(lane.drive),
         reading=reading.render(
-            case=case, steps=run.steps, periods=PERIODS, breakaway=breakaway, over=number.over, **_published(run.case)
+            case=case,
+            steps=run.steps,
+            periods=PERIODS,
+            breakaway=breakaway,
+            static_friction=static_friction,
+            over=number.over,
+            **_published(run.case),
         ).rstrip(),
         metric=quantity.name,
         unit=f" {quantity.unit}" if quantity.unit else "",
         exact=_short(number.exact),
+        static_ratio=lane.static_ratio,
         **reproducer.numbers(lane, preset, start),
     )
     return text.rstrip() + "\n"
+
+
+def _lane(run: Run) -> Lane:
+    return run.of(Motion).lane(run.steps, pressed=is_pressed(run))
 
 
 def _published(case: AnyCase) -> Mapping[str, Any]:
@@ -147,6 +158,8 @@ def header(shown: Reproduction, number: Number, protocol: str = "", units: str =
         f"{shown.scenario.name}: {shown.case}{protocol}. "
         f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}. {units}"
     )
+    if isinstance(adapter, OutOfProcessEngine):
+        told += f" Run it with the system's Python, /usr/bin/python3 (apt install {adapter.capabilities.package})."
     return docstring(f"{adapter.capabilities.title}{version}: {shown.scenario.question}", told)
 
 

@@ -4,19 +4,19 @@ It is read as its source, in which scene and setting are known. What asks them i
 other expressions stay as they are written. Of a condition that is known, the branch that is not taken goes. A function
 of the suite that is called comes along as a helper, without the arguments that are scene or setting; imports and
 constants come along too. The function must end in ``SteppedWorld(...)``, whose functions get its names: ``step``,
-``state`` and so on.
+``state`` and so on, or in ``SolvedWorld(...)``; one of a server ends in ``SimpleNamespace(...)``.
 """
 
 import ast
 import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from types import FunctionType, ModuleType
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from multibody_xval.engines.interface.scene import SteppedWorld
+from multibody_xval.engines.interface.scene import SolvedWorld, SteppedWorld
 from multibody_xval.reports.reproducers.known import (
     SUITE,
     UNKNOWN,
@@ -43,6 +43,8 @@ class Lines:
 
     world: list[ast.stmt] = field(default_factory=list)
     imports: set[str] = field(default_factory=set)
+    switches: set[str] = field(default_factory=set)
+    """What is set of `sys` before an engine is imported."""
     constants: dict[str, ast.expr] = field(default_factory=dict)
     models: dict[str, str] = field(default_factory=dict)
     """Names of long texts."""
@@ -76,8 +78,8 @@ class _Specialiser(ast.NodeTransformer):
         if isinstance(value, ast.IfExp):
             return self._functions(value.body if self.scope.value(value.test) else value.orelse)
         target = self.scope.module.get(ast.unparse(value.func))
-        if target is SteppedWorld:
-            names = [own.name for own in fields(SteppedWorld)]
+        if target in (SteppedWorld, SolvedWorld, SimpleNamespace):
+            names = [own.name for own in fields(SolvedWorld if target is SolvedWorld else SteppedWorld)]
             given = {**dict(zip(names, value.args, strict=False)), **{own.arg: own.value for own in value.keywords}}
             return [_assigned(name, self.visit(own)) for name, own in given.items() if ast.unparse(own) != name]
         if not isinstance(target, FunctionType):
@@ -97,7 +99,7 @@ class _Specialiser(ast.NodeTransformer):
     def visit(self, node: ast.AST) -> Any:
         """Write a line or an expression; one that asks scene or setting is replaced by its value."""
         if isinstance(node, ast.expr) and self.scope.asks(node):
-            if isinstance(node, ast.Attribute) and node.attr == "time_step":
+            if _is_time_step(node):
                 return ast.Name("TIME_STEP", ast.Load())
             if is_plain(value := self.scope.value(node)):
                 return self._literal(value)
@@ -157,6 +159,13 @@ class _Specialiser(ast.NodeTransformer):
     def visit_Raise(self, _node: ast.Raise) -> None:
         """Leave it out, too."""
 
+    def visit_With(self, node: ast.With) -> Any:
+        """Write what is within: the suite's own contexts keep an engine silent."""
+        own = [self.scope.module.get(ast.unparse(item.context_expr).partition("(")[0]) for item in node.items]
+        if all(getattr(each, "__module__", "").startswith(SUITE) for each in own):
+            return self.block(node.body)
+        return self.generic_visit(node)
+
     def visit_IfExp(self, node: ast.IfExp) -> Any:
         test = self.scope.value(node.test)
         return self.generic_visit(node) if test is UNKNOWN else self.visit(node.body if test else node.orelse)
@@ -194,6 +203,8 @@ class _Specialiser(ast.NodeTransformer):
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if name.startswith("import_"):
             self.lines.imports.add(f"import {name.removeprefix('import_')}")
+            own = [line for line in ast.walk(tree_of(self.scope.module[name])) if isinstance(line, ast.Assign)]
+            self.lines.switches |= {text for text in map(ast.unparse, own) if text.startswith("sys.")}
             return ast.Name(name.removeprefix("import_"), ast.Load())
         target = None if name in self.scope.local else self.scope.module.get(name)
         if isinstance(target, FunctionType) and target.__module__.startswith(SUITE):
@@ -232,6 +243,14 @@ class _Specialiser(ast.NodeTransformer):
             kind = ast.List if isinstance(value, list) else ast.Tuple
             return kind([self._literal(own) for own in value], ast.Load())
         return ast.parse(repr(value.item() if isinstance(value, np.generic) else value), mode="eval").body
+
+
+def _is_time_step(node: ast.expr) -> bool:
+    """Whether an expression is the time step of a setting, or the one that a server is given."""
+    own = node.args[0] if isinstance(node, ast.Call) and ast.unparse(node.func) == "float" else node
+    if isinstance(own, ast.Subscript):
+        return isinstance(own.slice, ast.Constant) and own.slice.value == "time_step"
+    return isinstance(own, ast.Attribute) and own.attr == "time_step"
 
 
 def _assigned(name: str, value: ast.expr) -> ast.Assign:

@@ -71,11 +71,15 @@ def released(scale: Scale, static_ratio: float) -> BlockMotion:
     )  # fmt: skip
 
 
+def fast(case: BlockMotion) -> float:
+    """Give the velocity from which on a slip counts [m/s]."""
+    return FAST * (case.scale / 2 * math.pi / JUMP_TIME)
+
+
 def breakaway_load(result: Result, run: Run) -> float:
     """Give the load at which a slip becomes fast, over μ_s λ_N; NaN if none does."""
     case = run.of(BlockMotion)
-    fastest = case.scale / 2 * math.pi / JUMP_TIME
-    return load(first_fast(case, np.array(result.series["slip_velocity"]), FAST * fastest))
+    return load(first_fast(case, np.array(result.series["slip_velocity"]), fast(case)))
 
 
 def jump(result: Result, _run: Run) -> float:

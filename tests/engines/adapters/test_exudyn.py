@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.exudyn import ExudynBristle, ExudynRegularised
-from multibody_xval.engines.exudyn.joint import STATIC_DECAY_PER_KICK
+from multibody_xval.engines.exudyn.joint import STATIC_DECAY_PER_KICK, static_decays
 from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.shared.script_units import SI
 from reference_lcp.chain.drives import Drive, HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -109,8 +110,8 @@ def test_static_friction_of_a_stiff_bristle_decays_over_a_part_of_a_kick(steps, 
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), steps)
     (inside,) = built_with(ExudynBristle(), lane, substeps=substeps).models
     bound, reduced = chain.friction_bound[0], 1 / (1 / chain.outer_mass[0] + 1 / chain.inner_mass[0])
-    scaled = bound / inside._units.force / (reduced / inside._units.mass) * inside._time_step / substeps
-    assert inside._static_decay(0) == pytest.approx(STATIC_DECAY_PER_KICK * scaled)
+    kick = bound / reduced * lane.time_step / substeps
+    assert static_decays(lane, inside._preset, SI)[0] == pytest.approx(STATIC_DECAY_PER_KICK * kick)
 
 
 def test_a_default_bristle_is_so_soft_that_stuck_contacts_move() -> None:

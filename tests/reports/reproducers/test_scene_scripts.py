@@ -2,6 +2,7 @@
 
 import pytest
 
+from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.reports.cli.ending import run_command
@@ -25,20 +26,15 @@ SCENES = {
     if isinstance(case := next(iter(SCENARIOS[name].cases.values())), SceneMotion)
 }
 
-REFUSED = {
-    "exudyn-bristle", "exudyn-regularised",  # the solver takes all steps of a run itself
-    "ode", "siconos",  # another Python builds the scene
-}  # fmt: skip
-
 WRITTEN = [
     (f"{name}:{formulation}:{preset}", scenario)
     for name in engine_names()
-    if name not in REFUSED
     for scenario, formulation in SCENES.items()
     if engine(name).scene_gap(formulation) is None
     and not (name in ("box2d", "pymunk") and scenario == "spin")  # in the plane
     and not (scenario == "held-while-shaken" and name == "genesis")  # its adapter pushes none
     for preset in GENERAL
+    if preset in engine(name).capabilities.presets[formulation]
 ]
 
 IN_THE_SPACE = ("mujoco", "pybullet", "rapier", "dart")
@@ -76,6 +72,15 @@ def test_scripts_alone_print_friction_time_and_torque_that_the_suite_has(name, t
 def test_scripts_alone_print_the_drift_of_a_grip_and_the_turning_of_joints_that_the_suite_has(name, tmp_path) -> None:
     joints = [(f"{name}:joint:recommended", scenario) for scenario in ("joint-hold", "arm-hold")]
     check_numbers([(f"{name}:contact:recommended", "grip"), *joints], tmp_path)
+
+
+@pytest.mark.parametrize("places", [
+    [("ode:contact:recommended", "grip"), ("ode:contact:recommended", "spin"), ("ode:joint:default", "arm-hold")],
+    [("siconos:contact:default", "grip"), ("siconos:contact:default", "conveyor")],
+    [(f"exudyn-{name}:joint:{preset}", "arm-hold") for name in ("bristle", "regularised") for preset in GENERAL],
+], ids=["ode", "siconos", "exudyn"])  # fmt: skip
+def test_scripts_of_servers_and_of_solvers_alone_print_the_numbers_that_the_suite_has(places, tmp_path) -> None:
+    check_numbers(places, tmp_path)
 
 
 @pytest.mark.parametrize("preset", GENERAL)
@@ -130,13 +135,27 @@ def test_a_bare_engine_shows_the_recipe_in_the_formulation_of_the_scene(name, sc
     assert checked(name, scenario).run.config == Config.parse(shown)
 
 
+def test_a_scene_that_a_class_builds_is_refused_with_the_reason(monkeypatch) -> None:
+    class World:
+        """Of an adapter that keeps what it builds in an object."""
+
+    monkeypatch.setattr(type(engine("mujoco")), "scene_worlds", {Formulation.CONTACT: World})
+    with pytest.raises(ParameterError, match=r"default has no script of grip: scene = .*World.* is a class; allowed"):
+        checked("mujoco:contact:default", "grip")
+
+
+def test_a_server_s_scene_is_read_without_its_engine() -> None:
+    text = script(checked("siconos:contact:default", "conveyor"), NUMBER)
+    assert "import siconos.kernel as kernel" in text
+    assert "apt install python3-siconos" in " ".join(text.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["reference", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
         (["mujoco:contact:tuned", "slope-hold"], "preset = tuned is for the chain"),
         (["mujoco:joint:default", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
-        (["ode:contact:default", "grip"], "engine = ode has no script of grip; allowed: box2d, dart, drake"),
         (["mujoco:contact:default", "slope-hold", "load 2"], "case = 'load 2' is unknown; allowed: load 0.1"),
         (["mujoco:contact:default", "slope-holt"], "scenario = 'slope-holt' is unknown"),
     ],
