@@ -67,6 +67,15 @@ class SystemStretch(Stretch):
         """Give one of the series at times [s], shape (times,), as rows."""
         return self.powers(np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) @ series
 
+    def sliding_distance(self, start: float, end: float) -> FloatArray:
+        """∫ |ġ_T| dt of every contact over the part of the stretch between two times [m], shape (c,)."""
+        first, last = max(start, self.start), min(end, self.end)
+        if last <= first:
+            return np.zeros(self.modes.size)
+        integral = np.vstack([np.zeros(self.modes.size), self.slip[:-1] / np.arange(1, SERIES_ORDER + 1)[:, None]])
+        begin, finish = self.values(integral * self.span, [first, last])
+        return np.abs(finish - begin)
+
 
 class EventDrivenSystem:
     """A `MassSpringSystem`, advanced from event to event."""

@@ -11,7 +11,6 @@ from reference_lcp import (
     periodic_orbits,
     simulate_system,
 )
-from reference_lcp.exact.event_driven_system import SystemStretch
 from reference_lcp.steady.error_bar import ErrorBar, error_bars_of
 from reference_lcp.steady.neighbours import PeriodInverse
 
@@ -49,17 +48,6 @@ def error_bar(orbits, place: int = 0) -> ErrorBar:
     """The error bar of one of the orbits of a chain, by ascending numbers of steps."""
     amplification = PeriodInverse.of([orbits[place]]).amplification
     return error_bars_of([[orbit] for orbit in orbits], place, amplification)[0]
-
-
-def sliding_distance(stretch: SystemStretch, start: float, end: float) -> np.ndarray:
-    """∫ |ġ_T| dt of every contact over the part of a stretch between two times [m], shape (c,)."""
-    first, last = max(start, stretch.start), min(end, stretch.end)
-    if last <= first:
-        return np.zeros(stretch.modes.size)
-    powers = np.arange(1, len(stretch.slip))[:, None]
-    integral = np.vstack([np.zeros(stretch.modes.size), stretch.slip[:-1] / powers])
-    begin, finish = stretch.values(integral * stretch.span, [first, last])
-    return np.abs(finish - begin)
 
 
 def random_chain(rng: np.random.Generator, cells: int) -> Chain:

@@ -23,7 +23,6 @@ from reference_lcp import (
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.event_driven_system import StickSlipLane, system_of
-from tests.reference_lcp.cases import sliding_distance
 
 
 @pytest.mark.parametrize("friction_ratio", [0.05, 0.2])
@@ -122,8 +121,8 @@ def test_sliding_distance_of_a_block_that_swings_to_rest_adds_up_all_half_swings
     rough = FrictionContact(0, normal_force=1.0, coefficient=0.1)
     block = MassSpringSystem(masses=np.array([1.0]), springs=[Spring(0, stiffness=100.0)], friction=[rough])
     stretches = list(EventDrivenSystem(block).stretches(position=[8.5e-3], velocity=[0.0], end=2.0))
-    assert sum(sliding_distance(stretch, 0, 2) for stretch in stretches) == pytest.approx([36e-3], rel=1e-12)
-    assert sum(sliding_distance(stretch, np.pi / 10, 2) for stretch in stretches) == pytest.approx([21e-3], rel=1e-12)
+    assert sum(stretch.sliding_distance(0, 2) for stretch in stretches) == pytest.approx([36e-3], rel=1e-12)
+    assert sum(stretch.sliding_distance(np.pi / 10, 2) for stretch in stretches) == pytest.approx([21e-3], rel=1e-12)
 
 
 def test_a_normal_force_that_becomes_negative_is_refused_with_its_time() -> None:

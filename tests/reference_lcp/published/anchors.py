@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from reference_lcp import EventDrivenSystem, FrictionContact, Harmonic, MassSpringSystem, Piecewise, Spring
-from tests.reference_lcp.cases import sliding_distance
 
 ROOT = Path(__file__).parents[3]
 
@@ -102,7 +101,7 @@ def half_turns(system: MassSpringSystem):
 def wear_power(system: MassSpringSystem) -> float:
     """N times the mean |ġ_T| of SDND104 from 4 s to 12 s [W]."""
     stretches = EventDrivenSystem(system).stretches(position=[0.0], velocity=[0.0], end=12.0)
-    return 10.0 * float(sum(sliding_distance(stretch, 4.0, 12.0)[0] for stretch in stretches)) / 8.0
+    return 10.0 * float(sum(stretch.sliding_distance(4.0, 12.0)[0] for stretch in stretches)) / 8.0
 
 
 def sdnd106_motion(system: MassSpringSystem, time: float):
