@@ -86,22 +86,23 @@ def _add_solids(plant: Any, scene: ContactScene, modulus: float | None) -> list[
     if "normal" in given:
         pose = drake.RigidTransform(drake.Quaternion(scene.tilt), np.zeros(3))
         plant.RegisterCollisionGeometry(world, pose, drake.HalfSpace(), "ground", surface(rigid=True))
-    for number, kind in enumerate(given["kind"]):
-        sides, place = 2 * np.array(given["half"][number]), drake.RigidTransform(np.array(given["place"][number]))
-        name, rubs = f"box {number}", surface(kind != "free", float(np.min(sides)) / 2)
-        if kind == "fixed":
-            plant.RegisterCollisionGeometry(world, place, drake.Box(*sides), name, rubs)
-            continue
-        mass = BELT_MASS if kind == "driven" else given["mass"][number]
+    if scene.grip:
+        wall = drake.RigidTransform(np.array(given["wall"]))
+        plant.RegisterCollisionGeometry(world, wall, drake.Box(*given["size"][0]), "wall", surface(rigid=True))
+    for number, sides in enumerate(given["size"]):
+        led = number == 0 and bool(scene.grip or scene.belt)  # by a motor, along x
+        mass = BELT_MASS if led and scene.belt else given["mass"][number]
+        name, rubs = f"box {number}", surface(led, float(np.min(sides)) / 2)
         inertia = drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia.SolidBox(*sides))
         body = plant.AddRigidBody(name, inertia)
         plant.RegisterCollisionGeometry(body, drake.RigidTransform(), drake.Box(*sides), name, rubs)
-        if kind == "free":
-            free.append(body)
-        else:
+        if led:
+            place = drake.RigidTransform(np.array(given["place"][number]))
             frame = plant.AddFrame(drake.FixedOffsetFrame("begin", plant.world_frame(), place))
             slide = plant.AddJoint(drake.PrismaticJoint("slide", frame, body.body_frame(), [1, 0, 0]))
             plant.AddJointActuator("push", slide)
+        else:
+            free.append(body)
     return free
 
 
