@@ -23,7 +23,12 @@ USAGE_ERROR: Any = typer.BadParameter.__base__
 """Of wrong options too; typer exports only this subclass."""
 
 
-KINDS = {"valid integer": "a whole number", "valid number": "a number", "valid float": "a number"}
+KINDS = {
+    "valid integer": "a whole number",
+    "valid number": "a number",
+    "valid float": "a number",
+    "valid string": "a text",
+}
 """What typer's messages say of a value that is none."""
 
 
