@@ -22,7 +22,6 @@ LONGEST_MESSAGE = 1000
 USAGE_ERROR: Any = typer.BadParameter.__base__
 """Of wrong options too; typer exports only this subclass."""
 
-
 KINDS = {
     "valid integer": "a whole number",
     "valid number": "a number",
@@ -88,11 +87,9 @@ def _usage(problem: Any, words: list[str]) -> str:
     for name, value in itertools.pairwise(parts):
         if name in names:
             kind = next((own for word, own in KINDS.items() if word in message), None)
-            return (
-                f"{name} = {shown(value)} is not {kind}; allowed: {kind}"
-                if kind
-                else f"{message} (given: {shown(value)})"
-            )
+            if kind is None:
+                return f"{message} (given: {shown(value)})"
+            return f"{name} = {shown(value)} is not {kind}; allowed: {kind}"
     return message
 
 
