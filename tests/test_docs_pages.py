@@ -85,7 +85,7 @@ def test_table_of_laws_has_every_preset_that_states_how_it_steps_and_no_other(na
     stating = [
         f"{own.engine}:{own.formulation}:{own.preset_name}"
         for own in variants_of(name, optional=True)
-        if own.preset.shares_scheme or law_of(engine(name), own.formulation, own.preset_name)
+        if own.preset.shares_scheme or law_of(own)
     ]
     assert stating
     assert sorted(rows) == sorted(stating)

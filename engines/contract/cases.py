@@ -52,7 +52,7 @@ def is_tuned(variant: Variant) -> bool:
 def is_modelled(variant: Variant) -> bool:
     """Whether it has a law, or one that cannot be made: then it is the law's clause that fails."""
     try:
-        return law_of(engine(variant.engine), variant.formulation, variant.preset_name) is not None
+        return law_of(variant) is not None
     except Exception:  # a law may be a stranger's
         return True
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from multibody_xval.engines.contract.lanes import random_lanes, run_of, scaled_state, tolerance_of
 from multibody_xval.engines.interface.laws import law_of
-from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.tolerances import STEPS, TRAJECTORY_TOLERANCE
 from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
@@ -25,7 +24,7 @@ def test_random_chain_moves_by_the_reference_s_scheme(sharing: Variant) -> None:
 
 def test_random_chain_moves_by_the_law_and_by_no_other(modelled: Variant) -> None:
     """The same beside a law; with any constant off by a hundredth it is another one."""
-    law = law_of(engine(modelled.engine), modelled.formulation, modelled.preset_name)
+    law = law_of(modelled)
     assert law is not None, "presets without a law are not asked for"
     motions = [(lane, state, run_of(modelled, lane, state, STEPS).positions) for lane, state in starts()]
     apart = max(distance(lane, own, law.positions(lane, state, STEPS)) for lane, state, own in motions)

@@ -13,8 +13,9 @@ from typing import Self
 
 import numpy as np
 
-from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Preset
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -78,7 +79,7 @@ class Law:
         return rows
 
 
-def law_of(engine: Engine, formulation: str, preset: str) -> Law | None:
+def law_of(variant: Variant) -> Law | None:
     """Give the law of a preset, from the module ``law`` in the package of its engine; ``None`` where there is none.
 
     The module has ``LAWS``, which gives the law of a `Preset` by formulation and name, such as ``joint:default``.
@@ -88,9 +89,9 @@ def law_of(engine: Engine, formulation: str, preset: str) -> Law | None:
     ParameterError
         If the engine has no such formulation or preset.
     """
-    package = sys.modules[type(engine).__module__].__package__
+    package = sys.modules[type(engine(variant.engine)).__module__].__package__
     if not package or find_spec(f"{package}.law") is None:
         return None
     laws: Mapping[str, Callable[[Preset], Law]] = import_module(f"{package}.law").LAWS
-    name = f"{formulation}:{preset.partition(':')[0]}"
-    return laws[name](engine.preset(formulation, preset)) if name in laws else None
+    name = f"{variant.formulation}:{variant.unchanged.preset_name}"
+    return laws[name](variant.preset) if name in laws else None

@@ -1,8 +1,12 @@
 """The laws of ODE in SI units: its softness, and springs of its own in an implicit Euler step."""
 
-from multibody_xval.engines.interface.laws import Constant, Law
+from collections.abc import Callable
+
+from multibody_xval.engines.interface.laws import Constant, Law, Step
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.linear_law import LinearStep, linear_law, soft_coulomb
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
 
 TILTED_PERIOD = 1e-7
 """Of U0: measured are up to 7e-9, of chains of unequal masses. From a coefficient of friction of 1 on, boxes tip over
@@ -14,9 +18,7 @@ def soft_motors(preset: Preset) -> Law:
     return Law(
         formula="equation (5), with Coulomb's law softened: (Wᵀ M⁻¹ W)_ii + cfm / h",
         constants={"cfm": Constant(preset["cfm"], "m/(s N)", "cfm")},
-        step=lambda lane, of: linear_law(
-            lane, LinearStep.explicit(lane.chain, lane.time_step), soft_coulomb(of["cfm"] / lane.time_step)
-        ),
+        step=lambda lane, of: _softened(lane, LinearStep.explicit, of["cfm"]),
     )
 
 
@@ -28,9 +30,7 @@ def soft_stops(preset: Preset) -> Law:
             "Coulomb's law, softened: (Wᵀ (M + h C + h² K)⁻¹ W)_ii + cfm / h"
         ),
         constants={"cfm": Constant(preset["cfm"], "m/(s N)", "cfm")},
-        step=lambda lane, of: linear_law(
-            lane, LinearStep.implicit(lane.chain, lane.time_step), soft_coulomb(of["cfm"] / lane.time_step)
-        ),
+        step=lambda lane, of: _softened(lane, LinearStep.implicit, of["cfm"]),
     )
 
 
@@ -39,12 +39,15 @@ def soft_boxes(preset: Preset) -> Law:
     softness = preset["cfm"] / 4
     return Law(
         formula=f"equation (5), with Coulomb's law softened by four points: (Wᵀ M⁻¹ W)_ii + {softness:g} m/(s N) / h",
-        step=lambda lane, _: linear_law(
-            lane, LinearStep.explicit(lane.chain, lane.time_step), soft_coulomb(softness / lane.time_step)
-        ),
+        step=lambda lane, _: _softened(lane, LinearStep.explicit, softness),
         bound=TILTED_PERIOD,
         bound_reason="four soft points let round-off tilt a box, which opens one or the other of them for a step",
     )
+
+
+def _softened(lane: Lane, linear: Callable[[Chain, float], LinearStep], softness: float) -> Step:
+    """Solve friction with a softness [m/(s N)] in a step of springs, dashpots and load."""
+    return linear_law(lane, linear(lane.chain, lane.time_step), soft_coulomb(softness / lane.time_step))
 
 
 LAWS = {

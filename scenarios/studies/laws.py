@@ -65,15 +65,11 @@ def law_distances(configs: Iterable[Config]) -> pd.DataFrame:
 
 
 def _is_stated(config: Config) -> bool:
-    return config.preset.shares_scheme or _law(config) is not None
-
-
-def _law(config: Config) -> Any:
-    return law_of(engine(config.engine), config.formulation, config.preset_name)
+    return config.preset.shares_scheme or law_of(config) is not None
 
 
 def _row(config: Config, pool: Pool) -> dict[str, Any]:
-    law = _law(config)
+    law = law_of(config)
     names = dict(zip(CONFIG, (config.engine, str(config.formulation), config.preset_name), strict=True))
     row: dict[str, Any] = {"configuration": full_name(config), **names, "version": identity(config)[0]}
     if law is None:
@@ -92,7 +88,7 @@ def _row(config: Config, pool: Pool) -> dict[str, Any]:
 
 def period_distances(config: Config) -> tuple[float, float]:
     """Give the largest distances after one period from what is stated and from the reference's step, over U0."""
-    law, chain, apart = _law(config), Chain.from_ratios(friction_ratio=FRICTION_RATIO), []
+    law, chain, apart = law_of(config), Chain.from_ratios(friction_ratio=FRICTION_RATIO), []
     for frequency_ratio in FREQUENCY_RATIOS:
         lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, BASE_AMPLITUDE), STEPS)
         reference = engine(REFERENCE.engine).build([lane])

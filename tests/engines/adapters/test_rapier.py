@@ -7,6 +7,7 @@ import pytest
 
 from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.rapier import Rapier
 from multibody_xval.engines.rapier.contact import RapierContactLane
 from multibody_xval.engines.rapier.law import SINGLE_PRECISION_PERIOD
@@ -124,7 +125,7 @@ def default_lane(length: float, mass: float = 1.0, stiffness: float = 1e3) -> La
 
 def off_the_law(lane: Lane, formulation: str) -> float:
     """Distance of the default from its law over two periods from rest, over U0."""
-    law, start = law_of(Rapier(), formulation, "default"), State.at_rest(1, 7)
+    law, start = law_of(Variant("rapier", formulation, "default")), State.at_rest(1, 7)
     assert law is not None
     own = Rapier().build([lane], formulation, "default").run(start, 0, 2 * STEPS)[0].positions
     return float(np.max(np.abs(own - law.positions(lane, start, 2 * STEPS)))) / lane.drive.displacement_scale(
@@ -200,7 +201,7 @@ def test_frictionloss_of_a_multibody_is_the_step_of_the_scheme(lane: Lane) -> No
 
 
 def test_four_iterations_of_a_multibody_are_the_substeps_of_motors() -> None:
-    lane, law = default_lane(AMPLITUDE), law_of(Rapier(), "joint", "default")
+    lane, law = default_lane(AMPLITUDE), law_of(Variant("rapier", "joint", "default"))
     assert law is not None
     expected = law.positions(lane, random_state(), STEPS)
     four = native(lane, random_state(), num_solver_iterations=4, units="SI").positions

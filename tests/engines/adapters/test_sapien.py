@@ -8,6 +8,7 @@ import pytest
 from multibody_xval.engines.interface.laws import Law, law_of
 from multibody_xval.engines.interface.presets import Option, Preset
 from multibody_xval.engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF
+from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.sapien import Sapien
 from multibody_xval.engines.sapien.contact import SapienContactLane
 from multibody_xval.engines.sapien.law import DRAWN_BACK_PERIOD, SINGLE_PRECISION_PERIOD, temporal_gauss_seidel
@@ -38,7 +39,7 @@ TUNED_SPLIT = 2 * ROUNDINGS
 
 
 def law_of_default(formulation: str) -> Law:
-    law = law_of(Sapien(), formulation, "default")
+    law = law_of(Variant("sapien", formulation, "default"))
     assert law is not None
     return law
 
