@@ -34,9 +34,9 @@ def driven(frequency_ratio: float, **ratios) -> tuple[Chain, HarmonicBase]:
     return chain, HarmonicBase.from_ratio(chain, frequency_ratio)
 
 
-def canonical_lane(friction_ratio: float, frequency_ratio: float) -> Lane:
-    """A point of figure 3 with 400 steps per period."""
-    return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio), 400)
+def canonical_lane(friction_ratio: float, frequency_ratio: float, **ratios) -> Lane:
+    """A point of figure 3, or of chains with other ratios too, with 400 steps per period."""
+    return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio, **ratios), 400)
 
 
 def euler_orbit(chain: Chain, drive: HarmonicBase, steps: int, **limits) -> PeriodicOrbit:
