@@ -72,6 +72,11 @@ def moved(system, time_step, steps, position=None, velocity=None):
     return simulate_system(system, **start, time_step=time_step, steps=steps)
 
 
+def fitted_order(errors) -> float:
+    """Order of convergence over halvings of the time step."""
+    return -np.polyfit(np.arange(len(errors)), np.log2(errors), 1)[0]
+
+
 def natural_residual(M, q, z) -> float:
     """‖min(z, M z + q)‖∞: zero if and only if z solves LCP(q, M)."""
     return float(np.max(np.abs(np.minimum(z, np.asarray(M) @ z + np.asarray(q))), initial=0.0))

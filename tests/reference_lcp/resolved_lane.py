@@ -1,7 +1,5 @@
 """A lane with the normal direction of its contacts resolved, as a frictional system of all masses and contacts."""
 
-import math
-
 import numpy as np
 
 from reference_lcp import FrictionalStep, Lane
@@ -10,19 +8,18 @@ from reference_lcp import FrictionalStep, Lane
 class ResolvedLane:
     """3n freedoms, u_1 … u_n, v_1 … v_n, y_1 … y_n [m], all zero at rest with closed contacts, and n contacts.
 
-    The lane has a preload or none. Faces are inclined to the row by an angle [rad]: where it is not zero, G_NT is not
-    either, and normal forces depend on the motion.
+    The lane has a preload or none.
     """
 
-    def __init__(self, lane: Lane, inclination: float = 0.0):
+    def __init__(self, lane: Lane):
         self.lane, n = lane, lane.chain.cells
-        sine, cosine, identity = math.sin(inclination), math.cos(inclination), np.eye(n)
+        none, identity = np.zeros((n, n)), np.eye(n)
         self.freedoms, self.contacts = 3 * n, n
         self.mass_matrix = np.diag(
             np.concatenate([lane.chain.outer_mass, lane.chain.inner_mass, lane.chain.inner_mass])
         )
-        self.normal_directions = np.vstack([sine * identity, -sine * identity, cosine * identity])
-        self.tangential_directions = np.vstack([-cosine * identity, cosine * identity, sine * identity])
+        self.normal_directions = np.vstack([none, none, identity])
+        self.tangential_directions = np.vstack([-identity, identity, none])
 
     def step(self, time, position, velocity, time_step) -> FrictionalStep:
         chain, along, preload = self.lane.chain, 2 * self.contacts, self.lane.preload

@@ -1,0 +1,157 @@
+"""Equation (7) in full on surfaces that move, in closed form: a shaken table, belts, a rotating arm, a ring."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.reference_lcp.cases import fitted_order, moved
+from tests.reference_lcp.lcp.step_data import GRAVITY, ROUND_OFF, System, step_data
+
+
+def block_on_a_table(amplitude, omega):
+    """A block on a table that moves up and down as A sin ωt."""
+
+    def step(time, position, velocity, dt):
+        table, rate = amplitude * math.sin(omega * time), amplitude * omega * math.cos(omega * time)
+        return step_data(
+            [1.5], [-1.5 * GRAVITY], velocity, dt, [[1]], [[0]], [position[0] - table], [0], 0.0, motion_n=-rate
+        )
+
+    return System(1, 1, step)
+
+
+@pytest.mark.parametrize(("ratio", "lifts"), [(0.95, False), (1.05, True)])
+def test_block_leaves_a_shaken_table_only_where_its_acceleration_exceeds_gravity(ratio, lifts) -> None:
+    omega = 20.0
+    amplitude = ratio * GRAVITY / omega**2
+    dt = 2 * math.pi / omega / 2000
+    motion = moved(block_on_a_table(amplitude, omega), dt, 2000, velocity=[amplitude * omega])
+    assert np.any(motion.normal_force[1:] == 0) == lifts
+    assert np.min(motion.positions[:, 0] - amplitude * np.sin(omega * motion.time)) > -2 * amplitude * (omega * dt) ** 2
+
+
+def test_block_lifts_off_and_lands_when_the_closed_form_says() -> None:
+    """Off at sin ωt = g/(A ω²); then a parabola, until it meets the table again, within a few steps.
+
+    On the table the velocity is the table's mean over the last step, so that positions follow Störmer's
+    rule in flight: second order there.
+    """
+    omega, ratio = 20.0, 2.0
+    amplitude = ratio * GRAVITY / omega**2
+    off = math.asin(1 / ratio) / omega
+    leaving, speed = amplitude / ratio, amplitude * omega * math.cos(omega * off)
+    errors = []
+    for steps in (500, 1000, 2000):
+        dt = 2 * math.pi / omega / steps
+        motion = moved(block_on_a_table(amplitude, omega), dt, int(0.95 * steps), velocity=[amplitude * omega])
+        flying = motion.normal_force[:, 0] == 0
+        assert abs(motion.time[np.argmax(flying)] - off) <= 2 * dt
+        flight = motion.time - off
+        parabola = leaving + speed * flight - GRAVITY * flight**2 / 2
+        table = amplitude * np.sin(omega * motion.time)
+        landing = motion.time[(flight > 0) & (parabola < table)][0]
+        assert abs(motion.time[np.flatnonzero(flying)[-1]] - landing) <= 2 * dt
+        inside = (flight > 0) & (motion.time < landing - 5 * dt)
+        errors.append(np.max(np.abs(motion.positions[inside, 0] - parabola[inside])) / amplitude)
+    assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
+    assert errors[-1] < 1.6e-4
+
+
+@pytest.mark.parametrize(("ratio", "sticks"), [(0.99, True), (1.01, False)])
+def test_belt_carries_the_block_until_its_acceleration_exceeds_mu_g(ratio, sticks) -> None:
+    mu, a = 0.3, ratio * 0.3 * GRAVITY
+
+    def step(time, position, velocity, dt):
+        return step_data(
+            [2, 2], [0, -2 * GRAVITY], velocity, dt, [[0, 1]], [[1, 0]], [position[1]], [velocity[0] - a * time], mu,
+            motion_t=-a,
+        )  # fmt: skip
+
+    motion = moved(System(2, 1, step), 1e-3, 500)
+    slip = np.abs(motion.relative_velocity[:, 0])
+    assert np.max(slip) == pytest.approx(0.0 if sticks else (a - mu * GRAVITY) * 0.5, abs=ROUND_OFF)
+    assert motion.velocities[-1, 0] == pytest.approx(min(a, mu * GRAVITY) * 0.5, rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_bead_pushed_by_a_rotating_arm_slides_out_as_the_closed_form_says(mu) -> None:
+    """r̈ = Ω² r − 2 μ Ω ṙ: centrifugal force, and friction μ of the Coriolis force that the arm passes on.
+
+    The centrifugal force comes from arms half a step apart, as a centred difference: second order here.
+    """
+    omega, radius, end = 3.0, 0.2, 0.5
+
+    def step(time, position, velocity, dt):
+        c, s = math.cos(omega * time), math.sin(omega * time)
+        along, off = np.array([c, s]), np.array([-s, c])
+        return step_data(
+            [0.7, 0.7], [0, 0], velocity, dt, [off], [along], [off @ position], [along @ velocity], mu,
+            motion_n=-omega * (along @ position), motion_t=omega * (off @ velocity),
+        )  # fmt: skip
+
+    roots = omega * (-mu + math.sqrt(mu**2 + 1)), omega * (-mu - math.sqrt(mu**2 + 1))
+    first, second = np.linalg.solve([[1, 1], roots], [radius, 0.0])
+    exact = first * math.exp(roots[0] * end) + second * math.exp(roots[1] * end)
+    errors = []
+    for steps in (250, 500, 1000):
+        motion = moved(System(2, 1, step), end / steps, steps, [radius, 0.0], [0.0, omega * radius])
+        errors.append(abs(np.linalg.norm(motion.positions[-1]) / exact - 1))
+    assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
+    assert errors[-1] < 1.6e-5
+    rate = first * roots[0] * math.exp(roots[0] * end) + second * roots[1] * math.exp(roots[1] * end)
+    assert motion.normal_force[-1, 0] == pytest.approx(2 * 0.7 * omega * rate, rel=1e-2)
+
+
+def bead_inside_a_rough_ring(mu, radius, rim_speed=0.0):
+    """A bead (mass 1) on the inner wall of a ring that turns; ġ_T = (x ẏ − y ẋ)/r − V depends on the position."""
+
+    def step(time, position, velocity, dt):
+        (x, y), r = position, math.hypot(*position)
+        along = np.array([-y, x]) / r
+        speed = along @ velocity
+        slope = np.array([velocity[1], -velocity[0]]) / r - speed * position / r**2
+        return step_data(
+            [1, 1], [0, 0], velocity, dt, [-position / r], [along], [radius - r], [speed - rim_speed], mu,
+            w_tilde=[slope],
+        )  # fmt: skip
+
+    return System(2, 1, step)
+
+
+def test_bead_in_a_rough_ring_slows_as_one_over_time() -> None:
+    """Its centripetal force is the normal force: v̇ = −μ v²/R, so v = v0 / (1 + μ v0 t / R)."""
+    mu, radius, speed, end = 0.4, 0.5, 2.0, 1.0
+    errors = []
+    for steps in (250, 500, 1000):
+        motion = moved(bead_inside_a_rough_ring(mu, radius), end / steps, steps, [radius, 0.0], [0.0, speed])
+        exact = speed / (1 + mu * speed * motion.time / radius)
+        errors.append(np.max(np.abs(motion.relative_velocity[:, 0] - exact)) / speed)
+        assert np.max(np.abs(np.hypot(*motion.positions.T) - radius)) < radius * (speed * end / steps / radius) ** 2
+    assert fitted_order(errors) == pytest.approx(1.0, abs=0.1)
+    assert errors[-1] < 4e-3
+
+
+def test_turning_ring_catches_the_bead_at_the_speed_of_its_rim() -> None:
+    mu, radius, speed, rim = 0.4, 0.5, 2.0, 1.0
+    caught = radius / mu * (1 / rim - 1 / speed)
+    motion = moved(bead_inside_a_rough_ring(mu, radius, rim), 1e-3, 1500, [radius, 0.0], [0.0, speed])
+    stuck = np.abs(motion.relative_velocity[:, 0]) < ROUND_OFF
+    assert motion.time[np.argmax(stuck)] == pytest.approx(caught, abs=5e-3)
+    assert np.all(stuck[motion.time > caught + 5e-3])
+    assert motion.normal_force[-1, 0] == pytest.approx(rim**2 / radius, rel=1e-2)
+
+
+def test_block_stuck_to_a_stretching_belt_follows_it_to_the_end_of_each_step() -> None:
+    """ġ_T = ẋ − κ x: W̃_T makes the sticking step implicit, x_(k+1) = x_k / (1 − κ Δt), close to x0 exp κt."""
+    stretch, dt, steps = 0.8, 1e-3, 500
+
+    def step(time, position, velocity, dt):
+        return step_data(
+            [2, 2], [0, -2 * GRAVITY], velocity, dt, [[0, 1]], [[1, 0]], [position[1]],
+            [velocity[0] - stretch * position[0]], 0.8, w_tilde=[[-stretch, 0]],
+        )  # fmt: skip
+
+    motion = moved(System(2, 1, step), dt, steps, [1.0, 0.0], [stretch, 0.0])
+    assert motion.positions[-1, 0] == pytest.approx((1 - stretch * dt) ** -steps, rel=ROUND_OFF)
+    assert motion.positions[-1, 0] == pytest.approx(math.exp(stretch * dt * steps), rel=stretch * dt)
