@@ -8,9 +8,11 @@ from reference_lcp import (
     HarmonicBase,
     Lane,
     PeriodicOrbit,
+    Preload,
     periodic_orbits,
     simulate_system,
 )
+from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.steady.error_bar import ErrorBar, error_bars_of
 from reference_lcp.steady.neighbours import PeriodInverse
 
@@ -39,9 +41,16 @@ def canonical_lane(friction_ratio: float, frequency_ratio: float, **ratios) -> L
     return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio, **ratios), 400)
 
 
-def euler_orbit(chain: Chain, drive: HarmonicBase, steps: int, **limits) -> PeriodicOrbit:
-    """The periodic orbit of Euler's scheme with so many steps per period."""
-    return periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, **limits)[0]
+def orbit_of(lane: Lane, **limits) -> PeriodicOrbit:
+    """The periodic orbit of Euler's scheme."""
+    return periodic_orbits(CompiledSimulation([lane]), round(lane.drive.period / lane.time_step), **limits)[0]
+
+
+def euler_orbit(
+    chain: Chain, drive: PeriodicDrive, steps: int, preload: Preload | None = None, **limits
+) -> PeriodicOrbit:
+    """The same with so many steps per period."""
+    return orbit_of(Lane.periodic(chain, drive, steps, preload), **limits)
 
 
 def error_bar(orbits, place: int = 0) -> ErrorBar:

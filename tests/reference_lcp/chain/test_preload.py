@@ -19,7 +19,7 @@ from reference_lcp.chain.preload import Flight
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.observables.stick_slip import contact_modes, largest_gap, open_fraction
 from reference_lcp.schemes.euler import LemkeSimulation
-from tests.reference_lcp.cases import driven, moved
+from tests.reference_lcp.cases import driven, moved, orbit_of
 from tests.reference_lcp.resolved_lane import ResolvedLane
 
 AMPLITUDE = 0.01
@@ -70,7 +70,7 @@ def test_flight_of_the_scheme_tends_to_the_exact_flight(modulation, multiple) ->
     """Part of the period in the air, and the highest point: N(t) integrated twice."""
     for steps in (400, 1600):
         lane = lane_of(modulation, multiple, steps=steps)
-        orbit = periodic_orbits(CompiledSimulation([lane]), steps, tolerance=1e-6)[0]
+        orbit = orbit_of(lane, tolerance=1e-6)
         flight = Flight.of(lane.preload)
         scale = lane.chain.normal_force / lane.chain.inner_mass / lane.preload.angular_frequency**2
         # Lift-off and landing are each met to a step, in every cycle; the highest point to a step's fall from it.
@@ -80,8 +80,7 @@ def test_flight_of_the_scheme_tends_to_the_exact_flight(modulation, multiple) ->
 
 
 def test_open_contact_feels_no_friction_and_is_no_stick() -> None:
-    lane = lane_of(1.5, friction=1.0)
-    orbit = periodic_orbits(CompiledSimulation([lane]), STEPS)[0]
+    orbit = orbit_of(lane_of(1.5, friction=1.0))
     assert orbit.converged
     opened = orbit.trajectory.normal_force == 0
     assert 0.3 < np.mean(opened) < 0.7
@@ -97,8 +96,7 @@ def test_transitions_of_a_chain_that_lifts_off_do_not_depend_on_the_time_step(mu
     """The friction of an impact is over in no time: it adds no stick to the ones that the motion has."""
     counts = []
     for steps in (400, 1600):
-        lane = lane_of(1.5, multiple, frequency=0.6, steps=steps)
-        orbit = periodic_orbits(CompiledSimulation([lane]), steps)[0]
+        orbit = orbit_of(lane_of(1.5, multiple, frequency=0.6, steps=steps))
         counts.append(sorted((change.cell, str(change.kind)) for change in transitions(orbit)))
         lifts = [change for change in transitions(orbit) if str(change.kind) != "stick"]
         assert len(lifts) >= 7 * multiple, "every flight begins with a slip"

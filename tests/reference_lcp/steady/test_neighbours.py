@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from reference_lcp import Chain, HarmonicForce
-from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.preload import Preload
-from reference_lcp.chain.simulation import Lane, PeriodicOrbit
+from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.observables.transmittance import transmittance
@@ -23,7 +22,7 @@ from reference_lcp.steady.neighbours import (
     residual_amplification,
 )
 from reference_lcp.steady.orbits import periodic_orbits
-from tests.reference_lcp.cases import canonical_lane, driven
+from tests.reference_lcp.cases import canonical_lane, driven, euler_orbit
 
 STEPS = 400
 TOLERANCE = 1e-10
@@ -85,12 +84,6 @@ def test_long_chains_are_searched_without_their_jacobian(monkeypatch) -> None:
     assert all(orbit.converged for orbit in beside_euler(simulation_of(), STEPS, tolerance=TOLERANCE))
 
 
-def orbit_of(chain: Chain, drive: PeriodicDrive, steps: int = STEPS, preload: Preload | None = None) -> PeriodicOrbit:
-    lane = Lane.periodic(chain, drive, steps, preload)
-    (orbit,) = periodic_orbits(CompiledSimulation([lane]), steps, tolerance=1e-12)
-    return orbit
-
-
 def ratios(orbit: PeriodicOrbit, periods: int, start: State) -> list[float]:
     """Distance from the steady state over the residual, period after period."""
     simulation, steps = CompiledSimulation([orbit.lane]), orbit.trajectory.steps
@@ -107,7 +100,7 @@ def ratios(orbit: PeriodicOrbit, periods: int, start: State) -> list[float]:
 
 def test_what_is_left_of_a_free_vibration_is_as_far_off_as_its_slowest_mode_tells() -> None:
     """The base moves at the frequency of one mode: 1 / |1 − exp(λT)| of it, in the limit of small steps."""
-    orbit = orbit_of(*driven((np.sqrt(5) - 1) / 2, cells=1), 1600)
+    orbit = euler_orbit(*driven((np.sqrt(5) - 1) / 2, cells=1), 1600, tolerance=1e-12)
     factor, measured = residual_amplification(orbit), ratios(orbit, 100, State.at_rest(1, 1))
     assert 20 < measured[-1] <= factor * 1.01
     assert factor <= 2 * measured[-1]
@@ -117,7 +110,7 @@ def test_what_is_left_of_a_free_vibration_is_as_far_off_as_its_slowest_mode_tell
 def test_no_motion_near_a_steady_state_with_friction_is_farther_off_than_that(place) -> None:
     """Motions that differ by a hundred thousandth: contacts stick and slip as in the steady state but for moments."""
     friction, eta = place
-    orbit, rng = orbit_of(*driven(eta, friction_ratio=friction)), np.random.default_rng(3)
+    orbit, rng = euler_orbit(*driven(eta, friction_ratio=friction), STEPS, tolerance=1e-12), np.random.default_rng(3)
     factor, end = residual_amplification(orbit), orbit.trajectory.end
     scale = orbit.lane.drive.displacement_scale(orbit.lane.chain)
     rate = scale * 2 * np.pi / (orbit.trajectory.steps * orbit.lane.time_step)
@@ -130,7 +123,7 @@ def test_no_motion_near_a_steady_state_with_friction_is_farther_off_than_that(pl
 def opening() -> PeriodicOrbit:
     """Gaps do not depend on the motion along the row: they are as in the steady state."""
     chain, drive = driven(0.5, friction_ratio=0.3)
-    orbit = orbit_of(chain, drive, preload=Preload.at_multiple(drive, 1.5, 1))
+    orbit = euler_orbit(chain, drive, STEPS, Preload.at_multiple(drive, 1.5, 1))
     assert orbit.lane.opens
     return orbit
 
@@ -141,13 +134,13 @@ def standing(frequency_ratio: float) -> PeriodicOrbit:
         cells=1, outer_mass=1.0, inner_mass=1e6, chain_stiffness=50.0, inner_stiffness=50.0, normal_force=4.0,
         friction_coefficient=1.0,
     )  # fmt: skip
-    return orbit_of(chain, HarmonicForce(10.0, frequency_ratio * 10), 800)
+    return euler_orbit(chain, HarmonicForce(10.0, frequency_ratio * 10), 800)
 
 
 @pytest.mark.parametrize(
     ("make", "most"),
     [
-        (lambda: orbit_of(*driven(0.1, damping_ratio=0.5, inner_damping_ratio=0.5)), 2.5),
+        (lambda: euler_orbit(*driven(0.1, damping_ratio=0.5, inner_damping_ratio=0.5), STEPS), 2.5),
         (opening, 100),
         (lambda: standing(0.8), 10),
         (lambda: standing(1.3), 10),

@@ -26,12 +26,11 @@ from reference_lcp import (
 )
 from reference_lcp.chain.simulation import OrbitStatus, steps_per_period_for
 from reference_lcp.defaults import DEFAULT_PERIODS
-from tests.reference_lcp.cases import EXACT_DB, driven
+from tests.reference_lcp.cases import EXACT_DB, driven, euler_orbit
 
 
 def orbit_of(chain, frequency_ratio, steps=400, **options):
-    drive = HarmonicBase.from_ratio(chain, frequency_ratio)
-    return periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, **options)[0]
+    return euler_orbit(chain, HarmonicBase.from_ratio(chain, frequency_ratio), steps, **options)
 
 
 @pytest.mark.parametrize("place", EXACT_DB)
