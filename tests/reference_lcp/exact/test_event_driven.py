@@ -33,7 +33,7 @@ from reference_lcp.exact.event_driven import (
 from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step
 from reference_lcp.schemes.euler import chain_step
-from tests.reference_lcp.cases import EXACT_DB, STANDING, canonical_lane, driven, random_chain
+from tests.reference_lcp.cases import STANDING, canonical_lane, driven, random_chain
 
 ROUND_OFF = 1e-11
 """Of a whole run, relative to the drive: some ten thousand roundings, amplified by no unstable motion."""
@@ -75,13 +75,6 @@ def test_a_chain_without_friction_moves_as_newtons_method_finds(make) -> None:
         assert getattr(steady.orbit.trajectory, name) == pytest.approx(expected, abs=1e-9 * np.max(expected, initial=0))
 
 
-@pytest.mark.parametrize("place", EXACT_DB)
-def test_canonical_transmittance(place) -> None:
-    steady = exact_steady_state(*canonical(*place))
-    assert steady.orbit.residual <= 1e-11
-    assert steady.transmittance_db == pytest.approx(EXACT_DB[place], abs=1e-3)
-
-
 @pytest.mark.parametrize(("place", "damping"), [((0.1, 0.6), 0.0), ((0.3, 0.62), 0.01), ((1.0, 0.9), 0.01)])
 def test_work_of_the_drive_over_a_period_is_the_heat_of_friction_and_dashpots(place, damping) -> None:
     chain, drive = canonical(*place, damping_ratio=damping)
@@ -95,12 +88,10 @@ def test_work_of_the_drive_over_a_period_is_the_heat_of_friction_and_dashpots(pl
     friction = chain.friction_bound * np.sum(np.abs(slips), axis=0, where=slipping)
     dashpots = weights @ np.einsum("ti,ij,tj->t", velocities, chain.damping_matrix, velocities)
     assert work == pytest.approx(dashpots + friction.sum(), rel=1e-9)
-    travelled = np.zeros(chain.cells)
-    for change, travel in zip(period.transitions, period.travels, strict=True):
-        assert (travel == 0) == (change.kind is Mode.STICK)
-        travelled[change.cell - 1] += travel
-    changing = [change.cell - 1 for change in period.transitions]
-    assert (chain.friction_bound * travelled)[changing] == pytest.approx(friction[changing], rel=1e-9)
+    assert [travel == 0 for travel in period.travels] == [change.kind is Mode.STICK for change in period.transitions]
+    cells = [change.cell - 1 for change in period.transitions]
+    travelled = chain.friction_bound * np.bincount(cells, period.travels, chain.cells)
+    assert travelled[cells] == pytest.approx(friction[cells], rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -149,18 +140,16 @@ def test_rows_obey_coulombs_law() -> None:
 @pytest.mark.parametrize("ratio", [0.1, 0.6, 1.3])
 def test_distance_of_two_motions_under_one_drive_never_grows(ratio) -> None:
     """Coulomb friction is monotone; without a time-step error the energy norm falls to round-off exactly."""
-    chain, drive = canonical(0.3, ratio)
-    rng = np.random.default_rng(1)
+    lane, rng = canonical_lane(0.3, ratio), np.random.default_rng(1)
     state = State(rng.normal(0, 0.01, (2, 14)), rng.normal(0, 0.2, (2, 14)))
-    lane = Lane.periodic(chain, drive, 400)
     one, other = EventDrivenSimulation([lane, lane]).run(state, 0, 2000)
     x, v = one.positions - other.positions, one.velocities - other.velocities
-    energy = mechanical_energy(chain, x, v)
+    energy = mechanical_energy(lane.chain, x, v)
     assert np.all(np.diff(energy) <= 1e-12 * energy[0])
     assert energy[-1] < 0.9 * energy[0]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(10))
 def test_modes_at_rest_solve_the_lcp_on_the_level_of_accelerations(seed) -> None:
     """Lemke's method on (g̈_T⁺, λ_TR), for contacts all at rest, finds the same forces cell by cell."""
     chain, drive, state = random_case(seed)
@@ -184,8 +173,7 @@ def test_monodromy_matrix_is_the_derivative_of_the_period_map() -> None:
     segments = list(EventDrivenChain(lane).segments(state, 0.0, drive.period))
     assert len({segment.modes.tobytes() for segment in segments}) > 5
     matrix = monodromy_matrix(EventDrivenChain(lane), segments)
-    rng = np.random.default_rng(0)
-    step = rng.normal(0, 1, (1, 28))
+    step = np.random.default_rng(0).normal(0, 1, (1, 28))
     stuck = np.flatnonzero(segments[0].modes == 0)
     step[0, 21 + stuck] = step[0, 14 + stuck]
     ends = []
@@ -204,24 +192,26 @@ def test_contact_that_creeps_to_where_it_sticks_counts_as_sticking() -> None:
     assert {t.cell for t in steady.transitions} == {3, 5}
 
 
-def test_force_at_its_bound_that_does_not_rise_further_holds_the_contact() -> None:
-    """The spring of a resting inner mass pulls with exactly μ λ_N: Coulomb's law lets it rest."""
+def released(bound: float, damping: float, start: float):
+    """Rows of an inner mass of 1 kg on a spring of 100 N/m, while the outer mass stands, and its times."""
     chain = Chain(
         cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
-        inner_stiffness=np.asarray(100.0), normal_force=np.asarray(2.0), friction_coefficient=np.asarray(1.0),
+        inner_stiffness=np.asarray(100.0), inner_damping=np.asarray(damping), normal_force=np.asarray(bound),
+        friction_coefficient=np.asarray(1.0),
     )  # fmt: skip
-    run = simulate(chain, StillBase(), time_step=0.01, steps=50, positions=np.array([0.0, 0.02]), solver="exact")
-    assert np.max(np.abs(run.inner_positions - 0.02)) < 1e-12
+    run = simulate(chain, StillBase(), time_step=0.05, steps=20, positions=np.array([0.0, start]), solver="exact")
+    return run.inner_positions[:, 0], run.time
+
+
+def test_force_at_its_bound_that_does_not_rise_further_holds_the_contact() -> None:
+    """The spring of a resting inner mass pulls with exactly μ λ_N: Coulomb's law lets it rest."""
+    assert released(bound=2.0, damping=0.0, start=0.02)[0] == pytest.approx(0.02, abs=1e-12)
 
 
 def test_critically_damped_and_resonant_chains_have_exact_solutions_too() -> None:
     """Where the first-order matrix has no full set of eigenvectors, or a force meets an undamped resonance."""
-    chain = Chain(
-        cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
-        inner_stiffness=np.asarray(100.0), inner_damping=np.asarray(20.0),
-    )  # fmt: skip
-    run = simulate(chain, StillBase(), time_step=0.05, steps=20, positions=np.array([0.0, 1.0]), solver="exact")
-    assert run.inner_positions[:, 0] == pytest.approx((1 + 10 * run.time) * np.exp(-10 * run.time), abs=1e-12)
+    positions, time = released(bound=0.0, damping=20.0, start=1.0)
+    assert positions == pytest.approx((1 + 10 * time) * np.exp(-10 * time), abs=1e-12)
     resonant = Chain(
         cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
         inner_stiffness=np.asarray(40.0),

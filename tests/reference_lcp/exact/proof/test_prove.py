@@ -22,8 +22,6 @@ from reference_lcp import (
     prove_steady_state,
     transmittance,
 )
-from reference_lcp.deadline import Deadline
-from reference_lcp.exact.proof.candidate import candidate
 from reference_lcp.exact.proof.exact_chain import ExactModulation
 from reference_lcp.exact.proof.prove import Uniqueness
 from tests.reference_lcp.cases import euler_orbit
@@ -204,8 +202,6 @@ def test_time_that_does_not_suffice_proves_nothing(seconds, ratios) -> None:
     with pytest.raises(NotProven, match=rf"the time limit of {seconds} s is over"):
         prove(exact, time_limit=seconds)
     assert time.monotonic() - began < 10
-    with pytest.raises(NotProven, match=r"the time limit of 0 s is over"):
-        candidate(exact, Deadline(0))
 
 
 @pytest.mark.parametrize(
