@@ -30,6 +30,12 @@ STANDING = np.asarray(1e14)
 """A mass [kg] so heavy that it stands still: it moves by 1e-14 of what the other one does."""
 
 
+def one_cell(bound: float = 0.0, **parameters) -> Chain:
+    """A cell of unit masses and springs with this friction bound, but for the parameters that are given."""
+    unit = dict.fromkeys(("outer_mass", "inner_mass", "chain_stiffness", "inner_stiffness"), 1.0)
+    return Chain(cells=1, normal_force=np.asarray(bound), friction_coefficient=np.ones(1), **(unit | parameters))
+
+
 def driven(frequency_ratio: float, **ratios) -> tuple[Chain, HarmonicBase]:
     """A chain of these ratios, and a base that drives it at its default amplitude."""
     chain = Chain.from_ratios(**ratios)

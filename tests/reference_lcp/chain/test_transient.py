@@ -109,12 +109,9 @@ def test_records_differ_in_their_parameters_where_a_sample_does() -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: RickerPulse(0.0, 30.0, 1.0), "pulse amplitude = 0 is outside its range; allowed: > 0"),
         (lambda: RickerPulse(0.01, 30.0, 0.1), "delay = 0.1 s cuts off the beginning of the pulse; allowed: >= 0.333"),
         (lambda: SweptSine(0.01, 5.0, 5.0, 1.0), "last_frequency = 5; allowed: other than first_frequency"),
         (lambda: SweptSine(0.01, 5.0, 6.0, 1.0, taper=0.6), "taper = 0.6 is outside its range; allowed: > 0, <= 0.5"),
-        (lambda: SweptSine(0.01, 5.0, 6.0, 1.0, "cubic"), "sweep = 'cubic' is unknown; allowed: linear, logarithmic"),
-        (lambda: FilteredNoise(0.01, 6.0, 5.0, 40.0, 1.0), "highest_frequency = 5; allowed: > 6"),
         (lambda: FilteredNoise(0.01, 6.0, 7.0, 40.0, 1.0), "repetition = 40 s gives 6 sines in the band"),
         (lambda: RecordedBase(RECORD.times, RECORD.displacements[:4]), "5 times and 4 displacements; allowed: as many"),
         (lambda: RecordedBase((0, np.nan, 1, 2), (0, 1, 2, 3)), "time in sample 2 of the record = nan"),

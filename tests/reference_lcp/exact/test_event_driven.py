@@ -33,7 +33,7 @@ from reference_lcp.exact.event_driven import (
 from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step
 from reference_lcp.schemes.euler import chain_step
-from tests.reference_lcp.cases import STANDING, canonical_lane, driven, random_chain
+from tests.reference_lcp.cases import STANDING, canonical_lane, driven, one_cell, random_chain
 
 ROUND_OFF = 1e-11
 """Of a whole run, relative to the drive: some ten thousand roundings, amplified by no unstable motion."""
@@ -194,11 +194,7 @@ def test_contact_that_creeps_to_where_it_sticks_counts_as_sticking() -> None:
 
 def released(bound: float, damping: float, start: float):
     """Rows of an inner mass of 1 kg on a spring of 100 N/m, while the outer mass stands, and its times."""
-    chain = Chain(
-        cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
-        inner_stiffness=np.asarray(100.0), inner_damping=np.asarray(damping), normal_force=np.asarray(bound),
-        friction_coefficient=np.asarray(1.0),
-    )  # fmt: skip
+    chain = one_cell(bound, outer_mass=STANDING, inner_stiffness=100.0, inner_damping=damping)
     run = simulate(chain, StillBase(), time_step=0.05, steps=20, positions=np.array([0.0, start]), solver="exact")
     return run.inner_positions[:, 0], run.time
 
@@ -212,10 +208,7 @@ def test_critically_damped_and_resonant_chains_have_exact_solutions_too() -> Non
     """Where the first-order matrix has no full set of eigenvectors, or a force meets an undamped resonance."""
     positions, time = released(bound=0.0, damping=20.0, start=1.0)
     assert positions == pytest.approx((1 + 10 * time) * np.exp(-10 * time), abs=1e-12)
-    resonant = Chain(
-        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
-        inner_stiffness=np.asarray(40.0),
-    )  # fmt: skip
+    resonant = one_cell(inner_mass=STANDING, chain_stiffness=60.0, inner_stiffness=40.0)
     run = simulate(resonant, HarmonicForce(1.0, 10.0), time_step=0.05, steps=100, solver="exact")
     expected = (np.sin(10 * run.time) / 10 - run.time * np.cos(10 * run.time)) / 20
     assert run.outer_positions[:, 0] == pytest.approx(expected, abs=1e-12)

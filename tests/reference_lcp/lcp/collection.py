@@ -14,12 +14,6 @@ def friction_matrix(delassus):
     return np.block([[delassus, one], [-one, zero]])
 
 
-def rotated(rng, eigenvalues):
-    """Symmetric matrix of these eigenvalues in random directions."""
-    directions, _ = np.linalg.qr(rng.normal(size=(len(eigenvalues), len(eigenvalues))))
-    return directions * eigenvalues @ directions.T
-
-
 def murty_worst_case(n):
     return np.eye(n) + 2 * np.tril(np.ones((n, n)), -1), -np.cumsum(2.0 ** np.arange(n - 1, -1, -1))
 
@@ -36,18 +30,12 @@ def obstacle_problem(n):
     return M, M @ np.sin(np.linspace(0, 7, n)) + 0.01
 
 
-def quadratic_programme(n):
-    """Optimality conditions of min ½ xᵀ x − cᵀ x, A x <= b, x >= 0: bisymmetric, copositive-plus."""
+def programme(n, curvature):
+    """Conditions of min ½ p xᵀ x − cᵀ x, A x <= b, x >= 0: bisymmetric, copositive-plus; skew-symmetric for p = 0."""
     A = np.add.outer(np.arange(1, n + 1), np.arange(n)) % 4 - 1.0
     c = np.arange(n) - n / 3
-    return np.block([[np.eye(n), A.T], [-A, np.zeros((n, n))]]), np.concatenate([-c, np.ones(n)])
-
-
-def linear_programme(n):
-    """Conditions of min cᵀ x, A x >= b, x >= 0 with c >= 0: skew-symmetric."""
-    A = np.add.outer(np.arange(n), 2 * np.arange(n)) % 5 * 1.0
-    zero = np.zeros((n, n))
-    return np.block([[zero, -A.T], [A, zero]]), np.concatenate([np.arange(1.0, n + 1), -np.ones(n)])
+    M = np.block([[curvature * np.eye(n), A.T], [-A, np.zeros((n, n))]])
+    return M, np.concatenate([-c, np.ones(n)])
 
 
 def named():
@@ -73,8 +61,8 @@ def named():
     for n in (3, 6, 10, 25):
         yield f"obstacle {n}", *obstacle_problem(n)
     for n in (1, 2, 3, 4, 5):
-        yield f"quadratic programme {n}", *quadratic_programme(n)
-        yield f"linear programme {n}", *linear_programme(n)
+        yield f"quadratic programme {n}", *programme(n, 1)
+        yield f"linear programme {n}", *programme(n, 0)
     for n in (2, 4, 6, 8):
         yield f"Hilbert {n}", 1 / (1 + np.add.outer(np.arange(n), np.arange(n))), -np.ones(n)
 
@@ -127,18 +115,10 @@ def frictional_step(rng, n):
     return M, np.concatenate([gaps, 1e-5 * rng.normal(size=contacts), np.zeros(contacts)])
 
 
-def jams(M):
-    """Whether pressing a sliding contact lets it approach all the more (Painlevé 1895).
-
-    Then M is of no class for which Lemke's method is complete: 2 of 30,000 problems end on a ray beside a solution.
-    """
-    contacts = len(M) // 3
-    return np.min(np.diagonal(M)[:contacts]) < 0
-
-
 def ill_conditioned(rng, n):
     """Positive definite, condition numbers from 1e8 to 1e10."""
-    M = rotated(rng, np.logspace(0, -rng.uniform(8, 10), n))
+    directions, _ = np.linalg.qr(rng.normal(size=(n, n)))
+    M = directions * np.logspace(0, -rng.uniform(8, 10), n) @ directions.T
     return M, M @ rng.normal(size=n)
 
 
@@ -163,13 +143,8 @@ SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 9, 8, 7, 6, 5, 4, 14, 20, 30, 3, 2, 
 ALWAYS_SOLVABLE = {"P", "PSD with a solution", "ill-conditioned", "badly scaled"}
 
 
-def collection():
-    """Every case: name, matrix, vector."""
-    for name, M, q in named():
-        yield name, np.array(M, dtype=float), np.array(q, dtype=float)
-    for number, (family, make) in enumerate(FAMILIES.items()):
-        for index, n in enumerate(SIZES):
-            yield f"{family} {index}: n = {n}", *make(np.random.default_rng([number, index]), n)
-
-
-CASES = {name: (M, q) for name, M, q in collection()}
+CASES = {name: (np.array(M, dtype=float), np.array(q, dtype=float)) for name, M, q in named()} | {
+    f"{family} {index}: n = {n}": make(np.random.default_rng([number, index]), n)
+    for number, (family, make) in enumerate(FAMILIES.items())
+    for index, n in enumerate(SIZES)
+}

@@ -114,11 +114,6 @@ def test_a_static_coefficient_also_holds_where_the_normal_force_is_resolved(stat
     assert solve_step(step).relative_velocity == pytest.approx([slip], abs=1e-15)
 
 
-def test_masses_without_contacts_move_freely() -> None:
-    free = MassSpringSystem(masses=np.array([2.0]), forces={0: 4.0})
-    assert moved(free, DT, 10).velocities[-1, 0] == pytest.approx(20 * DT)
-
-
 def test_a_force_switches_at_its_time_however_that_was_rounded() -> None:
     signal = Piecewise({0.0: 1.0, 0.3: Harmonic(2.0, 1.0, 1.0, -0.3)})
     assert signal.value(3 * 0.1) == signal.value(0.3) == pytest.approx(2.0)
@@ -135,18 +130,12 @@ def moved_block(system=None, **wrong):
     ("make", "message"),
     [
         (lambda: moved_block(time_step=0.0), "time_step = 0"),
-        (lambda: moved_block(steps=0), "steps = 0"),
-        (lambda: moved_block(start=-1), "start = -1"),
         (lambda: moved_block(position=[0.0, 0.0]), "position has shape (2,); allowed: (1,)"),
-        (lambda: moved_block(velocity=[np.nan]), "velocity = nan"),
         (lambda: moved_block(held_block(normal_force=Piecewise({0: 1, 0.5: -1}))), "normal_force = -1 is outside"),
         (lambda: MassSpringSystem(masses=np.array([0.0])), "masses = 0 is outside"),
         (lambda: dataclasses.replace(held_block(), springs=[Spring(1)]), "body = 1 of a spring does not exist"),
-        (lambda: dataclasses.replace(held_block(), springs=[Spring(0, 0)]), "a spring joins body 0 to itself"),
-        (lambda: dataclasses.replace(held_block(), springs=[Spring(0, stiffness=-1)]), "stiffness = -1 is outside"),
         (lambda: dataclasses.replace(held_block(), friction=[FrictionContact(0)] * 2), "join bodies in a ring"),
         (lambda: held_block(static_coefficient=0.2), "static_coefficient = 0.2"),
-        (lambda: held_block(coefficient=-0.3), "coefficient = -0.3 is outside"),
         (lambda: dataclasses.replace(held_block(), forces={3: 1.0}), "body = 3 of a force does not exist"),
         (lambda: Piecewise({1.0: 0.0, 0.0: 1.0}), "starts of pieces = [1.0, 0.0]"),
         (lambda: dataclasses.replace(random_step(), friction_coefficient=np.ones(3)), "shape (3,); allowed: (2,)"),

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference_lcp import (
-    Chain,
     HarmonicBase,
     Lane,
     PeriodicOrbit,
@@ -20,7 +19,7 @@ from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import MATCHING_WINDOW, creep_velocity, match_transitions
 from reference_lcp.observables.transmittance import fundamental
-from tests.reference_lcp.cases import driven
+from tests.reference_lcp.cases import driven, one_cell
 
 STEPS = 20
 PERIOD = 2.0
@@ -34,15 +33,11 @@ TRANSITIONS = st.lists(st.tuples(st.integers(1, 3), TIMES, KINDS), max_size=12, 
 
 def orbit_with_friction(force, velocity=None) -> PeriodicOrbit:
     """One cell with a bound of 1 N whose friction force over a period is given."""
-    chain = Chain(
-        cells=1, outer_mass=np.asarray(1.0), inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
-        inner_stiffness=np.asarray(1.0), normal_force=np.asarray(2.0), friction_coefficient=np.asarray(0.5),
-    )  # fmt: skip
-    lane = Lane.periodic(chain, HarmonicBase(1.0, 2 * np.pi), STEPS)
+    lane = Lane.periodic(one_cell(bound=1.0), HarmonicBase(1.0, 2 * np.pi), STEPS)
     relative = -np.sign(force) if velocity is None else velocity
     velocities = np.column_stack([np.zeros(STEPS), relative])
     trajectory = Trajectory(
-        lane.times(0, STEPS), np.zeros((STEPS, 2)), velocities, np.reshape(force, (STEPS, 1)), np.full((STEPS, 1), 2.0)
+        lane.times(0, STEPS), np.zeros((STEPS, 2)), velocities, np.reshape(force, (STEPS, 1)), np.ones((STEPS, 1))
     )
     return PeriodicOrbit(lane, trajectory, 0.0, 1, OrbitStatus.CONVERGED)
 

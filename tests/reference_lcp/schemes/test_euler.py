@@ -17,7 +17,7 @@ from reference_lcp import (
     simulate,
 )
 from reference_lcp.schemes.euler import LemkeSimulation
-from tests.reference_lcp.cases import STANDING, canonical_lane, fitted_order, random_chain
+from tests.reference_lcp.cases import STANDING, canonical_lane, fitted_order, one_cell, random_chain
 
 ROUND_OFF = 1e-13
 """Of one step, relative to the largest motion: some hundred roundings of double precision."""
@@ -104,10 +104,7 @@ def test_force_on_the_first_cell_and_equivalent_base_motion_give_the_same_motion
 
 def test_scheme_is_of_first_order_in_the_time_step() -> None:
     """The error at a fixed time halves with the step: free oscillation of one resonator, closed form."""
-    chain = Chain(
-        cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
-        inner_stiffness=np.asarray(100.0),
-    )  # fmt: skip
+    chain = one_cell(outer_mass=STANDING, inner_stiffness=100.0)
     errors = []
     for steps in (200, 400, 800, 1600):
         run = simulate(chain, StillBase(), time_step=0.5 / steps, steps=steps, positions=np.array([0.0, 1.0]))

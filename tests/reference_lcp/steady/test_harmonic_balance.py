@@ -6,11 +6,10 @@ import pytest
 from reference_lcp import Chain, HarmonicBase, HarmonicForce
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.harmonic_balance import LEAST_SLIP, LOSS_FACTOR, harmonic_balance_start
 from reference_lcp.steady.orbits import periodic_orbits
-from tests.reference_lcp.cases import canonical_lane, driven
+from tests.reference_lcp.cases import canonical_lane
 
 STEPS = 400
 
@@ -46,18 +45,6 @@ def test_without_slip_or_friction_it_is_the_linear_response(friction, basis, tol
     positions, velocities = start(chain, drive)
     expected = linear_response(chain, drive, basis)
     assert np.allclose(velocities + 1j * positions, expected, rtol=0, atol=tolerance)
-
-
-@pytest.mark.parametrize("frequency_ratio", [0.45, 0.9, 1.6])
-def test_first_harmonic_of_a_sliding_cell_is_that_of_its_exact_motion_within_a_ninth(frequency_ratio) -> None:
-    """What is left out: friction's third harmonic, a third of the first, and as much less again by acting back."""
-    chain, drive = driven(frequency_ratio, cells=1, friction_ratio=0.1)
-    (orbit,) = periodic_orbits(EventDrivenSimulation([Lane.periodic(chain, drive, STEPS)]), STEPS)
-    positions, velocities = start(chain, drive)
-    phases = np.exp(-2j * np.pi * (np.arange(STEPS) + 1) / STEPS)
-    first = 2j * np.mean(orbit.trajectory.positions * phases[:, None], axis=0) / drive.amplitude
-    amplitudes = velocities + 1j * positions
-    assert np.max(np.abs(amplitudes - first)) < np.max(np.abs(first)) / 9
 
 
 def test_undamped_resonance_is_finite() -> None:

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from reference_lcp import Chain, HarmonicForce
+from reference_lcp import HarmonicForce
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.chain.trajectory import State
@@ -22,7 +22,7 @@ from reference_lcp.steady.neighbours import (
     residual_amplification,
 )
 from reference_lcp.steady.orbits import periodic_orbits
-from tests.reference_lcp.cases import canonical_lane, driven, euler_orbit
+from tests.reference_lcp.cases import canonical_lane, driven, euler_orbit, one_cell
 
 STEPS = 400
 TOLERANCE = 1e-10
@@ -130,10 +130,7 @@ def opening() -> PeriodicOrbit:
 
 def standing(frequency_ratio: float) -> PeriodicOrbit:
     """Den Hartog's oscillator beside a mass a million times as heavy: both may stand elsewhere, and move alike."""
-    chain = Chain(
-        cells=1, outer_mass=1.0, inner_mass=1e6, chain_stiffness=50.0, inner_stiffness=50.0, normal_force=4.0,
-        friction_coefficient=1.0,
-    )  # fmt: skip
+    chain = one_cell(bound=4.0, inner_mass=1e6, chain_stiffness=50.0, inner_stiffness=50.0)
     return euler_orbit(chain, HarmonicForce(10.0, frequency_ratio * 10), 800)
 
 

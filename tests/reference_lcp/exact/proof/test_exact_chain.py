@@ -28,14 +28,6 @@ def test_a_chain_in_doubles_is_that_of_its_ratios_to_round_off() -> None:
     assert float(doubles.frequency_squared) == pytest.approx(float(decimals.frequency_squared), rel=1e-14)
 
 
-def test_force_refers_friction_to_its_amplitude() -> None:
-    chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
-    force = HarmonicForce(float(chain.chain_stiffness[0]) * 0.01, 20.0)
-    exact = ExactChain.of(chain, force)
-    assert not exact.moving_base
-    assert float(exact.friction[0]) == pytest.approx(0.3, rel=1e-14)
-
-
 @pytest.mark.parametrize(
     ("multiple", "half", "cycle"), [("2", True, 1), ("1", False, 1), ("3", False, 1), ("0.5", False, 2)]
 )
@@ -44,10 +36,12 @@ def test_modulation_says_after_what_time_the_drive_repeats(multiple, half, cycle
     assert (exact.half, exact.cycle) == (half, cycle)
 
 
-def test_modulation_of_doubles_is_at_the_fraction_that_is_meant() -> None:
-    chain = Chain.from_ratios(cells=1, friction_ratio=0.3)
-    drive = HarmonicBase.from_ratio(chain, 0.77)
-    assert ExactChain.of(chain, drive, Preload.at_multiple(drive, 0.5, 3.0)).modulation.multiple == 3
+def test_force_and_modulation_of_doubles_are_over_the_amplitude_and_at_the_fraction_that_is_meant() -> None:
+    chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
+    force = HarmonicForce(float(chain.chain_stiffness[0]) * 0.01, 20.0)
+    exact = ExactChain.of(chain, force, Preload.at_multiple(force, 0.5, 3.0))
+    assert (exact.moving_base, exact.modulation.multiple) == (False, 3)
+    assert float(exact.friction[0]) == pytest.approx(0.3, rel=1e-14)
 
 
 @pytest.mark.parametrize(
