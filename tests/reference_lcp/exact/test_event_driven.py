@@ -25,11 +25,7 @@ from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.exact import event_driven
 from reference_lcp.exact import exact_orbit as exact_orbit_module
-from reference_lcp.exact.event_driven import (
-    EventDrivenChain,
-    EventDrivenSimulation,
-    EventsAccumulate,
-)
+from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
 from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step
 from reference_lcp.schemes.euler import chain_step

@@ -18,12 +18,7 @@ from reference_lcp.chain.simulation import PeriodicOrbit, steps_per_period_for
 from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
 from reference_lcp.observables.stick_slip import match_transitions, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel, transmittance
-from reference_lcp.steady.error_bar import (
-    REFINEMENTS,
-    ErrorBar,
-    measured_error_bar,
-    measured_error_bars,
-)
+from reference_lcp.steady.error_bar import REFINEMENTS, ErrorBar, measured_error_bar, measured_error_bars
 from reference_lcp.steady.richardson import SAFETY
 from tests.reference_lcp.cases import canonical_lane, driven, error_bar, euler_orbit, fitted_order
 
