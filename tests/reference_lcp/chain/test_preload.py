@@ -58,13 +58,6 @@ def test_modulated_chain_equals_equation_7_with_the_normal_direction_resolved(mo
     assert np.max(np.abs(gap - full.positions[:, 14:])) <= ROUND_OFF * max(1.0, 10 * np.max(gap))
 
 
-def test_lift_off_needs_a_modulation_above_one() -> None:
-    run = {a: CompiledSimulation([lane_of(a)]).run(State.at_rest(1, 7), 0, STEPS)[0] for a in (1.0, 1.05)}
-    assert run[1.0].normal_gap is None
-    assert np.min(run[1.0].normal_force) >= 0
-    assert np.max(run[1.05].normal_gap) > 0
-
-
 @pytest.mark.parametrize(("modulation", "multiple"), [(1.1, 1), (1.5, 1), (1.5, 2), (3.0, 1)])
 def test_flight_of_the_scheme_tends_to_the_exact_flight(modulation, multiple) -> None:
     """Part of the period in the air, and the highest point: N(t) integrated twice."""

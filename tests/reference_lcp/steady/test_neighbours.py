@@ -35,19 +35,14 @@ def simulation_of(friction: float = 1.0) -> CompiledSimulation:
     return CompiledSimulation([canonical_lane(friction * ratio, eta) for ratio, eta in POINTS])
 
 
-def rubbing_harder(monkeypatch) -> CompiledSimulation:
-    """Something near to the scheme: a hundredth more friction than its lanes have."""
-    honest, harder = simulation_of(), simulation_of(1.01)
-    monkeypatch.setattr(neighbours, "euler_simulation", lambda _: honest)
-    return harder
-
-
 def amplitudes(orbits) -> np.ndarray:
     return np.array([abs(transmittance(orbit)) for orbit in orbits])
 
 
 def test_beside_the_scheme_the_same_motion_is_found_in_half_of_the_periods(monkeypatch) -> None:
-    harder = rubbing_harder(monkeypatch)
+    """With a hundredth more friction than the scheme has whose Jacobian is taken."""
+    honest, harder = simulation_of(), simulation_of(1.01)
+    monkeypatch.setattr(neighbours, "euler_simulation", lambda _: honest)
     balanced = periodic_orbits(harder, STEPS, tolerance=TOLERANCE)
     beside = beside_euler(harder, STEPS, tolerance=TOLERANCE)
     assert all(orbit.converged for orbit in beside)
@@ -66,7 +61,7 @@ def test_offsets_of_cells_that_stay_stuck_are_left_to_the_period() -> None:
     assert kept @ inverse.newton[-1] @ kept == pytest.approx(kept, abs=1e-6)
 
 
-def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance(monkeypatch) -> None:
+def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     """Newton's steps of the wrong sign lead away; what is then found is what harmonic balance leads to."""
     orbits = periodic_orbits(simulation_of(), STEPS, tolerance=TOLERANCE)
     away = dataclasses.replace(PeriodInverse.of(orbits), distance=-30 * PeriodInverse.of(orbits).distance)
