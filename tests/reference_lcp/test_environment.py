@@ -1,8 +1,6 @@
 """Compiled kernels are kept where numba can write, and else in a folder of the process."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -32,12 +30,3 @@ def test_kernels_are_kept_in_a_private_folder_where_no_absolute_place_can_be_wri
     if not kept:
         folder = Path(os.environ[environment.CACHE_VARIABLE])
         assert (folder.parent, folder.stat().st_mode & 0o777) == (no_place, 0o700)
-
-
-def test_numba_keeps_kernels_in_that_folder(no_place, monkeypatch) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(no_place / "file"))
-    environment.ensure_kernel_cache()
-    code = "import numba\n\n@numba.njit(cache=True)\ndef f(x):\n    return x + 1\n\nprint(f(1))\n"
-    (no_place / "own.py").write_text(code)
-    subprocess.run([sys.executable, str(no_place / "own.py")], check=True)
-    assert list(Path(os.environ[environment.CACHE_VARIABLE]).rglob("*.nbi"))

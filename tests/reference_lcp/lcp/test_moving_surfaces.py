@@ -1,4 +1,4 @@
-"""Equation (7) in full on surfaces that move, in closed form: a shaken table, belts, a rotating arm, a ring."""
+"""Equation (7) in full on surfaces that move, in closed form: a shaken table, a belt, a ring."""
 
 import math
 
@@ -62,35 +62,6 @@ def test_belt_carries_the_block_until_its_acceleration_exceeds_mu_g(ratio, stick
     slip = np.abs(motion.relative_velocity[:, 0])
     assert np.max(slip) == pytest.approx(0.0 if sticks else (a - mu * GRAVITY) * 0.5, abs=ROUND_OFF)
     assert motion.velocities[-1, 0] == pytest.approx(min(a, mu * GRAVITY) * 0.5, rel=ROUND_OFF)
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_bead_pushed_by_a_rotating_arm_slides_out_as_the_closed_form_says(mu) -> None:
-    """r̈ = Ω² r − 2 μ Ω ṙ: centrifugal force, and friction μ of the Coriolis force that the arm passes on.
-
-    The centrifugal force comes from arms half a step apart, as a centred difference: second order here.
-    """
-    omega, radius, end = 3.0, 0.2, 0.5
-
-    def step(time, position, velocity, dt):
-        c, s = math.cos(omega * time), math.sin(omega * time)
-        along, off = np.array([c, s]), np.array([-s, c])
-        return step_data(
-            [0.7, 0.7], [0, 0], velocity, dt, [off], [along], [off @ position], [along @ velocity], mu,
-            motion_n=-omega * (along @ position), motion_t=omega * (off @ velocity),
-        )  # fmt: skip
-
-    roots = omega * (-mu + math.sqrt(mu**2 + 1)), omega * (-mu - math.sqrt(mu**2 + 1))
-    first, second = np.linalg.solve([[1, 1], roots], [radius, 0.0])
-    exact = first * math.exp(roots[0] * end) + second * math.exp(roots[1] * end)
-    errors = []
-    for steps in (250, 500, 1000):
-        motion = moved(System(2, 1, step), end / steps, steps, [radius, 0.0], [0.0, omega * radius])
-        errors.append(abs(np.linalg.norm(motion.positions[-1]) / exact - 1))
-    assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
-    assert errors[-1] < 1.6e-5
-    rate = first * roots[0] * math.exp(roots[0] * end) + second * roots[1] * math.exp(roots[1] * end)
-    assert motion.normal_force[-1, 0] == pytest.approx(2 * 0.7 * omega * rate, rel=1e-2)
 
 
 def bead_inside_a_rough_ring(mu, radius, rim_speed=0.0):

@@ -47,16 +47,6 @@ def test_pushed_box_slides_where_mu_is_below_half_its_width_over_the_height_of_t
         assert np.max(np.abs(motion.relative_velocity[:, 1])) < ROUND_OFF
 
 
-def test_box_below_both_thresholds_stands_and_its_feet_carry_what_statics_says() -> None:
-    mu, mass = 0.4, 2.0
-    push = push_of(mu, 0.9)
-    motion = moved(pushed_box(mu=mu, push=push), 1e-3, 50)
-    assert np.max(np.abs(motion.positions)) < ROUND_OFF
-    rear, front = mass * GRAVITY / 2 - push * 1.2, mass * GRAVITY / 2 + push * 1.2
-    assert np.allclose(motion.normal_force, [rear, front], rtol=1e-8)
-    assert np.allclose(motion.friction.sum(axis=1), -push, rtol=1e-8)
-
-
 def test_sliding_box_leans_on_its_front_foot_by_the_moments_of_push_and_friction() -> None:
     """(λ_front − λ_rear) b/2 = P (h − s) + μ m g s, with s the height of the centre of mass."""
     mu, mass, centre, height = 0.2, 2.0, 0.8, 1.2
@@ -80,19 +70,6 @@ def sliding_rod(mu, angle=0.7, length=1.0):
         )  # fmt: skip
 
     return System(3, 1, step), np.array([0.0, length / 2 * math.sin(angle), angle])
-
-
-@pytest.mark.parametrize("direction", [1.0, -1.0])
-@pytest.mark.parametrize("mu", [0.0, 0.4, 0.9])
-def test_normal_force_of_a_sliding_rod_is_painleves(mu, direction) -> None:
-    """λ_N (1/m + l²/(4 J) cos θ (cos θ ∓ μ sin θ)) = g for a rod at rest but for its sliding, below the paradox."""
-    rod, position = sliding_rod(mu)
-    c, s = math.cos(position[2]), math.sin(position[2])
-    motion = moved(rod, 1e-6, 3, position, np.array([direction, 0.0, 0.0]))
-    expected = GRAVITY / (1 + 3 * c * (c + direction * mu * s))
-    assert motion.normal_force[0, 0] == pytest.approx(expected, rel=1e-5)
-    assert motion.friction[0, 0] == pytest.approx(-direction * mu * expected, rel=1e-5)
-    assert 1 + 3 * c * (c - mu * s) > 0
 
 
 @pytest.mark.parametrize(

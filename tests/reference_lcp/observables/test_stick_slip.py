@@ -11,7 +11,6 @@ from reference_lcp import (
     PeriodicOrbit,
     Trajectory,
     dissipated_energy,
-    steady_state,
     stuck_fraction,
     transitions,
 )
@@ -19,7 +18,7 @@ from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import MATCHING_WINDOW, creep_velocity, match_transitions
 from reference_lcp.observables.transmittance import fundamental
-from tests.reference_lcp.cases import driven, one_cell
+from tests.reference_lcp.cases import one_cell
 
 STEPS = 20
 PERIOD = 2.0
@@ -79,26 +78,6 @@ def test_creep_is_the_largest_velocity_inside_sticks_only() -> None:
 def test_dissipated_energy_is_force_times_slip() -> None:
     orbit = orbit_with_friction(np.repeat([1.0, -1.0], 10), np.repeat([-0.5, 0.5], 10))
     assert dissipated_energy(orbit) == pytest.approx([0.5])
-
-
-def test_frictionless_contact_never_sticks_and_has_no_transitions() -> None:
-    steady = steady_state(*driven(0.9, friction_ratio=0.0), with_error_bar=False)
-    assert np.all(steady.stuck_fraction == 0)
-    assert steady.transitions == []
-
-
-def test_energy_put_in_by_the_drive_is_what_friction_and_dashpots_take_out() -> None:
-    """Over a period of the steady state nothing is stored; the balance closes to the scheme's first order."""
-    chain, drive = driven(0.62, friction_ratio=0.3)
-    defects = []
-    for steps in (800, 3200):
-        orbit = steady_state(chain, drive, steps_per_period=steps, with_error_bar=False).orbit
-        run, dt = orbit.trajectory, orbit.lane.time_step
-        work = np.sum(drive.load(chain, run.time) * run.velocities[:, 0]) * dt
-        dashpots = np.einsum("ti,ij,tj->", run.velocities, chain.damping_matrix, run.velocities) * dt
-        defects.append(abs(work - dashpots - dissipated_energy(orbit).sum()) / work)
-    assert defects[-1] < 5e-3
-    assert defects[0] / defects[1] == pytest.approx(4.0, rel=0.3)
 
 
 def test_fundamental_of_a_sine_is_its_amplitude_and_phase() -> None:

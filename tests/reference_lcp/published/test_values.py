@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from reference_lcp import EventDrivenSystem, simulate_system
-from tests.reference_lcp.cases import fitted_order
+from reference_lcp import EventDrivenSystem
 from tests.reference_lcp.published.anchors import (
     ANCHORS,
     ROOT,
@@ -90,12 +89,3 @@ def test_published_clutches_close_one_after_the_other_and_wrong_ones_are_found(c
     motion = EventDrivenSystem(coupled_clutches(**clutches)).motion(**START, times=time)
     own = [motion.positions[:, 0], motion.velocities[:, 0], *motion.relative_velocity.T]
     assert least < np.max(np.abs(np.array(own) - published)) / CLUTCH_UNCERTAINTY < most
-
-
-def test_scheme_tends_to_the_exact_clutches_to_first_order() -> None:
-    exact, errors = EventDrivenSystem(coupled_clutches()).motion(**START, times=1.5), []
-    for steps in (300, 600, 1200):
-        motion = simulate_system(coupled_clutches(), **START, time_step=1.5 / steps, steps=steps)
-        errors.append(np.max(np.abs(motion.positions[-1] - exact.positions[0])))
-    assert errors[-1] < 1e-2
-    assert fitted_order(errors) == pytest.approx(1, abs=0.15)

@@ -9,7 +9,6 @@ from reference_lcp import (
     Chain,
     CompiledSimulation,
     HarmonicBase,
-    HarmonicForce,
     Lane,
     ParameterError,
     State,
@@ -81,25 +80,6 @@ def test_a_lane_that_diverges_leaves_the_others_alone() -> None:
     alone = CompiledSimulation(lanes[1:]).advance(state.subset([1]), 0, 100)
     assert not np.all(np.isfinite(ends.positions[0]))
     assert np.array_equal(ends.positions[1], alone.positions[0])
-
-
-def test_two_runs_of_half_the_steps_equal_one_run() -> None:
-    simulation = CompiledSimulation([canonical_lane(0.3, 0.6)])
-    whole = simulation.run(State.at_rest(1, 7), 0, 200)[0]
-    first = simulation.run(State.at_rest(1, 7), 0, 100)[0]
-    second = simulation.run(first.end, 100, 100)[0]
-    assert np.array_equal(whole.positions, [*first.positions, *second.positions])
-    assert np.allclose(whole.time, [*first.time, *second.time])
-
-
-def test_force_on_the_first_cell_and_equivalent_base_motion_give_the_same_motion() -> None:
-    """Without a dashpot to the base, U0 sin ωt of the base is the force k_c U0 sin ωt on cell 1."""
-    chain = Chain.from_ratios(damping_ratio=0.0, friction_ratio=0.3)
-    base = HarmonicBase.from_ratio(chain, 0.7)
-    force = HarmonicForce(float(chain.chain_stiffness[0]) * base.amplitude, base.angular_frequency)
-    runs = [simulate(chain, drive, time_step=1e-3, steps=500) for drive in (base, force)]
-    assert np.allclose(runs[0].positions, runs[1].positions, rtol=0, atol=1e-12 * base.amplitude)
-    assert force.displacement_scale(chain) == pytest.approx(base.amplitude)
 
 
 def test_scheme_is_of_first_order_in_the_time_step() -> None:

@@ -64,16 +64,6 @@ def test_an_operation_acts_on_every_number_as_numpy_does() -> None:
         assert_array_equal(row, EXPECTED[name], err_msg=name)
 
 
-def test_vectors_begin_anywhere() -> None:
-    @numba.njit
-    def run(table):
-        set_vector(table, 11, vector_at(table, 3))
-
-    table = np.arange(20.0)
-    run(table)
-    assert_array_equal(table, [*range(11), *range(3, 11), 19])
-
-
 ROUND_OFF = 1e-11
 """Of a hundred steps of some hundred roundings each, over motions of the order of one."""
 

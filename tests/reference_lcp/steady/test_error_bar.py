@@ -9,7 +9,6 @@ from reference_lcp import (
     Chain,
     CompiledSimulation,
     HarmonicBase,
-    ParameterError,
     exact_steady_state,
     periodic_orbits,
     steady_state,
@@ -98,14 +97,6 @@ def test_finer_steps_from_coarser_ones_end_where_those_from_harmonic_balance_do(
     lane = canonical_lane(friction, ratio)
     orbits = [euler_orbit(lane.chain, lane.drive, 400 * factor) for factor in REFINEMENTS]
     bars_are_equal(measured_error_bar(orbits[0]), error_bar(orbits))
-
-
-def test_a_batch_has_one_number_of_steps() -> None:
-    lane = canonical_lane(0.3, 0.9)
-    orbits = [euler_orbit(lane.chain, lane.drive, steps) for steps in (400, 500)]
-    with pytest.raises(ParameterError, match=r"periods of \[400, 500\] steps; allowed: one number of steps"):
-        measured_error_bars(orbits)
-    assert measured_error_bars([]) == []
 
 
 def test_finer_steps_without_a_steady_state_leave_every_bar_unknown() -> None:

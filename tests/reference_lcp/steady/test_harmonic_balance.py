@@ -55,15 +55,6 @@ def test_undamped_resonance_is_finite() -> None:
     assert np.max(np.abs([positions, velocities])) == pytest.approx(1 / LOSS_FACTOR, rel=0.5)
 
 
-def test_lane_starts_the_same_whoever_is_beside_it() -> None:
-    lanes = [canonical_lane(ratio, 0.6) for ratio in (0.0, 0.3, 5.0)]
-    together = harmonic_balance_start(lanes, STEPS)
-    for k, lane in enumerate(lanes):
-        alone = harmonic_balance_start([lane], STEPS)
-        assert np.array_equal(alone.positions[0], together.positions[k])
-        assert np.array_equal(alone.velocities[0], together.velocities[k])
-
-
 def test_resonance_that_takes_long_to_ring_up_is_found_in_half_the_periods() -> None:
     """Friction ratio 1 at the chain's lowest resonance: the motion grows to tens of the base's, and slides there."""
     simulation = CompiledSimulation([canonical_lane(1.0, 0.1478)])

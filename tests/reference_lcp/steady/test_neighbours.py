@@ -9,13 +9,11 @@ from reference_lcp import HarmonicForce
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.chain.trajectory import State
-from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.observables.transmittance import transmittance
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady import neighbours
 from reference_lcp.steady.anderson import StateScales
 from reference_lcp.steady.neighbours import (
-    LONGEST_CHAIN,
     PeriodInverse,
     beside_euler,
     refined_orbits,
@@ -50,17 +48,6 @@ def test_beside_the_scheme_the_same_motion_is_found_in_half_of_the_periods(monke
     assert sum(orbit.periods for orbit in beside) < sum(orbit.periods for orbit in balanced) / 2
 
 
-def test_offsets_of_cells_that_stay_stuck_are_left_to_the_period() -> None:
-    """Where no distance makes a residual, I − J has no inverse: the step there is the residual itself."""
-    orbits = periodic_orbits(simulation_of(), STEPS)
-    inverse = PeriodInverse.of(orbits)
-    stuck = [np.sum(np.all(contact_modes(orbit) == 0, axis=0)) for orbit in orbits]
-    assert np.trace(inverse.unexplained, axis1=1, axis2=2) == pytest.approx(stuck)
-    assert (stuck[0], stuck[-1]) == (0, 7)
-    kept = inverse.unexplained[-1]
-    assert kept @ inverse.newton[-1] @ kept == pytest.approx(kept, abs=1e-6)
-
-
 def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     """Newton's steps of the wrong sign lead away; what is then found is what harmonic balance leads to."""
     orbits = periodic_orbits(simulation_of(), STEPS, tolerance=TOLERANCE)
@@ -70,13 +57,6 @@ def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     assert [orbit.converged for orbit in found] == [True] * len(orbits)
     finer = periodic_orbits(CompiledSimulation(lanes), 2 * STEPS, tolerance=TOLERANCE)
     assert amplitudes(found) == pytest.approx(amplitudes(finer), rel=1e-7)
-
-
-def test_long_chains_are_searched_without_their_jacobian(monkeypatch) -> None:
-    monkeypatch.setattr(neighbours, "LONGEST_CHAIN", 6)
-    monkeypatch.setattr(neighbours, "PeriodInverse", None)
-    assert LONGEST_CHAIN > 7
-    assert all(orbit.converged for orbit in beside_euler(simulation_of(), STEPS, tolerance=TOLERANCE))
 
 
 def ratios(orbit: PeriodicOrbit, periods: int, start: State) -> list[float]:

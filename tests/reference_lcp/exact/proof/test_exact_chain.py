@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from reference_lcp import Chain, ExactChain, HarmonicBase, HarmonicForce, ParameterError, Preload, StillBase
+from reference_lcp import Chain, ExactChain, HarmonicForce, ParameterError, Preload, StillBase
 from reference_lcp.exact.proof.exact_chain import MOST_CELLS
 
 
@@ -15,17 +15,6 @@ def test_ratios_are_the_decimals_that_are_typed_and_a_float_stands_for_its_short
     assert exact.frequency_squared == Fraction(36, 100)
     assert exact.chain_damping_squared[0] == Fraction(4, 10**4)
     assert exact == ExactChain.from_ratios(friction_ratio=0.3, frequency_ratio=0.6, damping_ratio=0.01)
-
-
-def test_a_chain_in_doubles_is_that_of_its_ratios_to_round_off() -> None:
-    ratios = {"cells": 3, "friction_ratio": 0.3, "mass_ratio": 0.7, "stiffness_ratio": 0.4, "inner_damping_ratio": 0.02}
-    chain = Chain.from_ratios(**ratios)
-    doubles = ExactChain.of(chain, HarmonicBase.from_ratio(chain, 0.8))
-    decimals = ExactChain.from_ratios(**ratios, frequency_ratio="0.8")
-    for name in ("inner_mass", "inner_stiffness", "chain_damping_squared", "inner_damping_squared", "friction"):
-        pairs = zip(getattr(doubles, name), getattr(decimals, name), strict=True)
-        assert all(abs(a - b) < Fraction(1, 10**14) for a, b in pairs)
-    assert float(doubles.frequency_squared) == pytest.approx(float(decimals.frequency_squared), rel=1e-14)
 
 
 @pytest.mark.parametrize(
