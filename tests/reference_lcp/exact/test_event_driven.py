@@ -13,8 +13,6 @@ from reference_lcp import (
     HarmonicForce,
     Lane,
     Mode,
-    ParameterError,
-    RickerPulse,
     State,
     StillBase,
     exact_steady_state,
@@ -215,11 +213,6 @@ def test_contacts_that_change_modes_without_end_are_reported(monkeypatch) -> Non
     chain, drive = canonical(0.3, 0.62)
     with pytest.raises(EventsAccumulate, match="changes of mode between"):
         simulate(chain, drive, time_step=drive.period / 400, steps=400, solver="exact")
-
-
-def test_drive_without_harmonic_form_is_refused() -> None:
-    with pytest.raises(ParameterError, match="RickerPulse has no event-driven solution; allowed: HarmonicBase"):
-        EventDrivenSimulation([Lane(Chain.from_ratios(), RickerPulse(0.01, 30.0, 0.4), 1e-3)])
 
 
 def test_a_search_that_newton_does_not_finish_goes_on_from_where_it_is(monkeypatch) -> None:

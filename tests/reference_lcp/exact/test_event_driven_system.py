@@ -16,6 +16,7 @@ from reference_lcp import (
     Lane,
     MassSpringSystem,
     Piecewise,
+    RickerPulse,
     Spring,
     State,
     StillBase,
@@ -114,6 +115,10 @@ def of_one_mass(**contact) -> EventDrivenSystem:
     [
         (lambda: CompiledSimulation([lane_with(1.5)]), r"static_ratio = 1\.5: .* one coefficient; allowed: 1"),
         (lambda: EventDrivenSimulation([lane_with(1.5)]), r"static_ratio = 1\.5: .* one coefficient; allowed: 1"),
+        (
+            lambda: EventDrivenSimulation([Lane(Chain.from_ratios(), RickerPulse(0.01, 30.0, 0.4), 1e-3)]),
+            "RickerPulse has no event-driven solution; allowed: HarmonicBase",
+        ),
         (lambda: lane_with(0.9), r"static_ratio = 0\.9; allowed: >= 1"),
         (
             lambda: of_one_mass(normal_force=Harmonic(1, 2, 1)).motion(position=[0.0], velocity=[10.0], times=6.0),

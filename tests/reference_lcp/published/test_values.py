@@ -60,13 +60,6 @@ def test_friction_that_is_slightly_wrong_misses_the_published_number(name, wrong
     assert abs(wrong() - value) > max(3 * uncertainty, 1e-6)
 
 
-def test_sdnd106_breaks_loose_when_the_spring_pulls_with_the_static_bound() -> None:
-    """cos ω t = 1 − μ_s N / F of the mass that is pulled alone."""
-    stretches = EventDrivenSystem(sdnd106()).stretches(position=[0.0, 0.0], velocity=[0.0, 0.0], end=0.1)
-    loose = next(stretch.start for stretch in stretches if stretch.modes[0])
-    assert loose == pytest.approx(math.acos(1 - 0.3 * 1e4 / 3e3) / math.sqrt(1e4 / 5), rel=1e-13)
-
-
 CLUTCH_UNCERTAINTY = 1e-4
 """Of angles [rad] and velocities [rad/s] of about ten, from an integration with a relative tolerance of 1e-6."""
 

@@ -57,7 +57,6 @@ def test_order_is_read_from_steps_that_grow_by_one_factor() -> None:
 @pytest.mark.parametrize(
     ("steps", "numbers", "at", "message"),
     [
-        ((400,), [1.0], None, r"steps = \[400\]"),
         ((800, 400), [1.0, 2.0], None, "ascending"),
         ((400, 800), [1.0], None, "with 1 values"),
         ((400, 800), [1.0, 2.0], 600, "at = 600"),

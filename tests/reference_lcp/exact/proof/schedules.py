@@ -12,6 +12,7 @@ from reference_lcp.exact.proof.coulomb import Observed, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.krawczyk import Solution, solve
+from reference_lcp.exact.proof.repair import listed
 
 BITS = 128
 Event = tuple[float, int, int]
@@ -46,10 +47,6 @@ def point(friction: str, frequency: str) -> tuple[ExactChain, Candidate]:
 def with_events(guess: Candidate, kept: list[Event], first: tuple[int, ...] | None = None) -> Candidate:
     events, times = tuple((cell, new) for _, cell, new in kept), tuple(time for time, _, _ in kept)
     return dataclasses.replace(guess, events=events, times=times, first=first or guess.first)
-
-
-def listed(guess: Candidate) -> list[Event]:
-    return [(time, cell, new) for time, (cell, new) in zip(guess.times, guess.events, strict=True)]
 
 
 def swapped(guess: Candidate) -> list[Candidate]:
