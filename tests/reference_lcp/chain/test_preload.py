@@ -7,6 +7,7 @@ import pytest
 
 from reference_lcp import (
     CompiledSimulation,
+    FrictionalStep,
     Lane,
     ParameterError,
     Preload,
@@ -20,7 +21,6 @@ from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.observables.stick_slip import contact_modes, largest_gap, open_fraction
 from reference_lcp.schemes.euler import LemkeSimulation
 from tests.reference_lcp.cases import driven, moved, orbit_of
-from tests.reference_lcp.resolved_lane import ResolvedLane
 
 AMPLITUDE = 0.01
 STEPS = 400
@@ -32,6 +32,36 @@ def lane_of(modulation, multiple=1, *, phase=0.0, friction=0.3, frequency=0.9, s
     chain, drive = driven(frequency, friction_ratio=friction, base_amplitude=AMPLITUDE)
     preload = None if modulation is None else Preload.at_multiple(drive, modulation, multiple, phase)
     return Lane.periodic(chain, drive, steps, preload)
+
+
+class ResolvedLane:
+    """3n freedoms, u_1 … u_n, v_1 … v_n, y_1 … y_n [m], all zero at rest with closed contacts, and n contacts.
+
+    The lane has a preload or none.
+    """
+
+    def __init__(self, lane: Lane):
+        self.lane, n = lane, lane.chain.cells
+        none, identity = np.zeros((n, n)), np.eye(n)
+        self.freedoms, self.contacts = 3 * n, n
+        masses = [lane.chain.outer_mass, lane.chain.inner_mass, lane.chain.inner_mass]
+        self.mass_matrix = np.diag(np.concatenate(masses))
+        self.normal_directions = np.vstack([none, none, identity])
+        self.tangential_directions = np.vstack([-identity, identity, none])
+
+    def step(self, time, position, velocity, time_step) -> FrictionalStep:
+        chain, along, preload = self.lane.chain, 2 * self.contacts, self.lane.preload
+        factor = 1.0 if preload is None else preload.factor(np.asarray(time))
+        force = -self.normal_directions @ (chain.normal_force * factor)
+        force[:along] -= chain.stiffness_matrix @ position[:along] + chain.damping_matrix @ velocity[:along]
+        force[0] += float(self.lane.drive.load(chain, np.asarray(time)))
+        return FrictionalStep(
+            mass_matrix=self.mass_matrix, force=force, velocity=velocity, time_step=time_step,
+            normal_directions=self.normal_directions, tangential_directions=self.tangential_directions,
+            normal_gap=self.normal_directions.T @ position,
+            relative_velocity=self.tangential_directions.T @ velocity,
+            friction_coefficient=chain.friction_coefficient,
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize(
