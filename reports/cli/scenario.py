@@ -81,7 +81,8 @@ class Output:
         inputs = [*check_outs(self.out, COMMENT_ENDINGS, self.store, record), self.store, record]
         for name, files in (("--series", self.series), ("--transitions", self.transitions)):
             if files and self.store is None:
-                raise ParameterError(f"{name} = {files[0]} without --store; allowed: with a store, which holds the runs")
+                given = f"{name} = {files[0]} without --store"
+                raise ParameterError(f"{given}; allowed: with a store, which holds the runs")
             inputs += check_outs(files, [".csv"], *inputs, name=name)
 
 

@@ -47,7 +47,8 @@ def sweep(
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write all results of the sweep: arrays with units, NetCDF, as .nc; a row a run as .csv; may be repeated."
+            help="Write all results of the sweep: arrays with units, NetCDF, as .nc; a row a run as .csv; may be "
+            "repeated."
         ),
     ] = None,
     run: Annotated[
