@@ -1,5 +1,6 @@
 """Scenes as users of ODE write them, served by `worker` in a Python that has pyode: geoms in a space, and joints."""
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -118,6 +119,10 @@ def joints(given: dict[str, Any]) -> Any:
     slides = str(given["kind"]) == "slide"
     load = tuple((float(given["load"]) * given["axis"]).tolist())
     world, base, motors, bodies = new_world(given), ode.environment, [], []
+    if float(given["damping"]):  # of bodies that are made from now on
+        part = 1 - math.exp(-float(given["damping"]) * float(given["time_step"]))  # in a step, of an inertia of 1
+        world.setLinearDamping(part)
+        world.setAngularDamping(part)
     places, anchors, bounds = given["place"].tolist(), given["anchor"].tolist(), given["friction"].tolist()
     for place, anchor, bound in zip(places, anchors, bounds):
         body, inertia = ode.Body(world), ode.Mass()
@@ -134,6 +139,11 @@ def joints(given: dict[str, Any]) -> Any:
         motors.append(joint)
         bodies.append(body)
         base = body
+    velocity = tuple((float(given["velocity"]) * given["axis"]).tolist())
+    if any(velocity) and slides:
+        bodies[0].setLinearVel(velocity)
+    elif any(velocity):
+        bodies[0].setAngularVel(velocity)
 
     def step() -> None:
         if any(load) and slides:
