@@ -35,6 +35,7 @@ SHOWN = {
     "held-while-shaken": "slope, 5 Hz",
     "slope-slide": "μ 0.5, load 1.5",
     "slide-to-stop": "3 m/s",
+    "pushed-from-rest": "1.2 μmg, 45°",
     "conveyor": "1 m/s, μ 0.5",
     "spin": "20 rad/s",
     "joint-hold": "hinge, load 0.9",

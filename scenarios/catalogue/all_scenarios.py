@@ -16,6 +16,7 @@ from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.scenes import (
     held_boxes,
     loaded_joints,
+    pushed_box,
     shaken_boxes,
     sliding_boxes,
     spinning_box,
@@ -23,7 +24,8 @@ from multibody_xval.scenarios.catalogue.scenes import (
 
 FAMILIES = (
     steady_states, closed_forms, normal_forces, free_decay, held, thrown, breakaway, static_friction, direction,
-    published, broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints,
+    published, broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, pushed_box, spinning_box,
+    loaded_joints,
 )  # fmt: skip
 
 SCENARIOS: Mapping[str, Scenario] = {own.name: own for family in FAMILIES for own in family.SCENARIOS}
