@@ -118,7 +118,6 @@ class OutOfProcessLane(LaneModel):
             "coefficient": chain.friction_coefficient,
             "time_step": self.lane.time_step / self._units.time,
             "length": scale,
-            "axis": np.array(self.lane.axis),
         }
 
     def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:

@@ -23,7 +23,6 @@ SHOWN = {
     "breakaway": "1 kg, 2 ms",
     "stopping-distance": "1 kg, 4.9 m/s",
     "ratchet": "1 kg, load 0.5, shaken",
-    "direction": "1 kg, 4.9 m/s, 0°",
     "static-above-kinetic": "1 kg, 1.5",
     "published": "sdnd104-1.5",
     "figure3": "friction 0.6, η_r 0.9",
