@@ -52,7 +52,7 @@ def boxes(given: dict[str, Any]) -> Any:
         bodies[-1].enable()  # it may have been asleep
 
     def push(force: float) -> None:
-        x, y, z = given["downhill"].tolist()
+        x, y, z = given["forward"].tolist()
         bodies[-1].addForce((force * x, force * y, force * z))
 
     kept = [*still, *geoms, *sliders]  # pyode drops what nothing holds

@@ -160,14 +160,6 @@ OF_CLAUSES: Mapping[str, Fault] = {
         "every run begins with closed contacts",
         around=with_state(lambda _batch, state: replace(state, internal_state=None)),
     ),
-    "turned": Fault(
-        "more friction in a row that is turned",
-        batch=numbers(bound=lambda of: np.array([[1 + np.sin(own.direction) / 10] for own in of.lanes]) * of.bound),
-    ),
-    "aside": Fault(
-        "friction recorded along another tangent",
-        record=lambda lane, run: replace(run, friction=np.cos(lane.direction) * run.friction),
-    ),
     "holds-no-more": Fault(
         "static friction as kinetic friction", batch=numbers(static_ratio=lambda of: np.ones_like(of.step))
     ),

@@ -15,10 +15,7 @@ import numpy as np
 
 from multibody_xval.engines.contract.lanes import lane_of, modulated_lane, pulse_lane_of, random_lanes, scaled_state
 from multibody_xval.engines.interface.variant import Variant, variants_named
-from reference_lcp.chain.drives import HarmonicBase
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.errors import ParameterError
 
 STEPS = 60
@@ -27,14 +24,11 @@ STEPS = 60
 def cases() -> dict[str, list[Lane]]:
     """Give batches of lanes by name."""
     canonical = lane_of(0.3, 0.6)
-    alone = Chain.from_ratios(friction_ratio=0.3, cells=1)
-    cell = Lane.periodic(alone, HarmonicBase.from_ratio(alone, 0.9, BASE_AMPLITUDE), 400)
     return {
         "random": random_lanes(),
         "pulse": [pulse_lane_of(0.3)],
         "modulated": [modulated_lane(0.5), modulated_lane(0.9, 2)],
         "lifting": [modulated_lane(1.5)],
-        "turned": [dataclasses.replace(cell, direction=0.5)],
         "static": [dataclasses.replace(canonical, static_ratio=1.2)],
     }
 
