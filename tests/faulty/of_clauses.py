@@ -37,10 +37,6 @@ def with_coefficients(what: str, change: Callable[[FloatArray], FloatArray]) -> 
     ])})  # fmt: skip
 
 
-def turned_bound(batch: Batch) -> FloatArray:
-    return np.array([[1 + np.sin(own.direction) / 10] for own in batch.lanes]) * batch.bound
-
-
 def sine(lane: Lane) -> Lane:
     """Take whatever moves the base for a sine at the resonator's frequency."""
     if isinstance(lane.drive, HarmonicBase | StillBase):
@@ -88,10 +84,6 @@ def one_number(name: str, value: float) -> Fault:
     return Fault(f"one number of {name.replace('_', ' ')} is {value:g}", record=record)
 
 
-def aside(lane: Lane, run: Trajectory) -> Trajectory:
-    return replace(run, friction=np.cos(lane.direction) * run.friction)
-
-
 def grounded(lane: Lane, run: Trajectory) -> Trajectory:
     pressing = lane.preloads(round(run.time[0] / lane.time_step) - 1, run.steps)
     return replace(run, normal_force=np.maximum(pressing, 0.0))
@@ -112,7 +104,6 @@ OF_CLAUSES: Mapping[str, Fault] = {
     "sine": Fault("every drive is a sine", numbers={"driven": lambda of: tuple(map(sine, of.lanes))}),
     "slippery": with_coefficients("friction coefficients of at least 0.05", lambda mu: np.maximum(mu, 0.05)),
     "rubber": with_coefficients("friction coefficients of at most 0.9", lambda mu: np.minimum(mu, 0.9)),
-    "turned": Fault("more friction in a row that is turned", numbers={"bound": turned_bound}),
     # of the step
     "energy": Fault("velocities × 1.005 in every step", state=gain_energy),
     "quantum": Fault("positions in multiples of 1e-17 m", state=round_positions),
@@ -146,7 +137,6 @@ OF_CLAUSES: Mapping[str, Fault] = {
         "pressed by slip", "normal_force", lambda run: run.normal_force * (1 + np.abs(run.relative_velocity))
     ),
     "grounded": Fault("contacts that never fly", record=grounded),
-    "aside": Fault("friction recorded along another tangent", record=aside),
     "normal": one_number("normal_force", np.nan),
     "friction": one_number("friction", np.nan),
     "position": one_number("positions", np.inf),

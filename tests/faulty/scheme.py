@@ -15,7 +15,7 @@ from reference_lcp.validation import FloatArray
 
 PRESETS = {
     "tuned": Preset("Claims the reference's own step.", shares_scheme=True, judged=("chain", "blocks"),
-                    normal_force=NormalForce.LIFTING, turns=True, static_friction=True),
+                    normal_force=NormalForce.LIFTING, static_friction=True),
     "other": Preset("The same steps, judged beside the exact motion.", judged=("chain", "blocks")),
     "default": Preset("Friction that stops a contact in four steps.",
                       {"part": Option(0.25, 1.0, "what a step takes from the velocity of a slip that ends")}),

@@ -58,11 +58,9 @@ FAULTS = (
      f"{TUNED}-friction coefficient 1.3"),
     ("counts", "motion_does_not_depend_on_when_it_begins", "another motion after", TUNED),
     ("wears", "long_use_leaves_nothing_behind", "another motion after", TUNED),
-    ("turned", "row_along_the_other_tangent_moves_alike", "moves otherwise", TUNED),
-    ("aside", "friction_of_a_turned_row_is_read_along_it", "friction is missing", TUNED),
     ("holds-no-more", "contact_at_rest_holds_more_than_it_slides_with", "slips under", TUNED),
     ("never-lets-go", "contact_that_lets_go_jumps_under_kinetic_friction", "friction", TUNED),
-    ("takes", "what_a_preset_does_not_state_is_refused", "DID NOT RAISE", "-turns"),
+    ("takes", "static_friction_that_a_preset_does_not_state_is_refused", "DID NOT RAISE", ENGINE),
 )  # fmt: skip
 """Fault, the clause that finds it, how its message begins, and the case of the clause."""
 
