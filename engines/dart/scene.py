@@ -146,6 +146,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         joint, body = kind()
         joint.setAxis([1.0, 0, 0] if slides else [0, 0, 1.0])
         joint.setCoulombFriction(0, scene.friction)
+        joint.setDampingCoefficient(0, scene.damping)
+        joint.setVelocity(0, scene.velocity)
         body.setMass(1.0)
         body.setMomentOfInertia(1, 1, 1, 0, 0, 0)
     else:

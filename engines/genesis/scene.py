@@ -96,6 +96,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     world.build()
     if isinstance(scene, JointScene):
         arm.control_dofs_force([scene.load])
+    if scene.velocity:
+        arm.set_dofs_velocity([scene.velocity])
 
     def state() -> Any:
         return (arm.get_dofs_position().numpy(),)

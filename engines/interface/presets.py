@@ -137,8 +137,9 @@ class Preset:
     accuracy: Mapping[str, float] = field(default_factory=dict)
     """By how much its numbers may be off, where that is more than the error of Euler's step, by quantity:
     ``transmittance`` as a part of the amplitude, at most `LARGEST_ACCURACY`; ``stuck fraction``; ``time`` over the
-    period; ``drift`` of blocks and scenes [µm/s], [µrad/s]; in scenes ``share`` of a number. Set on one half of
-    measured points, checked on the other: ``tests/golden``, and in scenes variations that are held out."""
+    period; ``drift`` of blocks and scenes [µm/s], [µrad/s]; in scenes ``share`` of a number, and ``creep`` of a loaded
+    joint over its velocity without friction. Set on one half of measured points, checked on the other:
+    ``tests/golden``, and in scenes variations that are held out."""
     accuracy_reason: str = ""
     """Why: regularised friction, a bristle, single precision."""
     settles: bool = True

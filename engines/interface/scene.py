@@ -7,7 +7,7 @@ two fingers. Joints with dry friction are loaded one by one, or carry an arm.
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -177,7 +177,7 @@ def along(scene: ContactScene, force: float) -> Vector:
 
 @dataclass(frozen=True, kw_only=True)
 class JointScene:
-    """One joint with dry friction, without gravity, and a constant load on it."""
+    """One joint with dry friction, without gravity: under a constant load, or thrown."""
 
     kind: str = "hinge"
     """``hinge``, a body of 1 kg m² about z, or ``slide``, one of 1 kg along x."""
@@ -185,10 +185,16 @@ class JointScene:
     """Bound [N m] or [N]."""
     load: float = 0.0
     """[N m] or [N]."""
+    damping: float = 0.0
+    """Viscous, beside the friction [N m s] or [N s/m]."""
+    velocity: float = 0.0
+    """At the start [rad/s] or [m/s]."""
 
     def __post_init__(self) -> None:
         checked_choice("kind", self.kind, ("hinge", "slide"))
         checked_scalar("friction", self.friction, ">= 0")
+        checked_scalar("damping", self.damping, ">= 0")
+        checked_scalar("velocity", self.velocity)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,6 +206,8 @@ class ArmScene:
 
     friction: tuple[float, ...]
     """Bounds of the hinges [N m], from the base."""
+    damping: ClassVar[float] = 0.0
+    velocity: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         if not self.friction or min(self.friction) < 0:

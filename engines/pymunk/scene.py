@@ -111,10 +111,13 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     space, body, hinge = _new_space(setting, 0.0), pymunk.Body(1.0, 1.0), scene.kind == "hinge"
     pin: Any
     rubbing: Any
+    space.damping = math.exp(-scene.damping)  # what is left of velocities after a second, of an inertia of 1
     if hinge:
+        body.angular_velocity = scene.velocity
         pin = pymunk.PivotJoint(space.static_body, body, (0, 0))
         rubbing = pymunk.SimpleMotor(space.static_body, body, 0)
     else:
+        body.velocity = (scene.velocity, 0)
         pin = pymunk.GrooveJoint(space.static_body, body, (-GROOVE, 0), (GROOVE, 0), (0, 0))
         rubbing = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
         rubbing.max_bias = 0.0  # or it pulls its anchors together

@@ -39,6 +39,7 @@ SHOWN = {
     "spin": "20 rad/s",
     "joint-hold": "hinge, load 0.9",
     "arm-hold": "6 hinges, load 0.9",
+    "joint-stop": "damped, 0.22 s",
 }
 """Scenarios that can be reproduced, with the case that is shown unless another is named.
 

@@ -20,11 +20,13 @@ from multibody_xval.scenarios.catalogue.scenes import (
     shaken_boxes,
     sliding_boxes,
     spinning_box,
+    stopping_joints,
 )
 
 FAMILIES = (
     steady_states, closed_forms, normal_forces, free_decay, held, thrown, breakaway, static_friction, published,
     broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, pushed_box, spinning_box, loaded_joints,
+    stopping_joints,
 )  # fmt: skip
 
 SCENARIOS: Mapping[str, Scenario] = {own.name: own for family in FAMILIES for own in family.SCENARIOS}

@@ -39,7 +39,7 @@ DECIDING = [
 ]  # fmt: skip
 """Sizes that decide, see `judge.decided`."""
 
-RELATIVE = ("transmittance", "share")
+RELATIVE = ("transmittance", "share", "creep")
 """Accuracies that are stated as a part of the number."""
 
 NOT_RUN = "not run"

@@ -10,6 +10,7 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import (
     ContactScene,
+    JointScene,
     Scene,
     SceneSetting,
     SceneWorld,
@@ -25,6 +26,9 @@ from reference_lcp.validation import FloatArray
 
 ROWS = 100
 """Rows that are kept of a motion, at most."""
+
+STOPPED = 1e-3
+"""Velocity below which a joint that was thrown rests [rad/s], [m/s]."""
 
 EXPLODED = 1e4
 """A position [m] or an angle [rad] beyond is an explosion: nothing falls or turns as far within the scenes' times."""
@@ -105,13 +109,17 @@ def _series(
 
     Of boxes, ``along``, ``across`` and ``off`` the plane [m] from where the motion began, the ``speed`` along each
     [m/s], the ``turn`` about its normal [rad], and ``highest``, off the plane so far. Of joints, ``joint 1`` and so
-    on, from where the motion began. ``from the start`` is the whole way since the scene was built, at the end: along,
-    across and off the plane, or of every joint. Of a box that is driven, ``held`` is what `driven` gives.
+    on, from where the motion began; of one that is thrown, ``stop``, see `_stop`. ``from the start`` is the whole way
+    since the scene was built, at the end: along, across and off the plane, or of every joint. Of a box that is driven,
+    ``held`` is what `driven` gives.
     """
     kept = kept_rows(len(rows))
     yield "time", _numbers((step * np.arange(1, len(rows) + 1, dtype=np.float64))[kept])
     if not isinstance(case.scene, ContactScene):
         start = np.zeros(rows.shape[1]) if first is None else first[0]
+        if isinstance(case.scene, JointScene) and case.scene.velocity:
+            yield "stop", _stop(rows[:, 0], step)
+            rows = np.unwrap(rows, axis=0) if case.scene.kind == "hinge" else rows
         for joint, values in enumerate((rows - start).T, 1):
             yield f"joint {joint}", _numbers(values[kept])
         yield "from the start", _numbers(rows[-1])
@@ -125,6 +133,13 @@ def _series(
     yield "from the start", _numbers((rows[-1, :3] - case.scene.places[-1]) @ axes.T)
     yield "highest", _numbers(np.maximum.accumulate(way[:, 2])[kept])
     yield "turn", _numbers(_turns(rows[kept, 3:7], start[3:7], axes[2]))
+
+
+def _stop(coordinates: FloatArray, step: float) -> tuple[float, ...]:
+    """Give the end of the step from which on a joint rests [s]; nothing where it never does."""
+    moving = np.flatnonzero(np.abs(np.diff(coordinates, prepend=0)) >= STOPPED * step)
+    steps = int(moving[-1]) + 2 if moving.size else 1
+    return (steps * step,) if steps <= len(coordinates) else ()
 
 
 def _numbers(values: FloatArray) -> tuple[float, ...]:

@@ -6,7 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
+from multibody_xval.engines.interface.scene import (
+    GRAVITY,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    SteppedWorld,
+    turned_about,
+)
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
@@ -24,6 +31,7 @@ class Wrong:
     """What a copy of Coulomb's law does otherwise."""
 
     friction: float = 1.0
+    damping: float = 1.0
     normal: float = 1.0
     drift: float = 0.0
     """[m/s]."""
@@ -53,7 +61,10 @@ class PointMass:
         self.bound *= 1 + self.carried / self.mass
         self.links = scene.links if isinstance(scene, ArmScene) else 1
         self.box = isinstance(scene, ContactScene)
-        self.way, self.velocity = np.full(3, wrong.fall), np.zeros(3)
+        self.way, self.velocity, self.damping = np.full(3, wrong.fall), np.zeros(3), 0.0
+        if isinstance(scene, JointScene) and scene.velocity:  # others are held
+            self.velocity = np.array([scene.velocity, 0.0, 0.0])
+            self.bound, self.damping = wrong.friction * scene.friction, wrong.damping * scene.damping
         self.angle = self.spin = 0.0
         self.braking = wrong.friction * wrong.normal * braking(scene, CORNERS) if self.box else 0.0
 
@@ -75,6 +86,7 @@ class PointMass:
         part = self.step_size * self.bound / speed if speed else 1.0
         across = np.cross([0.0, 0.0, 1.0], free) * self.aside * part if part < 1 else np.zeros(3)
         self.velocity = self.belt + free * max(0.0, 1 - part) + across
+        self.velocity = self.velocity / (1 + self.step_size * self.damping)
         self.way = self.way + self.step_size * (self.velocity + self.drift)
         self.spin = max(0.0, self.spin - self.step_size * self.braking)
         self.angle += self.step_size * self.spin

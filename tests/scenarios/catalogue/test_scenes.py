@@ -57,6 +57,8 @@ def test_no_preset_states_a_drift_that_would_hide_a_micrometre_a_second() -> Non
         own for name in engine_names() for each in engine(name).capabilities.presets.values() for own in each.values()
     ]
     assert max(own.accuracy_of("drift") for own in presets) <= 0.5
+    load = 0.9 * 2  # of the hinge, which without friction would have this mean velocity [rad/s]
+    assert 1e6 * load * max(own.accuracy_of("creep") for own in presets) < 1
 
 
 @pytest.mark.slow
@@ -116,6 +118,7 @@ BAD: list[tuple[Callable[[], object], str]] = [
     (lambda: ContactScene(slope=math.radians(95)), "slope = 95°; allowed: >= 0 and < 90°"),
     (lambda: ContactScene(grip=1.0, boxes=(Box(), Box())), "boxes = 2; allowed: 1 in a grip"),
     (lambda: JointScene(kind="ball"), "kind = 'ball' is unknown; allowed: hinge, slide"),
+    (lambda: JointScene(damping=-1.0), "damping = -1.*allowed: >= 0"),
     (lambda: ArmScene(friction=()), "friction = .*at least one"),
     (lambda: SceneMotion(scene=JointScene(), time=0.0), "time = 0.*allowed: > 0"),
 ]
