@@ -82,3 +82,18 @@ def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(tmp_path, ending) -> 
     assert (list(tmp_path.iterdir()), file.read_bytes()) == ([file], KEPT)
     write_dataset(data, file)
     assert file.stat().st_size > 100
+
+
+@pytest.mark.parametrize(
+    ("line", "option", "names"),
+    [
+        ("run laws --engine mujoco:joint:default", "--out", ("a.md", "b.csv", "c.md")),
+        ("run unit-cell --engine reference --store new.sqlite", "--series", ("a.csv", "b.csv")),
+        ("reference --cells 1 --frequency-ratio 0.9", "--plot", ("a.svg", "b.pdf")),
+        ("sweep sweep.toml", "--out", ("a.nc", "b.csv")),
+    ],
+)
+def test_every_file_that_is_named_is_written(line, option, names, files, here) -> None:
+    command, *arguments = line.split()
+    assert run_command(app, [command, *arguments, *(word for name in names for word in (option, name))]) == 0
+    assert [name for name in names if not Path(name).is_file()] == []

@@ -75,9 +75,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, _, z = scene.normal
         world.CreateStaticBody(position=(-x, -z), angle=-scene.slope, fixtures=_box((GROUND, 1.0), rub))
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         body = world.CreateDynamicBody(
-            position=(place[0], place[2]), angle=-scene.slope, fixtures=_box([side / 2] * 2, rub, mass),
+            position=(place[0], place[2]), angle=-scene.slope, fixtures=_box(half, rub, mass),
             allowSleep=setting.sleeping,
         )  # fmt: skip
 

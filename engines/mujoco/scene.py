@@ -1,6 +1,5 @@
 """Scenes as users of MuJoCo write them: a model in XML, with the attributes that the preset changes."""
 
-import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -48,8 +47,8 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
         bodies.append(f'<body pos="0 0 -.1"><joint name="belt" type="slide" axis="1 0 0"/>{belt}</body>')
     else:
         bodies.append(f'<geom type="plane" size="{GROUND} {GROUND} 1" quat="{_text(scene.tilt)}" {rub}/>')
-    for mass, side, place in scene.stack:
-        geom = f'<geom type="box" size="{_text([side / 2] * 3)}" mass="{mass}" {rub}/>'
+    for mass, half, place in scene.stack:
+        geom = f'<geom type="box" size="{_text(half)}" mass="{mass}" {rub}/>'
         free = "<freejoint/>"
         if place == scene.places[-1]:
             free, geom = '<freejoint name="box"/>', geom + _shaker(scene)
@@ -65,8 +64,7 @@ def _shaker(scene: ContactScene) -> str:
     """Write the mass inside a box; nothing where there is none."""
     if scene.shaker is None:
         return ""
-    axis = f"{math.cos(scene.turn)} {-math.sin(scene.turn)} 0"
-    own = f'axis="{axis}" stiffness="{scene.shaker.stiffness}" damping="{scene.shaker.damping}"'
+    own = f'axis="1 0 0" stiffness="{scene.shaker.stiffness}" damping="{scene.shaker.damping}"'
     geom = f'<geom type="sphere" size=".01" mass="{scene.shaker.mass}" contype="0" conaffinity="0"/>'
     return f'<body><joint name="shaker" type="slide" {own}/>{geom}</body>'
 

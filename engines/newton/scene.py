@@ -94,9 +94,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         )
         builder.add_articulation([joint])
 
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         body = builder.add_body(xform=_pose(place, scene.orientation))
-        add_box(body, [side / 2] * 3, mass)
+        add_box(body, half, mass)
     if scene.grip:
         reach, height = scene.finger
         add_box(-1, FINGER, pose=_pose((-reach, 0.0, height)))

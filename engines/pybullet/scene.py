@@ -122,8 +122,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         _add_box(bullet, setting, (GROUND, GROUND, 1), 0, (-x, -y, -z), scene.tilt, rub)
-    for mass, side, place in scene.stack:
-        body = _add_box(bullet, setting, [side / 2] * 3, mass, place, scene.orientation, rub)
+    for mass, half, place in scene.stack:
+        body = _add_box(bullet, setting, half, mass, place, scene.orientation, rub)
 
     def step() -> None:
         if scene.grip:

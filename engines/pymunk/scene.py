@@ -78,9 +78,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, _, z = scene.normal
         add(pymunk.Body(body_type=pymunk.Body.STATIC), (GROUND, 1.0), (-x, -z), -scene.slope)
-    for mass, side, place in scene.stack:
-        moment = pymunk.moment_for_box(mass, (side, side))
-        body = add(pymunk.Body(mass, moment), [side / 2] * 2, (place[0], place[2]), -scene.slope)
+    for mass, half, place in scene.stack:
+        moment = pymunk.moment_for_box(mass, (2 * half[0], 2 * half[2]))
+        body = add(pymunk.Body(mass, moment), half, (place[0], place[2]), -scene.slope)
 
     def step() -> None:
         if scene.grip:

@@ -90,9 +90,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         x, y, z = scene.normal
         ground = bodies.fixed().rotation(_scaled_axis(scene.tilt)).translation(vector(-x, -y, -z))
         world.add_body(ground, [_box((GROUND, GROUND, 1.0), 0, rub)])
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         free = bodies.dynamic().rotation(_scaled_axis(scene.orientation)).translation(vector(*place))
-        handle = world.add_body(free.can_sleep(setting.sleeping), [_box([side / 2] * 3, mass, rub)])
+        handle = world.add_body(free.can_sleep(setting.sleeping), [_box(half, mass, rub)])
     body = world.rigid_bodies[handle]
 
     def state() -> Any:

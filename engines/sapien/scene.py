@@ -64,8 +64,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         add(physx.PhysxRigidStaticComponent(), (GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
-    for mass, side, place in scene.stack:
-        body = add(physx.PhysxRigidDynamicComponent(), [side / 2] * 3, place, scene.orientation, mass)
+    for mass, half, place in scene.stack:
+        body = add(physx.PhysxRigidDynamicComponent(), half, place, scene.orientation, mass)
     time = 0.0
 
     def step() -> None:

@@ -13,7 +13,7 @@ from multibody_xval.reports.cli.options import (
     AsJson,
     Computing,
     Store,
-    TableFile,
+    TableFiles,
     check_outs,
     grouped,
     keeping,
@@ -91,7 +91,7 @@ def recipes(
         typer.Option("--engine", metavar="NAME[:FORMULATION]", help="An engine; may be repeated. Without it, all."),
     ] = None,
     store: Store = None,
-    out: TableFile = None,
+    out: TableFiles = None,
     computing: Computing,
 ) -> None:
     """Measure every set of the options that a recipe changes, in all scenes: drift, cost of a step, what gets worse.
@@ -101,7 +101,7 @@ def recipes(
 
     Example: multibody-xval run recipes --engine mujoco
     """
-    check_outs([out], TABLE_ENDINGS, store)
+    outs = check_outs(out, TABLE_ENDINGS, store)
     import pandas as pd
 
     from multibody_xval.reports.document import document
@@ -113,8 +113,8 @@ def recipes(
         rows = pd.concat([study(own, computing.means(store)) for own in wanted])
     shown = _for_people(rows)
     table_text.print_table(shown)
-    if out is not None:
-        write_whole(out, table_text.csv_text(rows) if out.suffix == ".csv" else document([shown]))
+    for file in outs:
+        write_whole(file, table_text.csv_text(rows) if file.suffix == ".csv" else document([shown]))
 
 
 def _for_people(rows: pd.DataFrame) -> pd.DataFrame:

@@ -119,7 +119,7 @@ def error_text(error_db: float, points: int, periodic: int, status: str) -> str:
 
 
 def headline(worst: pd.DataFrame) -> pd.DataFrame:
-    """Give the largest errors in dB: a row an engine and formulation, a column a preset; say which recipes do not cure."""
+    """Give the largest errors in dB, a row an engine and formulation, and say which recipes do not cure."""
     numbers = zip(worst.largest_db, worst.points, worst.periodic, worst.status, strict=True)
     uncured = (worst.options == TITLES["recommended"]) & (worst.beyond | (worst.periodic == 0)) & (worst.points > 0)
     endings = uncured.map({True: f"; {NO_CURE}", False: ""})

@@ -16,7 +16,7 @@ from multibody_xval.reports.reproducers.served import builder, given
 from multibody_xval.reports.reproducers.specialise import specialised
 from multibody_xval.reports.reproducers.tidy import imports_of, model_text, names_read, text_of, used
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
-from multibody_xval.scenarios.catalogue.scenes import sliding_boxes, spinning_box, stopping_joints
+from multibody_xval.scenarios.catalogue.scenes import pushed_box, sliding_boxes, spinning_box, stopping_joints
 from multibody_xval.scenarios.compute.scenes import STOPPED, in_world, kept_rows, plane_axes
 from multibody_xval.scenarios.model import Run
 
@@ -90,7 +90,7 @@ def _numbers(run: Run) -> Mapping[str, Any]:
     numbers: dict[str, Any] = {
         "settling": bool(case.settling), "time": case.time, "kept": kept_rows(run.steps), "spin": case.spin,
         "boxes": False, "launch": in_world(scene, case.launch) if launched else None,
-        "tones": [(tone.force, tone.frequency) for tone in case.shake],
+        "push": case.push, "tones": [(tone.force, tone.frequency) for tone in case.shake],
     }  # fmt: skip
     if not isinstance(scene, ContactScene):
         if isinstance(scene, JointScene) and scene.velocity:
@@ -106,6 +106,8 @@ def _numbers(run: Run) -> Mapping[str, Any]:
     if scene.belt:
         reached, expected = sliding_boxes.REACHED, sliding_boxes.time_with_belt(case)
         numbers |= {"reached": reached, "aim": repr(reached * scene.belt), "expected": repr(expected)}
+    if case.push:
+        numbers |= {"pushed": repr(pushed_box.way_pushed(case)), "straight": list(scene.forward[:2])}
     if case.spin:
         numbers |= {"braking": repr(spinning_box.braking(scene, spinning_box.CORNERS))}
     return numbers

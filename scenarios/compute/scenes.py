@@ -77,7 +77,7 @@ def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:
         first = _rows(case, step, world, 0, settling)[-1:] if settling else None
         if any(case.launch) or case.spin:
             world.launch(in_world(case.scene, case.launch), case.spin)
-        rows = _rows(case, step, world, settling, steps)
+        rows = _rows(case, step, world, settling, steps, case.push)
     finally:
         world.close()
     every = rows if first is None else np.concatenate([first, rows])
@@ -86,13 +86,13 @@ def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:
     return Result(status=Status.FINISHED, series=dict(_series(case, step, first, rows)))
 
 
-def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int) -> FloatArray:
-    """Take steps from the one with this number on, under the force at the start of each where one swings."""
-    if not case.shake:
+def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int, push: float = 0.0) -> FloatArray:
+    """Take steps from the one with this number on, under the force at the start of each: a constant one, and tones."""
+    if not (case.shake or push):
         return world.run(steps)
     rows = []
     for number in range(begin, begin + steps):
-        world.push(swinging(case.shake, number * step))
+        world.push(push + swinging(case.shake, number * step))
         rows.append(world.run(1))
     return np.concatenate(rows)
 

@@ -37,18 +37,21 @@ class Wrong:
     """[m/s]."""
     fall: float = 0.0
     """At once [m]."""
+    aside: float = 0.0
+    """Part of friction that acts across the slip, beside the whole against it."""
 
 
 class PointMass:
     """Coulomb's law of one mass along and across its plane, in steps of semi-implicit Euler."""
 
     def __init__(self, case: SceneMotion, step_size: float, wrong: Wrong):
-        scene, self.step_size, self.drift = case.scene, step_size, wrong.drift
+        scene, self.step_size, self.drift, self.aside = case.scene, step_size, wrong.drift, wrong.aside
         self.axes, self.load, self.bound = np.eye(3), np.zeros(3), math.inf
-        self.start, self.belt = np.zeros(3), np.zeros(3)
+        self.start, self.belt, self.forward = np.zeros(3), np.zeros(3), np.zeros(3)
         if isinstance(scene, ContactScene):
             self.axes = np.array([scene.downhill, (0.0, 1.0, 0.0), scene.normal])
             self.start, self.belt = np.array(scene.places[-1]), np.array([scene.belt, 0.0, 0.0])
+            self.forward = self.axes @ scene.forward
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
                 self.bound = wrong.friction * wrong.normal * scene.friction * GRAVITY * math.cos(scene.slope)
@@ -78,9 +81,11 @@ class PointMass:
             self.pushed = (spring - force) / self.mass
 
     def step(self) -> None:
-        free = self.velocity - self.belt + self.step_size * (self.load + np.array([self.pushed, 0.0, 0.0]))
+        free = self.velocity - self.belt + self.step_size * (self.load + self.pushed * self.forward)
         speed = math.sqrt(free @ free)
-        self.velocity = self.belt + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
+        part = self.step_size * self.bound / speed if speed else 1.0
+        across = np.cross([0.0, 0.0, 1.0], free) * self.aside * part if part < 1 else np.zeros(3)
+        self.velocity = self.belt + free * max(0.0, 1 - part) + across
         self.velocity = self.velocity / (1 + self.step_size * self.damping)
         self.way = self.way + self.step_size * (self.velocity + self.drift)
         self.spin = max(0.0, self.spin - self.step_size * self.braking)

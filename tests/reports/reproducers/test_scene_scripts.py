@@ -31,7 +31,7 @@ WRITTEN = [
     for name in engine_names()
     for scenario, formulation in SCENES.items()
     if engine(name).scene_gap(formulation) is None
-    and not (name in ("box2d", "pymunk") and scenario == "spin")  # in the plane
+    and not (name in ("box2d", "pymunk") and scenario in ("spin", "pushed-from-rest"))  # in the plane
     and not (scenario == "held-while-shaken" and name == "genesis")  # its adapter pushes none
     for preset in GENERAL
     if preset in engine(name).capabilities.presets[formulation]
@@ -44,12 +44,12 @@ MOST_LINES = 104
 """A script of a scene has the lines by which its adapter makes bodies; half of them have at most 68."""
 
 
-def own_number(name: str, scenario: str) -> tuple[str, float]:
+def own_number(name: str, scenario: str, case: str | None = None) -> tuple[str, float]:
     """Give a script, and the suite's number."""
     reason = engine(name.partition(":")[0]).unavailable_reason()
     if reason is not None:
         pytest.skip(reason)
-    shown = checked(name, scenario)
+    shown = checked(name, scenario, case)
     number = shown.number(MEANS)
     return script(shown, number), number.value
 
@@ -66,6 +66,14 @@ def check_numbers(places, folder, changed=("", "")) -> None:
 def test_scripts_alone_print_friction_time_and_torque_that_the_suite_has(name, tmp_path) -> None:
     scenarios = ["slope-slide", "conveyor", *["spin"] * (name in IN_THE_SPACE)]
     check_numbers([(f"{name}:contact:recommended", scenario) for scenario in scenarios], tmp_path)
+
+
+@pytest.mark.parametrize("name", [*IN_THE_SPACE, "sapien", "ode", *IN_THE_PLANE])
+def test_scripts_alone_print_how_far_a_pushed_box_goes(name, tmp_path) -> None:
+    angle = 0 if name in IN_THE_PLANE else 45
+    places = [(f"{name}:contact:{preset}", "pushed-from-rest", f"{load} μmg, {angle}°")
+              for preset, load in zip(GENERAL, (1.2, 1.06), strict=True)]  # fmt: skip
+    check_numbers(places, tmp_path)
 
 
 @pytest.mark.parametrize("name", ["rapier", "dart", *IN_THE_PLANE])
@@ -109,7 +117,7 @@ def test_script_without_what_the_recipe_changes_prints_another_drift(tmp_path) -
 @pytest.mark.parametrize(("name", "scenario"), WRITTEN)
 def test_script_of_every_case_is_short_enough_for_a_tracker(name, scenario) -> None:
     for own, case in SCENARIOS[scenario].cases.items():
-        if case.sleeping or (name.startswith(("box2d", "pymunk")) and own.endswith(("turned", "off"))):
+        if case.sleeping or (name.startswith(("box2d", "pymunk")) and own.endswith(("turned", "off", "5°", "30°"))):
             continue
         if name.startswith("mujoco") or "inside" not in own:
             lines = script(checked(name, scenario, own), NUMBER).splitlines()

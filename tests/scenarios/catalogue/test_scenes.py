@@ -25,7 +25,7 @@ from tests.scenarios.point_mass import Wrong, point_mass_numbers
 
 SCENES = [name for name, own in SCENARIOS.items() if isinstance(next(iter(own.cases.values())), SceneMotion)]
 HOLDING = ("slope-hold", "stack-hold", "heavy-on-light", "grip", "held-while-shaken", "joint-hold", "arm-hold")
-SLIDING = ("slope-slide", "slide-to-stop", "conveyor")
+SLIDING = ("slope-slide", "slide-to-stop", "conveyor", "pushed-from-rest")
 
 
 def each_of(names):

@@ -5,70 +5,34 @@ import dataclasses
 import numpy as np
 import pytest
 
-from reference_lcp import (
-    Chain,
-    CompiledSimulation,
-    HarmonicBase,
-    Lane,
-    PeriodicOrbit,
-    State,
-    Trajectory,
-    periodic_orbits,
-)
+from reference_lcp import CompiledSimulation, Lane, PeriodicOrbit, State, periodic_orbits
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.anderson import StateScales
-
-STEPS = 400
+from tests.reference_lcp.steady.memory import STEPS, RememberingChain, chain_of, lanes_of
 
 UNIT = 1e-7
 """Size of the internal state: far below the displacement scale of 0.01 m, so that nothing but its own size shows it."""
 
-
-class WearingChain:
-    """A chain whose friction bound falls as its contacts wear, over some hundred periods.
-
-    The wear w of a lane, shape (lanes, 1), goes by a part `RATE` a period to where it stays, `UNIT`; μN is then
-    (1 − 0.8 w / UNIT) of what it was.
-    """
-
-    RATE = 0.02
-
-    def __init__(self, lanes: tuple[Lane, ...]):
-        self.lanes = lanes
-
-    def advance(self, state: State, start: int, steps: int) -> State:
-        return State.stack([trajectory.end for trajectory in self.run(state, start, steps)])
-
-    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
-        assert (start, steps) == (0, STEPS)
-        wear = np.zeros((len(self.lanes), 1)) if state.internal_state is None else state.internal_state
-        worn = [
-            dataclasses.replace(lane, chain=chain_of(lane.chain.cells, 0.3 * (1 - 0.8 * float(part[0]) / UNIT)))
-            for lane, part in zip(self.lanes, wear, strict=True)
-        ]
-        trajectories = CompiledSimulation(worn).run(State(state.positions, state.velocities), start, steps)
-        return [
-            dataclasses.replace(one, internal_state=part + self.RATE * (UNIT - part))
-            for one, part in zip(trajectories, wear, strict=True)
-        ]
-
-    def subset(self, lanes):
-        return type(self)(tuple(self.lanes[lane] for lane in lanes))
-
-    def close(self) -> None: ...
+RATE = 0.02
+"""Part of the way to where it stays that wear goes in a period."""
 
 
-def chain_of(cells: int, friction_ratio: float) -> Chain:
-    return Chain.from_ratios(cells=cells, friction_ratio=friction_ratio, damping_ratio=0.1, inner_damping_ratio=0.1)
+def wearing(*frequency_ratios: float) -> RememberingChain:
+    """A chain whose μN falls to a fifth as its contacts wear, over some hundred periods: by 1 − 0.8 w / UNIT."""
+
+    def worn(lane: Lane, wear: float) -> Lane:
+        return dataclasses.replace(lane, chain=chain_of(0.3 * (1 - 0.8 * wear / UNIT), 0.1))
+
+    return RememberingChain(lanes_of(*frequency_ratios), worn, lambda wear: wear + RATE * (UNIT - wear))
 
 
-def lanes_of(*frequency_ratios: float) -> tuple[Lane, ...]:
-    chain = chain_of(2, 0.3)
-    return tuple(Lane.periodic(chain, HarmonicBase.from_ratio(chain, eta), STEPS) for eta in frequency_ratios)
+def ever_wearing() -> RememberingChain:
+    """Wear that never ends, and does nothing: positions and velocities repeat, and wear does not."""
+    return RememberingChain(lanes_of(0.9), lambda lane, _: lane, lambda wear: wear + UNIT)
 
 
-def decibels_after(simulation: WearingChain, orbit: PeriodicOrbit, periods: int) -> float:
+def decibels_after(simulation: RememberingChain, orbit: PeriodicOrbit, periods: int) -> float:
     """Transmittance so many plain periods after an orbit."""
     state = orbit.trajectory.end
     for _ in range(periods):
@@ -78,7 +42,7 @@ def decibels_after(simulation: WearingChain, orbit: PeriodicOrbit, periods: int)
 
 def test_orbit_of_a_slow_law_is_the_one_that_plain_periods_end_at() -> None:
     """Wear of a fiftieth a period moves the chain by less and less; 500 periods leave e^-10 of it."""
-    simulation = WearingChain(lanes_of(0.9))
+    simulation = wearing(0.9)
     orbit = periodic_orbits(simulation, STEPS)[0]
     unworn = periodic_orbits(CompiledSimulation(simulation.lanes), STEPS)[0]
     assert orbit.converged
@@ -89,7 +53,7 @@ def test_orbit_of_a_slow_law_is_the_one_that_plain_periods_end_at() -> None:
 
 
 def test_lanes_of_a_slow_law_leave_the_batch_one_by_one() -> None:
-    simulation = WearingChain(lanes_of(0.6, 0.9, 1.4))
+    simulation = wearing(0.6, 0.9, 1.4)
     together = periodic_orbits(simulation, STEPS)
     for lane, orbit in enumerate(together):
         alone = periodic_orbits(simulation.subset([lane]), STEPS)[0]
@@ -98,27 +62,16 @@ def test_lanes_of_a_slow_law_leave_the_batch_one_by_one() -> None:
         assert decibel(transmittance(orbit)) == pytest.approx(decibel(transmittance(alone)), abs=1e-5)
 
 
-class EverWearingChain(WearingChain):
-    """Wear that never ends, and acts only once it is there: positions and velocities repeat, and wear does not."""
-
-    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
-        wear = np.zeros((len(self.lanes), 1)) if state.internal_state is None else state.internal_state
-        trajectories = CompiledSimulation(self.lanes).run(State(state.positions, state.velocities), start, steps)
-        return [
-            dataclasses.replace(one, internal_state=part + UNIT) for one, part in zip(trajectories, wear, strict=True)
-        ]
-
-
 def test_no_orbit_is_certified_while_internal_state_still_moves() -> None:
     """A unit a period is a part 1/p of how far p periods have taken it, however far mixing extrapolates it."""
-    orbit = periodic_orbits(EverWearingChain(lanes_of(0.9)), STEPS, max_periods=30, longest_multiple=1)[0]
+    orbit = periodic_orbits(ever_wearing(), STEPS, max_periods=30, longest_multiple=1)[0]
     assert orbit.status is OrbitStatus.PERIOD_LIMIT
     assert orbit.residual > 1 / 50
 
 
 def test_first_period_of_a_fresh_start_certifies_nothing() -> None:
     """Its start has no internal state that its end could be compared with, even where all masses are back."""
-    simulation = WearingChain(lanes_of(0.9))
+    simulation = wearing(0.9)
     unworn = periodic_orbits(CompiledSimulation(simulation.lanes), STEPS)[0].trajectory.end
     orbit = periodic_orbits(simulation, STEPS, start=unworn, max_periods=1, longest_multiple=1)[0]
     assert orbit.status is OrbitStatus.PERIOD_LIMIT
