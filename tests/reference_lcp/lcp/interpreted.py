@@ -12,8 +12,8 @@ LARGEST = 20
 
 
 def solved_collection():
-    """Solution, pivots, status and basis of every case, with two paths, one after the other in one array."""
-    results = [lemke(M, q, paths=2) for M, q in CASES.values() if q.size <= LARGEST]
+    """Solution, pivots, status and basis of every case, one after the other in one array."""
+    results = [lemke(M, q) for M, q in CASES.values() if q.size <= LARGEST]
     return np.concatenate(
         [np.concatenate([one.z, one.w, one.basic, [one.pivots, one.residual, hash_of(one.status)]]) for one in results]
     )
