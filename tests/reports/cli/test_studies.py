@@ -96,7 +96,7 @@ def test_accuracy_and_work_of_the_reference_are_those_of_its_scheme(tmp_path: Pa
 @pytest.mark.needs("rapier")
 def test_friction_map_writes_every_speed_and_angle_and_a_figure(tmp_path: Path, capsys, monkeypatch) -> None:
     """Rapier's friction is μ N at all of them."""
-    monkeypatch.setattr("multibody_xval.scenarios.studies.friction_map.SPEEDS", (1e-3, 0.1))
+    monkeypatch.setattr("multibody_xval.scenarios.catalogue.friction_map.SPEEDS", (1e-3, 0.1))
     outs = [tmp_path / f"map.{ending}" for ending in ("md", "csv", "svg")]
     assert run_command(app, ["run", "friction-map", "--engine=rapier", *(f"--out={out}" for out in outs)]) == 0
     assert "0.001 m/s" in capsys.readouterr().out
