@@ -1,44 +1,21 @@
-"""The linear limits against Bloch's theorem for the infinite chain and the closed form of the finite one."""
+"""The linear limits against Bloch's theorem for the infinite chain; `test_poles_and_zeros` has the finite one."""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_transmittance
-from reference_lcp import stuck_transmittance as stuck
 from reference_lcp.chain.linear_response import frictionless_response
-from tests.reference_lcp.cases import driven
 
 UNDAMPED = {"damping_ratio": 0.0}
 
 
-def wave_number(chain, omega, *, locked=False):
+def wave_number(chain, omega):
     """Complex Bloch wave number κ: cos κ = 1 − ω² m_eff / (2 k_c)."""
     outer, inner, stiffness = chain.outer_mass[0], chain.inner_mass[0], chain.chain_stiffness[0]
     resonator = chain.resonator_frequency**2
-    effective = outer + inner if locked else outer + inner * resonator / (resonator - omega**2)
+    effective = outer + inner * resonator / (resonator - omega**2)
     return np.arccos(1 - omega**2 * effective / (2 * stiffness) + 0j)
-
-
-def closed_form(chain, omega, *, locked=False):
-    """|U_n| / U0 of a chain of n cells with a free end: cos(κ/2) / cos((n + 1/2) κ)."""
-    kappa = wave_number(chain, omega, locked=locked)
-    return float(np.abs(np.cos(kappa / 2) / np.cos((chain.cells + 0.5) * kappa)))
-
-
-@pytest.mark.parametrize("cells", [1, 2, 7, 20])
-@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.83, 0.95, 1.05, 1.3, 1.5, 1.9, 2.4])
-def test_finite_chain_has_the_transmittance_of_its_closed_form(cells, ratio) -> None:
-    """In pass bands and in gaps; the transfer matrix of the finite chain (Al Ba'ba'a, Nouh, Singh 2017)."""
-    chain, drive = driven(ratio, cells=cells, mass_ratio=0.7, stiffness_ratio=0.6, **UNDAMPED)
-    exact = closed_form(chain, drive.angular_frequency)
-    assert frictionless_transmittance(chain, drive) == pytest.approx(exact, rel=1e-9)
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.95, 1.3, 1.9])
-def test_chain_of_locked_cells_is_a_chain_of_single_masses(ratio) -> None:
-    chain, drive = driven(ratio, **UNDAMPED)
-    assert stuck(chain, drive) == pytest.approx(closed_form(chain, drive.angular_frequency, locked=True), rel=1e-9)
 
 
 def test_band_edges_of_the_infinite_chain_bound_the_attenuation_of_a_long_one() -> None:
