@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import GRAVITY
 from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue.numbers import numbers
@@ -16,30 +15,23 @@ from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config, Run
 from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.store import Stored
+from tests.installed import each_engine
 
 EVERY = {**HELD_WHILE_SHAKEN.cases, **HELD_WHILE_SHAKEN.held_out}
 RECIPE = Config("mujoco", "contact", "recommended")
 SHAKER = Path(__file__).parents[2] / "reports" / "cli" / "probe_models" / "shaker.xml"
-FEW = SHAKER.with_name("stack20.xml")
 
 SHAKEN = [(0.0, 4, 120, 5e-4), (0.1, 3, 60, 1e-3), (0.1, 1, 14, 2e-3)]
 """Slope [rad], force [N] and frequency [Hz], time step [s]."""
 
 
-def pasted(model, without: str = "") -> None:
-    """Paste the recipe's lines in Python into a loaded model, but for those that set an attribute."""
-    import mujoco
-
-    lines = [own for line in recipe_text("mujoco").splitlines() if (own := line.strip()).startswith("model.")]
-    exec("\n".join(own for own in lines if not without or without not in own), {"model": model, "mujoco": mujoco})
-
-
 def drift(slope: float, force: float, frequency: float, step: float, without: str = "") -> float:
-    """Give the velocity of the box of the case in its second second, in plain MuJoCo [µm/s]."""
+    """Give the velocity of the box in its second second, in plain MuJoCo with the recipe's lines pasted [µm/s]."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_path(str(SHAKER))
-    pasted(model, without)
+    lines = [own for line in recipe_text("mujoco").splitlines() if (own := line.strip()).startswith("model.")]
+    exec("\n".join(own for own in lines if not without or without not in own), {"model": model, "mujoco": mujoco})
     model.opt.timestep = step
     model.opt.gravity[:] = GRAVITY * math.sin(slope), 0, -GRAVITY * math.cos(slope)
     data, way = mujoco.MjData(model), []
@@ -57,25 +49,6 @@ def test_pasted_recipe_holds_a_box_with_a_shaken_mass_and_without_its_tolerance_
     assert abs(drift(*shaken, "tolerance")) > 10
 
 
-@pytest.mark.needs("mujoco")
-def test_pasted_recipe_sets_the_iterations_that_a_model_has_too_few_of() -> None:
-    import mujoco
-
-    text, slips = FEW.read_text(encoding="utf-8").replace('iterations="20"', 'iterations="4"', 1), {}
-    for without in ("", "ls_iterations"):
-        model = mujoco.MjModel.from_xml_string(text)
-        pasted(model, without)
-        data, ways = mujoco.MjData(model), []
-        for step in range(1500):
-            mujoco.mj_step(model, data)
-            if step in (499, 1499):
-                ways.append(data.qpos.reshape(-1, 7)[:, :3].copy())
-        relative = np.diff(ways[1] - ways[0], axis=0, prepend=0)
-        slips[without] = 1e6 * np.max(np.linalg.norm(relative, axis=1)) / 2
-    assert slips[""] <= 0.2
-    assert slips["ls_iterations"] > 100
-
-
 @pytest.mark.slow
 @pytest.mark.needs("mujoco")
 def test_mujoco_s_recipe_holds_all_that_is_shaken_and_variations_that_it_was_not_found_with() -> None:
@@ -86,16 +59,15 @@ def test_mujoco_s_recipe_holds_all_that_is_shaken_and_variations_that_it_was_not
     assert table.value.max() < 0.25
 
 
-@pytest.mark.parametrize(
-    "name", ["box2d", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier", "sapien", "siconos"]
-)
+PUSHED = ["box2d", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier", "sapien", "siconos"]
+
+
+@pytest.mark.parametrize("name", each_engine(PUSHED))
 def test_force_above_the_bound_moves_the_box_in_every_engine_and_one_below_does_not(name) -> None:
     """So what is held was pushed: in half a period a force of 1.6 bounds moves a box, and does not tip it over.
 
     Engines do not bear each other in one process.
     """
-    if engine(name).unavailable_reason() is not None:
-        pytest.skip("not installed")
     cases = [replace(pushed(0.0, ((part, 5),)), time=0.1, settling=0.0) for part in (1.6, 0.5)]
     runs = [Run(Config(name, "contact", "default"), case, 100) for case in cases]
     ways = [np.max(np.abs(own.result.series["along"])) for own in computed(runs, Means())]

@@ -23,7 +23,6 @@ from reference_lcp.errors import ExitCode
 FLOATS = 1e-9
 """Largest distance of the event-driven motion from what is proven in amplitude, over that of the drive."""
 
-
 CASE = Case(friction_ratio=0.3, frequency_ratio=0.9)
 
 STILL = {Case(friction_ratio=0.0, frequency_ratio=1.0)}

@@ -34,10 +34,8 @@ def spectrum_of_pulse(chain, steps_per_period):
 
 
 @pytest.mark.parametrize(
-    ("friction_ratio", "theory"),
-    [(0.0, frictionless_transmittance), (20.0, stuck_transmittance)],
-    ids=["frictionless", "stuck"],
-)
+    ("friction_ratio", "theory"), [(0.0, frictionless_transmittance), (20.0, stuck_transmittance)]
+)  # fmt: skip
 def test_pulse_in_a_linear_chain_shows_the_transmittance_at_every_frequency(friction_ratio, theory) -> None:
     """The scheme is of first order: extrapolated from two step sizes, what is left is of second."""
     chain = Chain.from_ratios(cells=3, damping_ratio=0.1, inner_damping_ratio=0.05, friction_ratio=friction_ratio)
@@ -61,10 +59,9 @@ def test_noise_in_a_linear_chain_shows_the_transmittance_of_a_band() -> None:
     estimate = stationary_transmissibility(base, response, period / 20, 150 * 20)
     for lowest, highest in ((0.3, 0.6), (0.9, 1.35), (1.5, 2.0)):
         inside = (estimate.angular_frequency > lowest * omega) & (estimate.angular_frequency < highest * omega)
-        power = estimate.base_power[inside]
         lines = estimate.angular_frequency[inside]
         squares = [frictionless_transmittance(chain, HarmonicBase(0.01, line)) ** 2 for line in lines]
-        expected = decibel(np.sqrt(np.average(squares, weights=power)))
+        expected = decibel(np.sqrt(np.average(squares, weights=estimate.base_power[inside])))
         assert decibel(estimate.in_band(lowest * omega, highest * omega)) == pytest.approx(expected, abs=0.3)
 
 
@@ -76,21 +73,13 @@ def test_what_does_not_follow_the_base_is_left_out_of_h1() -> None:
     assert estimate.in_band(20.0, 200.0) == pytest.approx(0.5, rel=0.02)
 
 
-def test_band_without_power_has_no_number_and_one_without_lines_is_refused() -> None:
-    time = 0.01 * np.arange(2000)
-    base = np.where(time < 1, np.sin(np.pi * time) ** 2, 0.0)
-    estimate = transient_transmissibility(0 * base, base, 0.01)
+def test_band_without_power_has_no_number_and_what_gives_no_spectrum_is_refused() -> None:
+    still = np.zeros(2000)
+    estimate = transient_transmissibility(still, np.sin(0.01 * np.arange(2000)), 0.01)
     assert np.isnan(estimate.in_band(1.0, 10.0))
     with pytest.raises(ParameterError, match=r"holds 1 lines of the spectrum; allowed: at least 3"):
         estimate.in_band(1.0, 1.3)
-
-
-def test_motions_that_do_not_fit_together_are_refused() -> None:
     with pytest.raises(ParameterError, match=r"shapes \(5,\) and \(4,\); allowed: both"):
-        transient_transmissibility(np.zeros(5), np.zeros(4), 0.1)
-    with pytest.raises(ParameterError, match="time_step = 0 is outside its range"):
-        transient_transmissibility(np.zeros(5), np.zeros(5), 0.0)
+        transient_transmissibility(still[:5], still[:4], 0.1)
     with pytest.raises(ParameterError, match="segment = 60 of 100 samples; allowed: at most half"):
-        stationary_transmissibility(np.zeros(100), np.zeros(100), 0.1, 60)
-    with pytest.raises(ParameterError, match="response = nan"):
-        transient_transmissibility(np.zeros(5), np.full(5, np.nan), 0.1)
+        stationary_transmissibility(still[:100], still[:100], 0.1, 60)

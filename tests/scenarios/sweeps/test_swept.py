@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
-from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import REFERENCE, Case, Run, linear_limits
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import opened
@@ -19,19 +18,21 @@ from multibody_xval.scenarios.sweeps.file import sweep_of
 from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid, level, missing, resonances
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp import Chain, HarmonicBase, steady_state
+from tests.scenarios.in_this_process import result_of
 
-BENT = AdaptiveGrid(first=0.3, last=1.6, accuracy_db=0.5)
+pytestmark = pytest.mark.usefixtures("here")
 
 
-def free_db(eta: float) -> float:
-    """Level of the paper's chain without friction, in closed form."""
-    return 20 * math.log10(abs(linear_limits(Case(friction_ratio=0.0, frequency_ratio=eta))[0]))
+def free_db(eta: float, **chain: int | str) -> float:
+    """Level of a chain without friction, in closed form."""
+    return 20 * math.log10(abs(linear_limits(Case(friction_ratio=0.0, frequency_ratio=eta, **chain))[0]))
 
 
 @pytest.mark.parametrize("accuracy", [0.5, 2.0])
-def test_interpolated_curve_is_as_accurate_as_asked_and_asks_for_no_more(accuracy: float) -> None:
-    peaks, levels = resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)), dict[float, float]()
-    while new := missing(BENT.model_copy(update={"accuracy_db": accuracy}), peaks, levels):
+def test_interpolated_curve_is_as_accurate_as_asked(accuracy: float) -> None:
+    grid, levels = AdaptiveGrid(first=0.3, last=1.6, accuracy_db=accuracy), dict[float, float]()
+    peaks = resonances(Case(friction_ratio=0.0, frequency_ratio=1.0))
+    while new := missing(grid, peaks, levels):
         levels |= {eta: free_db(eta) for eta in new}
     eta = np.array(sorted(levels))
     between = np.concatenate([(3 * eta[1:] + eta[:-1]) / 4, (eta[1:] + 3 * eta[:-1]) / 4])
@@ -39,8 +40,6 @@ def test_interpolated_curve_is_as_accurate_as_asked_and_asks_for_no_more(accurac
     errors = curve(between) - [level(free_db(own)) for own in between.tolist()]
     assert np.abs(errors).max() <= 1.5 * accuracy
 
-
-pytestmark = pytest.mark.usefixtures("here")
 
 GRID = {"friction_ratio": [0.0, 0.3], "frequency_ratio": [0.5, 0.9, 1.5], "mass_ratio": [0.5, 1.0]}
 SWEEP = sweep_of({"engines": ["reference", "mujoco"], "grid": GRID, "chain": {"cells": 2}})
@@ -58,11 +57,9 @@ def data(here, store: Path) -> xr.Dataset:
 
 def test_without_friction_exact_values_are_those_of_the_linear_chain(data: xr.Dataset) -> None:
     for own in judged_table(data.sel(friction_ratio=0.0)).itertuples():
-        exact = linear_limits(own.case)[0]
-        assert own.exact_db == pytest.approx(20 * math.log10(abs(exact)), abs=1e-9)
+        assert own.exact_db == pytest.approx(20 * math.log10(abs(linear_limits(own.case)[0])), abs=1e-9)
         assert own.error_db == pytest.approx(own.transmittance_db - own.exact_db, abs=1e-9)
-        assert own.verdict == "agrees"
-        assert own.stuck == (0.0, 0.0)
+        assert (own.verdict, own.stuck) == ("agrees", (0.0, 0.0))
 
 
 def test_every_point_is_the_steady_state_at_its_place(data: xr.Dataset) -> None:
@@ -93,26 +90,20 @@ ADAPTIVE = sweep_of({
 })  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def adaptive(here, store: Path) -> xr.Dataset:
-    return swept(ADAPTIVE, Means(store=store))
+def test_adaptive_curves_are_right_between_their_points_and_come_back_out_of_the_store(here, store: Path) -> None:
+    """The frictionless curve, driven by a force, against the closed form; Euler's own error is part of it.
 
-
-def test_adaptive_curves_are_right_between_their_points(adaptive: xr.Dataset) -> None:
-    """The frictionless curve, driven by a force, against the closed form; Euler's own error is part of it."""
+    Points of other frequencies, such as those that band edges add, are not among them.
+    """
+    adaptive = swept(ADAPTIVE, Means(store=store))
     curve = adaptive.transmittance_db.sel(configuration="reference", friction_ratio=0.0).dropna("frequency_ratio")
     interpolated = PchipInterpolator(curve.frequency_ratio.values, [level(own) for own in curve.values])
     eta = np.linspace(0.52, 1.48, 24)
-    cases = [Case(friction_ratio=0.0, frequency_ratio=own, cells=2, drive="force") for own in eta.tolist()]
-    exact = [level(20 * math.log10(abs(linear_limits(case)[0]))) for case in cases]
+    exact = [level(free_db(own, cells=2, drive="force")) for own in eta.tolist()]
     assert np.abs(interpolated(eta) - exact).max() < 1.5
     assert float(adaptive.error_db.sel(friction_ratio=0.0).max()) < 0.5
-
-
-def test_an_adaptive_sweep_out_of_its_store_has_the_points_that_it_chose(adaptive: xr.Dataset, store: Path) -> None:
-    """Points of other frequencies, such as those that band edges add, are not among them."""
     xr.testing.assert_identical(stored_sweep(ADAPTIVE, store), adaptive)
     run = Run(REFERENCE, replace(ADAPTIVE.places[0].case, frequency_ratio=0.777), 400)
     with opened(store) as kept:
-        kept.add({run: run_batch([run])[0]})
+        kept.add({run: result_of(run)})
     assert 0.777 not in stored_sweep(ADAPTIVE, store).frequency_ratio.values
