@@ -24,7 +24,6 @@ class Wrong:
     """What a copy of Coulomb's law does otherwise."""
 
     friction: float = 1.0
-    normal: float = 1.0
     drift: float = 0.0
     """[m/s]."""
     fall: float = 0.0
@@ -43,7 +42,7 @@ class PointMass:
             self.start, self.belt = np.array(scene.places[-1]), np.array([scene.belt, 0.0, 0.0])
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
-                self.bound = wrong.friction * wrong.normal * scene.friction * GRAVITY * math.cos(scene.slope)
+                self.bound = wrong.friction * scene.friction * GRAVITY * math.cos(scene.slope)
         self.mass, self.pushed = scene.boxes[-1].mass if isinstance(scene, ContactScene) else 1.0, 0.0
         self.shaker = scene.shaker if isinstance(scene, ContactScene) else None
         self.inside, self.carried = np.zeros(2), self.shaker.mass if self.shaker else 0.0
@@ -52,7 +51,7 @@ class PointMass:
         self.box = isinstance(scene, ContactScene)
         self.way, self.velocity = np.full(3, wrong.fall), np.zeros(3)
         self.angle = self.spin = 0.0
-        self.braking = wrong.friction * wrong.normal * braking(scene, CORNERS) if self.box else 0.0
+        self.braking = wrong.friction * braking(scene, CORNERS) if self.box else 0.0
 
     def launch(self, velocity, spin) -> None:
         self.velocity, self.spin = self.axes @ velocity, spin

@@ -24,6 +24,7 @@ DECAY = ChainMotion(
     friction_ratio=(0.1, 0.2), cells=2, drive=StillBase(0.01), time=1.0, rows=50, recorded="decay", shape="stretched"
 )
 BLOCK = Block(mass=1.0, normal_force=9.8, stiffness=3.0)
+SHAKING = ShakingForce(1.0, 2.0, 0.1)
 SHAKEN = ContactScene(boxes=(Box(), Box(mass=2.0)), shaker=Shaker())
 
 CASES = [
@@ -31,7 +32,7 @@ CASES = [
     DECAY,
     BlockMotion(block=BLOCK, drive=Vibration(0.1, 0.01, 5.0), time=0.5, rows=50),
     ChainMotion(friction_ratio=0.1, drive=SweptSine(0.01, 1.0, 20.0, 3.0), time=3.0, rows=30),
-    BlockMotion(block=BLOCK, drive=ShakingForce(1.0, 2.0, 0.1), time=0.5, rows=50, static_ratio=1.5),
+    BlockMotion(block=BLOCK, drive=SHAKING, time=0.5, rows=50, static_ratio=1.5),
     ChainMotion(friction_ratio=0.1, drive=HarmonicForce(1.0, 2.0), time=3.0, rows=30, shape="stretched"),
     SceneMotion(scene=SHAKEN, time=1.0, shake=(Tone(force=1.0, frequency=2.0),)),
     *(case for scenario in SCENARIOS.values() for case in scenario.cases.values()),
@@ -67,6 +68,7 @@ def test_rows_of_motions_are_at_the_same_times_whatever_the_steps_and_other_step
 
 BAD: list[tuple[Callable[[], object], str]] = [
     (lambda: replace(DECAY, time=0.0), "time = 0"),
+    (lambda: BlockMotion(block=BLOCK, drive=SHAKING, time=0.5, rows=50, static_ratio=0.9).lane(200), "static_ratio"),
     (lambda: replace(STEADY, modulation=-1.0), "modulation = -1 "),
     (lambda: replace(STEADY, modulation=0.5, modulation_multiple=0), "modulation_multiple = 0 "),
     (lambda: replace(STEADY, modulation=0.5, modulation_phase=math.nan), "modulation_phase = nan "),

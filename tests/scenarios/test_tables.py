@@ -1,4 +1,4 @@
-"""Tables: in full for programs, rounded for people, cut off nowhere, and no text is obeyed; first compilations are said."""
+"""Tables: in full for programs, cut off nowhere for people, and no text is obeyed; first compilations are said."""
 
 import contextlib
 import csv

@@ -1,27 +1,18 @@
 """The command `sweep`: what it prints, writes and keeps, and how it ends."""
 
-import signal
-import sqlite3
-import subprocess
-import sys
-import time
-from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.model import Config, Run, failed
-from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps.dataset import read_dataset
 from multibody_xval.scenarios.sweeps.file import EXAMPLE, read_sweep
-from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp.errors import ExitCode
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -108,46 +99,3 @@ def test_a_failure_is_counted_shown_not_obeyed_and_kept_until_it_is_asked_for_ag
     assert "1 point" in capsys.readouterr().out
     assert run(failing, "--retry-failed") == ExitCode.DONE
     assert "1 point" not in capsys.readouterr().out
-
-
-LARGER = """
-engines = ["reference"]
-[grid]
-friction_ratio = [0.1, 0.3, 0.5]
-frequency_ratio = { first = 0.5, last = 1.5, points = 40 }
-cells = [1, 2, 3]
-"""
-
-
-def kept_in(store: Path) -> int:
-    """Results in a store; none in one that is not there so far."""
-    with suppress(sqlite3.Error), closing(sqlite3.connect(f"file:{store}?mode=ro", uri=True)) as kept:
-        return int(kept.execute("SELECT count(*) FROM results").fetchone()[0])
-    return 0
-
-
-def kill_with(command: list[str], store: Path, results: int) -> None:
-    """Start a sweep, and kill it once its store has so many results."""
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
-        end = time.monotonic() + 180
-        while kept_in(store) < results:
-            assert client.poll() is None, "the sweep ended before it could be killed"
-            assert time.monotonic() < end, "the sweep keeps nothing"
-            time.sleep(0.005)
-        client.kill()
-    assert client.returncode == -signal.SIGKILL, "the sweep had ended by itself"
-
-
-@pytest.mark.slow
-def test_a_sweep_that_is_killed_six_times_goes_on_and_ends_with_the_same_table(tmp_path: Path) -> None:
-    (tmp_path / "own.toml").write_text(LARGER)
-    file, store = str(tmp_path / "own.toml"), tmp_path / "killed.sqlite"
-    command = [sys.executable, "-m", "multibody_xval", "sweep", file, "--store", str(store), "--workers", "1"]
-    for _ in range(6):
-        kill_with(command, store, kept_in(store) + 1)
-    before = kept_in(store)
-    assert subprocess.run(command, capture_output=True, check=False).returncode == ExitCode.DONE
-    assert kept_in(store) > before
-    data = stored_sweep(read_sweep(Path(file)), store)
-    whole = swept(read_sweep(Path(file)), Means())
-    xr.testing.assert_identical(data.drop_vars("seconds"), whole.drop_vars("seconds"))

@@ -1,4 +1,4 @@
-"""A sweep as labelled arrays with units, in memory and in a file: read again as it was; what a stranger made is refused."""
+"""A sweep as labelled arrays with units, in memory and in a file: read again as it was; what others made is refused."""
 
 import json
 import random
@@ -78,7 +78,10 @@ def test_where_contacts_open_nothing_is_judged_in_a_dataset_either() -> None:
     grid = {"friction_ratio": [0.3], "frequency_ratio": [0.9], "modulation": [0.5, 1.5]}
     sweep = sweep_of({"engines": ["pybullet:contact"], "grid": grid, "chain": {"cells": 1}})
     again = judged_table(dataset(sweep, judged(points(now({run: failed("crashed") for run in sweep.runs()})))))
-    assert again[["modulation", "judged", "shares_scheme"]].to_numpy().tolist() == [[0.5, True, True], [1.5, False, False]]
+    assert again[["modulation", "judged", "shares_scheme"]].to_numpy().tolist() == [
+        [0.5, True, True],
+        [1.5, False, False],
+    ]
 
 
 def test_where_a_sweep_has_no_point_it_is_missing_and_a_tolerance_decides_instead_of_the_ruler(table) -> None:
@@ -101,7 +104,7 @@ SPOILT: dict[str, Callable[[xr.Dataset], Any]] = {
     "the data have no attribute 'sweep'": lambda data: data.drop_attrs(),
     "attribute 'sweep' of the data: .*; allowed": with_attribute("[" * 5000),
     "attribute 'sweep' of the data: engine = 'nope' is unknown": with_attribute(FOREIGN),
-    "not as a sweep gives them: .*exact_real.*; allowed: what multibody_xval.sweep": lambda data: data.drop_vars("exact_real"),
+    "not as a sweep gives them: .*exact_real.*; allowed: ": lambda data: data.drop_vars("exact_real"),
     "not as a sweep gives them: Unable to parse string": lambda data: data.assign(transmittance_db=data.status),
     "friction_ratio = -0.3": lambda data: data.assign_coords(friction_ratio=[-0.3, 0.1]),
     "engine = 'mujocko' is unknown": lambda data: data.assign_coords(configuration=["mujocko", "mujoco"]),

@@ -54,18 +54,10 @@ def test_a_scheme_of_first_order_agrees_with_its_own_step_and_not_with_a_finer_o
     assert alone.velocity_off.isna().all()
 
 
-@pytest.mark.parametrize("name", ["block-stops", "pushed-up-a-slope", "chain-steady-0.6-0.7"])
-def test_a_tenth_less_friction_fails(name, tmp_path):
-    problem = problem_named(name)
-    assert passes(problem, written(tmp_path, problem))
-    assert not passes(problem, written(tmp_path, problem, friction=0.9))
-
-
 def test_a_held_block_that_creeps_deviates_and_has_slid(tmp_path):
     problem = problem_named("block-held")
     file = tmp_path / "motion.csv"
-    lines = [f"{time},{1e-9 * time}" for time in problem.times]
-    file.write_text("\n".join(["time,x0", *lines]))
+    file.write_text("\n".join(["time,x0", *(f"{time},{1e-9 * time}" for time in problem.times)]))
     row = judged(problem, read_motion(file, problem)).iloc[0]
     assert (row.verdict, row.exact, row.motion) == ("deviates", "held", "slid")
     assert (row.position_off, row.position_time) == (1e-9, 1.0)
@@ -78,17 +70,21 @@ def test_a_held_block_that_creeps_deviates_and_has_slid(tmp_path):
         ("block-held", 1.0, ["held"]),
         ("block-breaks-away", 1.0, ["slid"]),
         ("block-stops", 1.0, ["stuck"]),
+        ("block-stops", 0.9, ["stuck"]),
+        ("pushed-up-a-slope", 0.9, None),
         ("slope-grid", 1.0, ["held", "held", "slid", "slid"] * 3),
         ("slope-grid", 1.1, ["held", "held", "held", "slid"] * 3),
         ("cell-let-go", 1.0, ["–", "stuck"]),
+        ("chain-steady-0.6-0.7", 0.9, None),
     ],
 )
-def test_what_a_body_does_is_held_slid_or_stuck(name, friction, states, velocities, tmp_path):
+def test_what_a_body_does_is_held_slid_or_stuck_and_a_tenth_of_friction_is_found(
+    name, friction, states, velocities, tmp_path
+):
     problem = problem_named(name)
-    file = written(tmp_path, problem, velocities=velocities, friction=friction)
-    found = judged(problem, read_motion(file, problem))
-    assert found.motion.tolist() == states
-    assert (found.exact.tolist() == states) == (friction == 1)
+    found = judged(problem, read_motion(written(tmp_path, problem, velocities=velocities, friction=friction), problem))
+    assert states is None or found.motion.tolist() == states
+    assert (found.verdict == "agrees").all() == (friction == 1)
     assert (found.verdict[found.motion != found.exact] == "deviates").all()
 
 
@@ -97,7 +93,6 @@ def test_what_a_body_does_is_held_slid_or_stuck(name, friction, states, velociti
     [
         ("", r"columns of .*motion.csv = '' lack time; allowed: 'time, x0'"),
         ("time,x0\n0.1,nan", r"line 2 of motion.csv = '0.1,nan'; allowed: a finite number a column"),
-        ("time,x0\n0.1,0\n0.2", r"line 3 of motion.csv = '0.2'"),
         ("time,x0\n0.2,0\n0.1,0", r"2 that do not rise; allowed: two or more"),
         ("time,x0\n0.1,0\n0.2,0", r"no row at 0.3 s, but 2 from 0.1 to 0.2 s; allowed: one at each of the problem's"),
     ],
