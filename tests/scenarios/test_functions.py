@@ -1,8 +1,6 @@
 """What a notebook writes: `sweep` and `check`, with lists and arrays, and mistakes that cost no time."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -23,26 +21,6 @@ GIVEN = {
     "a force": ({"chain": {"cells": 2}, "drive": "force", "amplitude": 5.0}, {"cells": 2}),
 }
 """What a sweep is given, and the chain of its last point."""
-
-SCRIPT = """\
-from multibody_xval import band_edges, check, plot, sweep
-
-data = sweep(["reference", "mujoco"], friction_ratio=[0.1, 0.3], frequency_ratio=(0.6, 1.2, 3), store="kept.sqlite")
-edges = band_edges(data, store="kept.sqlite")
-table = check("static-hold", engines=["mujoco"], store="kept.sqlite")
-plot(data, "curves.pdf")
-print(len(edges), set(data.verdict.values.ravel().tolist()), set(table.verdict))
-"""
-
-
-@pytest.mark.slow
-def test_script_without_a_main_guard_sweeps_checks_and_draws(tmp_path: Path) -> None:
-    (tmp_path / "script.py").write_text(SCRIPT)
-    command = [sys.executable, "script.py"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "8 {'agrees'} {'agrees'}\n"
-    assert (tmp_path / "curves.pdf").stat().st_size > 1e4
 
 
 @pytest.mark.parametrize("name", GIVEN)
@@ -75,22 +53,14 @@ def test_check_gives_a_row_a_number_and_keeps_the_results(tmp_path: Path, monkey
     pd.testing.assert_frame_equal(table, check("static-hold", ["mujoco"], workers=1, store=store))
 
 
-CHECK = {"scenario": "static-hold", "engines": "mujoco"}
-SWEEP = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9}
+SWEEP = {"friction_ratio": 0.3, "frequency_ratio": 0.9}
 
 
 @pytest.mark.parametrize(
     ("function", "arguments", "message"),
     [
-        (
-            check,
-            {"scenario": "static-hole"},
-            "scenario = 'static-hole' is unknown; allowed: .*did you mean static-hold?",
-        ),
+        (check, {"scenario": "static-hole"}, "scenario = 'static-hole' is unknown; .* did you mean static-hold?"),
         (check, {"engines": []}, "engines = []; allowed: a name, or a list of names"),
-        (check, {"workers": 0}, "workers"),
-        (sweep, {"engines": "mojuco"}, "mojuco"),
-        (sweep, {"friction_ratio": -0.1}, "friction_ratio = -0.1"),
         (
             sweep,
             {"chain": {"masratio": 1.0}},
@@ -100,14 +70,13 @@ SWEEP = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9}
         (sweep, {"friction_ratio": (0.1, 0.3)}, "(0.1, 0.3) is a tuple; allowed: [0.1, 0.3] for these values"),
         (sweep, {"workers": 2, "scheduler": "tcp://127.0.0.1:1"}, "workers = 2 with a scheduler; allowed: one of"),
         (sweep, {"time_limit": 0.0}, "time_limit = 0"),
-        (sweep, {"amplitude": -1.0}, "drive.amplitude = -1.0"),
         (sweep, {"store": "a\x00b"}, "is no path"),
-        (sweep, {"store": ""}, "store = '' is empty; allowed: a path"),
         (check, {"store": " "}, "store = ' ' is empty; allowed: a path"),
     ],
 )
 def test_mistake_is_named_before_any_work(function, arguments, message, monkeypatch: pytest.MonkeyPatch) -> None:
     missing = "multibody_xval.scenarios.running.evaluate.run_missing"
     monkeypatch.setattr(missing, lambda *_, **__: pytest.fail("computed"))
+    usual = {"engines": "mujoco", **({"scenario": "static-hold"} if function is check else SWEEP)}
     with pytest.raises(ParameterError, match=re.escape(message).replace(r"\.\*", ".*")):
-        function(**(CHECK if function is check else SWEEP) | arguments)
+        function(**usual | arguments)

@@ -11,9 +11,7 @@ from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.catalogue import edge_proofs, proofs
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.edges.finding import curves, hidden
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Result, Run, linear_limits
-from multibody_xval.scenarios.report_plan import grid
+from multibody_xval.scenarios.model import EXACT, Case, linear_limits
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.ruler.exact_values import exact_values, ruler
 from multibody_xval.scenarios.ruler.proven import proven, proven_levels
@@ -54,22 +52,6 @@ def test_this_days_part_of_the_table_is_proven_again() -> None:
 def test_every_standard_point_is_proven_and_none_is_left_out_for_longer_than_a_week() -> None:
     every = {case for day in range(DAYS) for case in due(day)}
     assert every == set(proofs.standard_cases()) == {*proven_levels(), *STILL}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("quick", [True, False])
-def test_every_point_of_a_report_is_a_standard_one(quick: bool) -> None:
-    """Also those that are added where a curve runs close to the threshold."""
-    runs = [Run(REFERENCE, case, case.steps()) for case in grid(quick)]
-    known: dict[Run, Result] = {}
-    while runs:
-        known.update(zip(runs, run_batch(runs), strict=True))
-        table = points(Stored(run, "1", own) for run, own in known.items())
-        near = [replace(curve.case, frequency_ratio=eta) for curve in curves(table) for eta in hidden(curve)]
-        added = [Run(REFERENCE, case, case.steps()) for case in near]
-        runs = [run for run in added if run not in known]
-    lacking = {run.case for run in known} - set(proven())
-    assert lacking == STILL
 
 
 @pytest.mark.slow
