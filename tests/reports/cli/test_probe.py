@@ -148,26 +148,6 @@ def test_time_in_which_friction_stops_a_joint_is_given_by_line_beside_the_exact_
     assert any(note.startswith("noslip_iterations stops joint h late") for note in found["notes"])
 
 
-GRIP = [str(MODELS / "grip.xml")]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "rows", "message"),
-    [
-        ([*GRIP, "--ctrl", "c.csv"], "0,1\n", "ctrl = 'c.csv', line 1: 2 columns; allowed: 3, time and 2 controls"),
-        ([*GRIP, "--ctrl", "c.csv"], "0,1,1\n1,1,a\n", "line 2: 'a' is no finite number"),
-        ([*GRIP, "--ctrl", "c.csv"], "time,a,b\n", "ctrl = 'c.csv' has 0 rows of numbers; allowed: 1 or more"),
-        ([*GRIP, "--keyframe", "x"], "", "keyframe = 'x' is unknown; allowed: grasp, none"),
-        ([*GRIP, "--free"], "", "free = True needs a URDF"),
-        (["none.xml", "--time", "0"], "", "time = 0 is outside its range; allowed: > 0"),
-    ],
-)
-def test_wrong_input_is_refused_in_one_line(capsys, tmp_path, monkeypatch, arguments, rows, message) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "c.csv").write_text(rows)
-    assert message in refused(capsys, *arguments)
-
-
 EXPLODES = (
     '<body><joint type="slide" stiffness="1e12" ref="1"/><inertial pos="0 0 0" mass="1e-6" diaginertia="1 1 1"/></body>'
 )

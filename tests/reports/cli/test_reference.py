@@ -8,7 +8,6 @@ import pytest
 
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.reference import app
-from reference_lcp.errors import ExitCode
 from reference_lcp.exact.proof import prove
 from tests.reference_lcp.cases import EXACT_DB
 
@@ -47,24 +46,6 @@ def test_no_steady_state_within_the_periods_is_exit_code_1_and_a_period_is_drawn
     assert (code, json.loads(out)["status"]) == (1, "period limit")
     assert run(capsys, "--cells", "3", "--plot", str(tmp_path / "period.png"))[0] == 0
     assert (tmp_path / "period.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--steps-per-period", "15", "--solver", "exact"], ["steps_per_period = 15 ", ">= 16"]),
-        (["--plot", "/nowhere/at/all.png"], ["/nowhere/at does not exist"]),
-        (["--frequency"], ["--frequency"]),
-        (["coverage"], ["coverage"]),
-    ],
-)
-def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words) -> None:
-    """Those that `test_mistakes.py` has not."""
-    code, out, err = run(capsys, *arguments)
-    assert (code, out) == (ExitCode.WRONG_INPUT, "")
-    assert err.startswith("error: ")
-    assert err.count("\n") == 1
-    assert all(word in err for word in words)
 
 
 def test_error_bar_and_exact_value_are_printed(capsys) -> None:

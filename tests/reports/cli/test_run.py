@@ -126,31 +126,6 @@ def test_a_measured_preset_fails_where_it_was_named_and_often_crashes_and_is_nev
     assert Path("measured.md").read_text(encoding="utf-8").startswith("## Scenarios: nothing judged\n")
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("unit-sell", "No such command 'unit-sell'. Did you mean 'unit-cell'"),
-        ("two-points accuracy", "two-points with accuracy; allowed: scenarios together, or accuracy alone"),
-        ("accuracy two-points", "accuracy with two-points; allowed: scenarios together, or accuracy alone"),
-        ("two-points unit-sell", "scenario = 'unit-sell' is unknown; allowed: .* did you mean unit-cell?"),
-        ("two-points --out missing/numbers.md", "the folder missing does not exist"),
-        ("two-points --series rows.csv", "--series = rows.csv without --store; allowed: with a store"),
-        ("two-points --store s.sqlite --series rows.md", "--series = rows.md has the ending '.md'; allowed: .csv"),
-        ("two-points --no-run", "--no-run without --store"),
-        ("two-points --no-run --store none.sqlite", "store none.sqlite is no file"),
-        ("unit-cell --no-run --store s.sqlite", "store s.sqlite holds no results of unit-cell; allowed: "),
-    ],
-)
-def test_wrong_input_is_one_line_before_any_work(capsys, monkeypatch, words, message) -> None:
-    missing = "multibody_xval.scenarios.running.evaluate.run_missing"
-    monkeypatch.setattr(missing, lambda *_, **__: pytest.fail("computed"))
-    write_store(Path("s.sqlite"), SOUND)
-    assert run_command(app, ["run", *words.split()]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert all(part in error for part in message.split(".* "))
-
-
 @pytest.mark.parametrize(("options", "kept"), [((), "nothing is kept"), (("--store=k.sqlite",), "results are kept in")])
 def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept) -> None:
     def interrupted(*_: object, **__: object) -> None:

@@ -295,24 +295,3 @@ def test_exact_transmittance_is_that_of_the_same_periods_from_rest() -> None:
 def test_header_of_figure_3_says_that_it_begins_at_rest() -> None:
     text = script(checked("mujoco:joint:tuned", "figure3"), NUMBER)
     assert "the last of 30 periods from rest" in " ".join(text.splitlines()[:8])
-
-
-def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> None:
-    with pytest.raises(ParameterError, match=r"reference has no reproducer; allowed: .*mujoco:joint.*pybullet:contact"):
-        checked("reference", "static-hold")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("mujoco", "free-decay"), "scenario = 'free-decay'.*static-hold"),
-        (("mujoco", "static-hold", "2 kg"), "case = '2 kg'.*1 kg, load 0.99"),
-        (("mujoco", STATIC), r"static_ratio = 1\.5: mujoco cannot set static friction of its own"),
-        (("mujoko", "static-hold"), "mujoko"),
-        (("rapier:joint:native", "static-hold"), "rapier:joint:native has no reproducer"),
-        (("mujoco:noslip_iterations=3", "static-hold"), "mujoco:noslip_iterations=3 has no reproducer"),
-    ],
-)
-def test_what_cannot_be_shown_is_named_with_what_can(arguments, message) -> None:
-    with pytest.raises(ParameterError, match=message):
-        checked(*arguments)

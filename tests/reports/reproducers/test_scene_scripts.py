@@ -5,8 +5,6 @@ import pytest
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import GENERAL
-from multibody_xval.reports.cli.ending import run_command
-from multibody_xval.reports.cli.reproduce import app
 from multibody_xval.reports.reproducers.questions import SHOWN
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, script
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
@@ -148,20 +146,3 @@ def test_a_server_s_scene_is_read_without_its_engine() -> None:
     text = script(checked("siconos:contact:default", "conveyor"), NUMBER)
     assert "import siconos.kernel as kernel" in text
     assert "apt install python3-siconos" in " ".join(text.split())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["reference", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
-        (["mujoco:contact:tuned", "slope-hold"], "preset = tuned is for the chain"),
-        (["mujoco:joint:default", "slope-hold"], "formulation = joint; allowed in this scene: contact"),
-        (["mujoco:contact:default", "slope-hold", "load 2"], "case = 'load 2' is unknown; allowed: load 0.1"),
-        (["mujoco:contact:default", "slope-holt"], "scenario = 'slope-holt' is unknown"),
-    ],
-)
-def test_what_cannot_be_shown_is_named_with_what_can(capsys, arguments, message) -> None:
-    assert run_command(app, arguments) == 2
-    printed = capsys.readouterr().err
-    assert message in printed
-    assert printed.count("\n") == 1

@@ -1,4 +1,4 @@
-"""Every scenario: what it says, the runs that it plans, and numbers of a box on a slope made by hand."""
+"""Every scenario: what it says, and numbers of a box on a slope made by hand; runs that scenarios and reports plan."""
 
 import re
 from dataclasses import replace
@@ -9,8 +9,10 @@ from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.motion_tables import series
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenes import scene
-from multibody_xval.scenarios.model import REFERENCE, Config, Result, Status
+from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status
+from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, grid, report_runs
 from multibody_xval.scenarios.result_tables import full_name
+from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.store import Stored
 from tests.scenarios.in_this_process import OTHER
@@ -70,3 +72,15 @@ def test_every_scenario_plans_the_runs_of_its_ruler_and_says_what_it_asks() -> N
         names = [quantity.name for quantity in scenario.quantities]
         assert len(set(names)) == len(names) > 0
         assert len(set(scenario.cases.values())) == len(scenario.cases) > 0
+
+
+def test_every_preset_is_measured_at_the_headline_points_and_joints_on_the_grid_with_the_ruler() -> None:
+    tuned, contact = Config("mujoco"), Config("mujoco", "contact")
+    restless = replace(contact, preset_name="default")
+    runs = report_runs([tuned, contact, restless], quick=True)
+    of = {own: [run for run in runs if run.config == own] for own in (tuned, contact, restless)}
+    assert of[contact] == [Run(contact, case, HEADLINE_STEPS) for case in HEADLINE]
+    assert len(of[tuned]) == len(HEADLINE) + len(grid(True))
+    assert of[restless] == [Run(restless, HEADLINE[0], HEADLINE_STEPS)], "it is known not to settle"
+    assert set(ruler((run.case, run.steps) for run in of[tuned])) <= set(runs)
+    assert len(runs) == len(set(runs))

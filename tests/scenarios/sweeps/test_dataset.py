@@ -2,6 +2,7 @@
 
 import json
 import random
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ from multibody_xval.scenarios.sweeps.dataset import (
     write_dataset,
 )
 from multibody_xval.scenarios.sweeps.file import sweep_of
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, RunError
 from tests.scenarios.in_this_process import result_of
 
 SWEEP = sweep_of({
@@ -177,3 +178,20 @@ def test_a_damaged_dataset_is_refused_or_read(file: Path, tmp_path: Path) -> Non
             refused.append(str(problem))
     assert len(refused) > 6
     assert {len(message.splitlines()) for message in refused} == {1}
+
+
+@pytest.mark.parametrize("ending", [".nc", ".csv"])
+def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(data: xr.Dataset, tmp_path: Path, ending: str) -> None:
+    """A limit on the size of files stands for the disk."""
+    file = tmp_path / f"old{ending}"
+    file.write_bytes(kept := b"what was there before")
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, old[1]))
+    try:
+        with pytest.raises(RunError, match=r"cannot be written: .*; it is as it was"):
+            write_dataset(data, file)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    assert (list(tmp_path.iterdir()), file.read_bytes()) == ([file], kept)
+    write_dataset(data, file)
+    assert file.stat().st_size > 100
