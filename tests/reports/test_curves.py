@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
@@ -46,11 +45,10 @@ def test_a_point_without_a_steady_state_is_a_gap_and_its_neighbours_are_seen(dat
         ("missing/figure.pdf", 1, "the folder .*missing does not exist"),
         ("figure.gif", 1, "the ending '.gif'; allowed: .pdf, .svg, "),
         ("figure.pdf", 13, "26 cases; allowed: 1 to 24, such as"),
-        ("figure.pdf", 0, "data is a DataFrame; allowed: the dataset of a sweep"),
     ],
 )
 def test_a_figure_that_cannot_be_drawn_is_refused_before_it_is_written(data, tmp_path, name, cases, message) -> None:
     many = [data.assign_coords(friction_ratio=data.friction_ratio + k) for k in range(cases)]
     with pytest.raises(ParameterError, match=message):
-        plot(xr.concat(many, "friction_ratio") if many else pd.DataFrame(), tmp_path / name)
+        plot(xr.concat(many, "friction_ratio"), tmp_path / name)
     assert not list(tmp_path.iterdir())

@@ -14,7 +14,7 @@ from multibody_xval.scenarios.cases.scene_motion import SceneMotion, Tone
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.compute.scenes import followed
-from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
+from multibody_xval.scenarios.model import REFERENCE, Case, Run, Status
 from reference_lcp.chain.drives import HarmonicForce, ShakingForce, StillBase, Vibration
 from reference_lcp.chain.transient import RecordedBase, SweptSine
 from reference_lcp.errors import ParameterError
@@ -107,9 +107,3 @@ def test_ways_of_a_box_count_from_where_it_has_settled() -> None:
     assert np.allclose(result.series["along"], [0.001, 0.003])
     assert result.series["from the start"] == pytest.approx((0.004, 0.0, 0.0), abs=1e-12)
     assert result.series["time"] == (0.5, 1.0)
-
-
-def test_a_preset_of_the_chain_has_no_scenes() -> None:
-    (result,) = run_batch([Run(Config("mujoco", "contact"), SceneMotion(scene=ContactScene(), time=1.0), 100)])
-    assert result.status is Status.UNSUPPORTED
-    assert result.reason == "preset = tuned is for the chain; allowed in scenes: default, recommended"

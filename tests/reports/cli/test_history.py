@@ -87,7 +87,6 @@ def test_a_second_command_runs_only_versions_that_are_missing(uv) -> None:
     ("answer", "reason"),
     [
         ((1, "", "ImportError: libGL.so.1"), "fails: ImportError: libGL.so.1"),
-        ((0, "", ""), "fails: No columns to parse from file"),
         ((0, "time,x0,v0\n0.1,0,0\n0.5,0,0\n", ""), "fails: the motion has no row at 0.2 s"),
     ],
 )

@@ -9,7 +9,6 @@ import pytest
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.scenes import scene
 from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, UNIFORM
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
@@ -96,13 +95,3 @@ def test_box_drifts_in_mujoco_as_one_writes_it_and_hardly_with_the_recipe(preset
     few = replace(hold, cases={name: hold.cases[name] for name in ("load 0.1", "load 0.9")})
     table = judged(few, Config("mujoco", "contact", preset))
     assert least < table.value[table.quantity == "drift"].max() < most
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_every_engine_runs_every_scene_at_its_own_time_step(name) -> None:
-    """A whole number of steps of that size fits into each motion."""
-    for own in engine_names():
-        for label, run in SCENARIOS[name].own_runs(Config(own, "contact", "default")).items():
-            millisecond = label.split(", ")[-1].removesuffix(" ms")
-            aim = engine(own).scene_step if label.endswith("own step") else float(millisecond) / 1e3
-            assert scene.time_step(run) == pytest.approx(aim, rel=1e-12)

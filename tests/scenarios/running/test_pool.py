@@ -20,7 +20,7 @@ DEADLY, OTHERS = 0.5, (0.6, 0.9)
 """Frequency ratio at which the engines of this family fail, and some at which they do not."""
 
 STEPS = 100
-LIMIT = 5.0
+LIMIT = 3.0
 """Time limit of a run that hangs [s]."""
 
 PATIENT = 60.0
