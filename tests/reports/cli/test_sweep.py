@@ -1,5 +1,6 @@
 """The command `sweep`: what it prints, writes and keeps, and how it ends."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,8 +27,6 @@ frequency_ratio = [0.6, 1.5]
 [chain]
 cells = 2
 """
-
-HOSTILE = "\x1b[2J\u202e\n[red]=1+1"
 
 
 def run(folder: Path, *options: str) -> int:
@@ -77,25 +76,19 @@ def test_out_of_the_store_nothing_is_run_and_the_same_is_written(done: Path, mon
     assert cells(capsys.readouterr().out)["mujoco"][:3] == ["4", "0", "2"], "agrees, deviates, not run"
 
 
-@pytest.fixture
-def failing(done: Path, tmp_path: Path) -> Path:
-    """A store in which one run of MuJoCo has failed, with a reason that a terminal or a spreadsheet would obey."""
-    (tmp_path / "own.toml").write_text(SWEEP)
-    (tmp_path / "own.sqlite").write_bytes((done / "own.sqlite").read_bytes())
+def test_a_failure_is_counted_shown_not_obeyed_and_kept_until_it_is_asked_for_again(done, tmp_path, capsys) -> None:
+    """With a reason that a terminal or a spreadsheet would obey."""
+    for name in ("own.toml", "own.sqlite"):
+        shutil.copy(done / name, tmp_path)
     case = replace(read_sweep(tmp_path / "own.toml").places[1].case, frequency_ratio=1.5)
     with opened(tmp_path / "own.sqlite") as store:
-        store.add({Run(Config("mujoco"), case, case.steps(400)): failed(HOSTILE)})
-    return tmp_path
-
-
-def test_a_failure_is_counted_shown_not_obeyed_and_kept_until_it_is_asked_for_again(failing: Path, capsys) -> None:
-    assert run(failing, "--no-run", "--out", str(failing / "own.csv")) == ExitCode.DONE
+        store.add({Run(Config("mujoco"), case, case.steps(400)): failed("\x1b[2J\u202e\n[red]=1+1")})
+    assert run(tmp_path, "--no-run", "--out", str(tmp_path / "own.csv")) == ExitCode.DONE
     printed = capsys.readouterr().out
     assert "mujoco: 1 point: \\x1b[2J\\u202e\\n[red]=1+1" in printed.replace("\n", "")
     assert printed.splitlines()[-1].endswith("none deviates. 1 have no verdict.")
-    for text in (printed, (failing / "own.csv").read_text()):
+    for text in (printed, (tmp_path / "own.csv").read_text()):
         assert not {"\x1b", "\u202e"} & set(text)
-    assert run(failing) == ExitCode.DONE
-    assert "1 point" in capsys.readouterr().out
-    assert run(failing, "--retry-failed") == ExitCode.DONE
-    assert "1 point" not in capsys.readouterr().out
+    for options, shown in (([], True), (["--retry-failed"], False)):
+        assert run(tmp_path, *options) == ExitCode.DONE
+        assert ("1 point" in capsys.readouterr().out) == shown
