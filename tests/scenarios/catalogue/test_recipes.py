@@ -1,15 +1,11 @@
 """Recipes: what they hold while it is shaken, that they spoil no other scene, and the options that a study finds."""
 
-import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from multibody_xval.engines.interface.scene import GRAVITY
-from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.recipes import spoilt, study
@@ -21,34 +17,6 @@ from tests.scenarios.in_this_process import judged
 
 EVERY = {**HELD_WHILE_SHAKEN.cases, **HELD_WHILE_SHAKEN.held_out}
 RECIPE = Config("mujoco", "contact", "recommended")
-SHAKER = Path(__file__).parents[2] / "reports" / "cli" / "probe_models" / "shaker.xml"
-
-SHAKEN = [(0.0, 4, 120, 5e-4), (0.1, 3, 60, 1e-3), (0.1, 1, 14, 2e-3)]
-"""Slope [rad], force [N] and frequency [Hz], time step [s]."""
-
-
-def drift(slope: float, force: float, frequency: float, step: float, without: str = "") -> float:
-    """Give the velocity of the box in its second second, in plain MuJoCo with the recipe's lines pasted [µm/s]."""
-    import mujoco
-
-    model = mujoco.MjModel.from_xml_path(str(SHAKER))
-    lines = [own for line in recipe_text("mujoco").splitlines() if (own := line.strip()).startswith("model.")]
-    exec("\n".join(own for own in lines if not without or without not in own), {"model": model, "mujoco": mujoco})
-    model.opt.timestep = step
-    model.opt.gravity[:] = GRAVITY * math.sin(slope), 0, -GRAVITY * math.cos(slope)
-    data, way = mujoco.MjData(model), []
-    for _ in range(round(2 / step)):
-        data.ctrl[0] = force * math.sin(2 * math.pi * frequency * data.time)
-        mujoco.mj_step(model, data)
-        way.append(data.qpos[0])
-    return 1e6 * (way[-1] - way[len(way) // 2])
-
-
-@pytest.mark.needs("mujoco")
-@pytest.mark.parametrize("shaken", SHAKEN)
-def test_pasted_recipe_holds_a_box_with_a_shaken_mass_and_without_its_tolerance_it_drifts(shaken) -> None:
-    assert abs(drift(*shaken)) < 0.25
-    assert abs(drift(*shaken, "tolerance")) > 10
 
 
 @pytest.mark.slow

@@ -81,14 +81,6 @@ def test_what_falls_at_once_and_rests_is_found(name) -> None:
 
 
 @pytest.mark.needs("mujoco")
-def test_mujoco_s_joint_drifts_by_its_own_law() -> None:
-    """A (1 − d_0) / d_0 · load · d_max τ / 2, with its own d_0 = 0.9, d_max = 0.95 and τ = 20 ms."""
-    for own in judged(SCENARIOS["joint-hold"], Config("mujoco", "joint", "default")).itertuples():
-        load = float(own.case.split("load ")[1].split(",")[0]) * (1.0 if "hinge" in own.case else 5.0)
-        assert own.value == pytest.approx(1e6 * (1 - 0.9) / 0.9 * load * 0.95 * 0.02 / 2, rel=1e-5)
-
-
-@pytest.mark.needs("mujoco")
 @pytest.mark.parametrize(("preset", "least", "most"), [("default", 1000, 1e4), ("recommended", 0.1, 0.5)])
 def test_box_drifts_in_mujoco_as_one_writes_it_and_hardly_with_the_recipe(preset, least, most) -> None:
     hold = SCENARIOS["slope-hold"]

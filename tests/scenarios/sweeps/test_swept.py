@@ -13,7 +13,6 @@ from multibody_xval.scenarios.model import REFERENCE, Case, Run, linear_limits
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps import swept as module
-from multibody_xval.scenarios.sweeps.dataset import judged_table
 from multibody_xval.scenarios.sweeps.file import sweep_of
 from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid, level, missing, resonances
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
@@ -53,13 +52,6 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def data(here, store: Path) -> xr.Dataset:
     return swept(SWEEP, Means(store=store))
-
-
-def test_without_friction_exact_values_are_those_of_the_linear_chain(data: xr.Dataset) -> None:
-    for own in judged_table(data.sel(friction_ratio=0.0)).itertuples():
-        assert own.exact_db == pytest.approx(20 * math.log10(abs(linear_limits(own.case)[0])), abs=1e-9)
-        assert own.error_db == pytest.approx(own.transmittance_db - own.exact_db, abs=1e-9)
-        assert (own.verdict, own.stuck) == ("agrees", (0.0, 0.0))
 
 
 def test_every_point_is_the_steady_state_at_its_place(data: xr.Dataset) -> None:

@@ -68,24 +68,20 @@ def test_chains_move_as_the_event_driven_chain_does(name):
 
 
 @pytest.mark.parametrize("case", OPERATING_POINTS, ids=lambda case: case.title)
-def test_transmittance_and_phase_are_those_of_the_table_of_proofs(case):
-    problem, level = (
-        problem_named(f"chain-steady-{case.friction_ratio:g}-{case.frequency_ratio:g}"),
-        proven_levels()[case],
-    )
-    found = problem.observables
-    assert len(problem.transitions) == level.events
+def test_transmittance_phase_and_transitions_are_those_that_are_proven(case):
+    problem = problem_named(f"chain-steady-{case.friction_ratio:g}-{case.frequency_ratio:g}")
+    found, level = problem.observables, proven_levels()[case]
     for name, value in (("transmittance", level.transmittance_db), ("phase", level.phase)):
         assert abs(Decimal(found[name].value) - value) <= Decimal(found[name].radius) + Decimal("1e-20")
-
-
-def test_contacts_stick_and_slip_when_a_proof_says_so():
-    found = problem_named("chain-steady-1-1.2").transitions
-    proven = prove(exact_chain(OPERATING_POINTS[-1])).transitions
-    assert [(own.contact, own.kind) for own in found] == [(own.cell - 1, str(own.kind)) for own in proven]
-    for own, other in zip(found, proven, strict=True):
-        apart = abs(Decimal(own.time.value) - Decimal(str(other.time_over_period.value)))
-        assert apart <= Decimal(own.time.radius) + Decimal(str(other.time_over_period.radius))
+    assert len(problem.transitions) == level.events
+    if case == OPERATING_POINTS[-1]:
+        proven = prove(exact_chain(case)).transitions
+        assert [(own.contact, own.kind) for own in problem.transitions] == [
+            (own.cell - 1, str(own.kind)) for own in proven
+        ]
+        for own, other in zip(problem.transitions, proven, strict=True):
+            apart = abs(Decimal(own.time.value) - Decimal(str(other.time_over_period.value)))
+            assert apart <= Decimal(own.time.radius) + Decimal(str(other.time_over_period.radius))
 
 
 def test_a_block_stops_where_its_energy_is_spent():
