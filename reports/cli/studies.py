@@ -14,7 +14,7 @@ from multibody_xval.reports.cli.options import (
     Engines,
     GridEngines,
     Store,
-    TableFile,
+    TableFiles,
     check_outs,
     grouped,
     keeping,
@@ -115,7 +115,7 @@ def figure3_parts(
 
 
 @grouped
-def accuracy(engines: Engines, *, store: Store = None, out: TableFile = None, computing: Computing) -> None:
+def accuracy(engines: Engines, *, store: Store = None, out: TableFiles = None, computing: Computing) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
@@ -123,7 +123,7 @@ def accuracy(engines: Engines, *, store: Store = None, out: TableFile = None, co
 
     Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
     """
-    outs = check_outs([out], TABLE_ENDINGS, store)
+    outs = check_outs(out, TABLE_ENDINGS, store)
     configs = compared(engines)
     from multibody_xval.scenarios.result_tables import points
     from multibody_xval.scenarios.ruler.judge import judged

@@ -10,6 +10,7 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import (
     ContactScene,
+    JointScene,
     Scene,
     SceneSetting,
     SceneWorld,
@@ -24,6 +25,9 @@ from reference_lcp.validation import FloatArray
 
 ROWS = 100
 """Rows that are kept of a motion, at most."""
+
+STOPPED = 1e-3
+"""Velocity below which a joint that was thrown rests [rad/s], [m/s]."""
 
 EXPLODED = 1e4
 """A position [m] or an angle [rad] beyond is an explosion: nothing falls or turns as far within the scenes' times."""
@@ -73,7 +77,7 @@ def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:
         first = _rows(case, step, world, 0, settling)[-1:] if settling else None
         if any(case.launch) or case.spin:
             world.launch(in_world(case.scene, case.launch), case.spin)
-        rows = _rows(case, step, world, settling, steps)
+        rows = _rows(case, step, world, settling, steps, case.push)
     finally:
         world.close()
     every = rows if first is None else np.concatenate([first, rows])
@@ -82,13 +86,13 @@ def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:
     return Result(status=Status.FINISHED, series=dict(_series(case, step, first, rows)))
 
 
-def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int) -> FloatArray:
-    """Take steps from the one with this number on, under the force at the start of each where one swings."""
-    if not case.shake:
+def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int, push: float = 0.0) -> FloatArray:
+    """Take steps from the one with this number on, under the force at the start of each: a constant one, and tones."""
+    if not (case.shake or push):
         return world.run(steps)
     rows = []
     for number in range(begin, begin + steps):
-        world.push(swinging(case.shake, number * step))
+        world.push(push + swinging(case.shake, number * step))
         rows.append(world.run(1))
     return np.concatenate(rows)
 
@@ -100,13 +104,16 @@ def _series(
 
     Of boxes, ``along``, ``across`` and ``off`` the plane [m] from where the motion began, the ``speed`` along each
     [m/s], the ``turn`` about its normal [rad], and ``highest``, off the plane so far. Of joints, ``joint 1`` and so
-    on, from where the motion began. ``from the start`` is the whole way since the scene was built, at the end: along,
-    across and off the plane, or of every joint.
+    on, from where the motion began; of one that is thrown, ``stop``, see `_stop`. ``from the start`` is the whole way
+    since the scene was built, at the end: along, across and off the plane, or of every joint.
     """
     kept = kept_rows(len(rows))
     yield "time", _numbers((step * np.arange(1, len(rows) + 1, dtype=np.float64))[kept])
     if not isinstance(case.scene, ContactScene):
         start = np.zeros(rows.shape[1]) if first is None else first[0]
+        if isinstance(case.scene, JointScene) and case.scene.velocity:
+            yield "stop", _stop(rows[:, 0], step)
+            rows = np.unwrap(rows, axis=0) if case.scene.kind == "hinge" else rows
         for joint, values in enumerate((rows - start).T, 1):
             yield f"joint {joint}", _numbers(values[kept])
         yield "from the start", _numbers(rows[-1])
@@ -120,6 +127,13 @@ def _series(
     yield "from the start", _numbers((rows[-1, :3] - case.scene.places[-1]) @ axes.T)
     yield "highest", _numbers(np.maximum.accumulate(way[:, 2])[kept])
     yield "turn", _numbers(_turns(rows[kept, 3:7], start[3:7], axes[2]))
+
+
+def _stop(coordinates: FloatArray, step: float) -> tuple[float, ...]:
+    """Give the end of the step from which on a joint rests [s]; nothing where it never does."""
+    moving = np.flatnonzero(np.abs(np.diff(coordinates, prepend=0)) >= STOPPED * step)
+    steps = int(moving[-1]) + 2 if moving.size else 1
+    return (steps * step,) if steps <= len(coordinates) else ()
 
 
 def _numbers(values: FloatArray) -> tuple[float, ...]:

@@ -75,6 +75,7 @@ BAD: list[tuple[Callable[[], object], str]] = [
     (lambda: ContactScene(slope=math.radians(95)), "slope = 95°; allowed: >= 0 and < 90°"),
     (lambda: ContactScene(grip=1.0, boxes=(Box(), Box())), "boxes = 2; allowed: 1 in a grip"),
     (lambda: JointScene(kind="ball"), "kind = 'ball' is unknown; allowed: hinge, slide"),
+    (lambda: JointScene(damping=-1.0), "damping = -1.*allowed: >= 0"),
     (lambda: ArmScene(friction=()), "friction = .*at least one"),
     (lambda: SceneMotion(scene=JointScene(), time=0.0), "time = 0.*allowed: > 0"),
 ]

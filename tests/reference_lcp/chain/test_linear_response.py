@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
-from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_transmittance
+from reference_lcp import Chain, HarmonicForce, frictionless_transmittance
 from reference_lcp import stuck_transmittance as stuck
 from reference_lcp.chain.linear_response import frictionless_response
 from tests.reference_lcp.cases import driven
@@ -27,36 +26,13 @@ def closed_form(chain, omega, *, locked=False):
 
 
 @pytest.mark.parametrize("cells", [1, 2, 7, 20])
-@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.83, 0.95, 1.05, 1.3, 1.5, 1.9, 2.4])
-def test_finite_chain_has_the_transmittance_of_its_closed_form(cells, ratio) -> None:
+@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.95, 1.3, 1.9, 2.4])
+@pytest.mark.parametrize(("transmittance", "locked"), [(frictionless_transmittance, False), (stuck, True)])
+def test_finite_chain_has_the_transmittance_of_its_closed_form(transmittance, locked, ratio, cells) -> None:
     """In pass bands and in gaps; the transfer matrix of the finite chain (Al Ba'ba'a, Nouh, Singh 2017)."""
     chain, drive = driven(ratio, cells=cells, mass_ratio=0.7, stiffness_ratio=0.6, **UNDAMPED)
-    exact = closed_form(chain, drive.angular_frequency)
-    assert frictionless_transmittance(chain, drive) == pytest.approx(exact, rel=1e-9)
-
-
-@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.95, 1.3, 1.9])
-def test_chain_of_locked_cells_is_a_chain_of_single_masses(ratio) -> None:
-    chain, drive = driven(ratio, **UNDAMPED)
-    assert stuck(chain, drive) == pytest.approx(closed_form(chain, drive.angular_frequency, locked=True), rel=1e-9)
-
-
-def test_band_edges_of_the_infinite_chain_bound_the_attenuation_of_a_long_one() -> None:
-    """Bloch: κ = π at the lower edge, κ = 0 at the upper one, √(1 + m_i/m_o); 60 cells attenuate between them."""
-    chain = Chain.from_ratios(cells=60, **UNDAMPED)
-    omega_r = chain.resonator_frequency
-
-    def cosine_above_minus_one(eta):
-        return np.real(np.cos(wave_number(chain, eta * omega_r))) + 1
-
-    lower, upper = brentq(cosine_above_minus_one, 0.5, 0.99), np.sqrt(2.0)
-    for eta in np.linspace(lower + 0.02, upper - 0.02, 9):
-        assert frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, eta)) < 1e-3
-    inside = [
-        frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, eta)) for eta in (0.3, 0.6, 0.8, 1.5, 2.0)
-    ]
-    assert min(inside) > 0.3
-    assert np.real(wave_number(chain, lower * omega_r)) == pytest.approx(np.pi, abs=1e-5)
+    exact = closed_form(chain, drive.angular_frequency, locked=locked)
+    assert transmittance(chain, drive) == pytest.approx(exact, rel=1e-9)
 
 
 def test_force_drive_of_a_single_cell_has_the_response_of_two_masses() -> None:

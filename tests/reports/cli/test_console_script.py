@@ -65,3 +65,22 @@ def test_what_a_motion_is_off_is_printed_in_four_digits_within_80_columns(tmp_pa
     assert "0.001234 m " in printed
     assert "0.002469 m/s" in printed
     assert max(map(len, printed.splitlines())) <= 80
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("line", "option", "names"),
+    [
+        ("run laws --engine mujoco:joint:default", "--out", ("a.md", "b.csv", "c.md")),
+        ("run unit-cell --engine reference --store new.sqlite", "--series", ("a.csv", "b.csv")),
+        ("reference --cells 1 --frequency-ratio 0.9", "--plot", ("a.svg", "b.pdf")),
+        ("sweep sweep.toml", "--out", ("a.nc", "b.csv")),
+    ],
+)
+def test_every_file_that_is_named_is_written(line, option, names, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("sweep.toml").write_text(
+        'engines = ["reference"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n[chain]\ncells = 1\n'
+    )
+    assert run_command(app, [*line.split(), *(word for name in names for word in (option, name))]) == 0
+    assert [name for name in names if not Path(name).is_file()] == []

@@ -134,15 +134,43 @@ def test_model_with_few_iterations_gets_those_that_the_recipe_needs(capsys, tmp_
     assert max(each["creep"]["all"] for each in found["held"]) <= 0.2
 
 
-def test_time_in_which_friction_stops_a_joint_is_given_by_line_beside_the_exact_one(capsys) -> None:
+def test_time_in_which_friction_stops_a_joint_is_given_by_line_beside_the_exact_one(capsys, tmp_path) -> None:
     """I / c ln(1 + c ω / T) of a cylinder of 50 mm, 0.2 m and 1000 kg/m³ that is thrown with 20 rad/s."""
     inertia = 0.5 * 1000 * np.pi * 0.05**2 * 0.2 * 0.05**2
     (spin,) = measured(capsys, MODELS / "spin.xml")["stops"]
     assert spin["exact"] == pytest.approx(inertia / 0.02 * np.log(1 + 0.02 * 20 / 0.05), rel=1e-6)
     assert spin["time"]["all"] == pytest.approx(spin["exact"], abs=2 * STEP)
     found = measured(capsys, MODELS / "spin_noslip.xml")
-    assert found["stops"][0]["time"]["as it is"] == pytest.approx(2.27, rel=0.01)
-    assert any(note.startswith("noslip_iterations stops joint h late") for note in found["notes"])
+    times = found["stops"][0]["time"]
+    assert {line: times[line] for line in ("as it is", 'noslip_iterations="0"', "all")} == pytest.approx(
+        {"as it is": 2.274, 'noslip_iterations="0"': 0.092, "all": 0.004}
+    )
+    assert list(times)[-2:] == ['all but noslip_iterations="0"', "all"]
+    late, sweeps = found["notes"][1:]
+    assert 'Give it solreffriction="-25964.8 -25964.8"' in late
+    assert 'with "0.004 1" it would stop later than as it is' in late
+    assert sweeps == 'noslip_iterations="10" stops joint h later: write noslip_iterations="0".'
+    text, given = (MODELS / "spin_noslip.xml").read_text(), re.search('solreffriction="[^"]*"', late)[0]
+    file = tmp_path / "pasted.xml"
+    file.write_text(text.replace('damping="50"', f'damping="50" {given}'))
+    pasted = measured(capsys, file)
+    assert pasted["notes"][1:] == []
+    assert pasted["stops"][0]["time"]["as it is"] == pytest.approx(0.006)
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.4, 0.9, 6.0, 7.8, 8.4, 12.0])
+def test_line_for_joints_with_damping_is_given_where_it_stops_them_sooner(capsys, tmp_path, damping) -> None:
+    """And that the one of joints without damping is worse than none is said where it is."""
+    text = (MODELS / "spin.xml").read_text().replace('damping="0.02"', f'damping="{damping}"')
+    recipe = text.replace("damping=", 'solreffriction="0.004 1" solimpfriction="0.9999 0.9999" damping=')
+    found = []
+    for own in (text, recipe):
+        (tmp_path / "spin.xml").write_text(own)
+        found.append(measured(capsys, tmp_path / "spin.xml", "--time", "1"))
+    notes, (times, undamped) = " ".join(found[0]["notes"]), (own["stops"][0]["time"] for own in found)
+    assert ("solreffriction" in notes) == (times["all"] < undamped["as it is"] - STEP) == (damping > 0.5)
+    assert ("later than as it is" in notes) == (undamped["as it is"] > times["as it is"])
+    assert "later than as it is" not in " ".join(found[1]["notes"])
 
 
 LIGHT = MASS.replace('mass="1"', 'mass="1e-6"')

@@ -17,7 +17,7 @@ from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
-from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+from multibody_xval.scenarios.catalogue.worst_numbers import printed_number, with_recipe
 from multibody_xval.scenarios.running.evaluate import Means
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -79,7 +79,7 @@ def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
     worst, _ = recipes.recipe_results("mujoco", Means(workers=1))
     assert len(worst) == 7
     for number, own in worst.iterrows():
-        row = " | ".join([number, printed_number(own.default), printed_number(own.recommended)])
+        row = " | ".join([number, printed_number(own.default), with_recipe(own.recommended, cured=own.cured)])
         assert f"| {row} |" in recipe_text("mujoco")
 
 

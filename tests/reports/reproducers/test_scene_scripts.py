@@ -11,6 +11,7 @@ from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config
 from reference_lcp.errors import ParameterError
+from tests.installed import each_engine
 from tests.reports.reproducers.test_reproducers import DIGITS, MEANS, NUMBER, check_size, printed_one_by_one
 
 SCENES = {
@@ -19,12 +20,14 @@ SCENES = {
     if isinstance(case := next(iter(SCENARIOS[name].cases.values())), SceneMotion)
 }
 
+IN_THE_PLANE = ("box2d", "pymunk")
+
 WRITTEN = [
     (f"{name}:{formulation}:{preset}", scenario)
     for name in engine_names()
     for scenario, formulation in SCENES.items()
     if engine(name).scene_gap(formulation) is None
-    and not (name in ("box2d", "pymunk") and scenario == "spin")  # in the plane
+    and not (name in IN_THE_PLANE and scenario in ("spin", "pushed-from-rest"))  # in the plane
     and not (scenario == "held-while-shaken" and name == "genesis")  # its adapter pushes none
     for preset in GENERAL
     if preset in engine(name).capabilities.presets[formulation]
@@ -34,9 +37,9 @@ MOST_LINES = 104
 """A script of a scene has the lines by which its adapter makes bodies; half of them have at most 68."""
 
 
-def own_number(name: str, scenario: str) -> tuple[str, float]:
+def own_number(name: str, scenario: str, case: str | None = None) -> tuple[str, float]:
     """Give a script, and the suite's number."""
-    shown = checked(name, scenario)
+    shown = checked(name, scenario, case)
     number = shown.number(MEANS)
     return script(shown, number), number.value
 
@@ -51,11 +54,20 @@ def check_numbers(places, folder, changed=("", "")) -> None:
     assert printed == pytest.approx([value for _, value in own], rel=DIGITS, abs=0)
 
 
-@pytest.mark.parametrize("name", [pytest.param(own, marks=pytest.mark.needs(own)) for own in ("mujoco", "pybullet")])
+@pytest.mark.parametrize("name", each_engine(["mujoco", "pybullet"]))
 def test_scripts_alone_print_friction_time_torque_and_drift_that_the_suite_has(name, tmp_path) -> None:
     """Of two engines; those of all are in the next test."""
     recipes = [(f"{name}:contact:recommended", own) for own in ("slope-slide", "conveyor", "spin", "slope-hold")]
     check_numbers([*recipes, (f"{name}:contact:default", "slope-hold")], tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", each_engine(["mujoco", "pybullet", "rapier", "dart", "sapien", "ode", *IN_THE_PLANE]))
+def test_scripts_alone_print_how_far_a_pushed_box_goes(name, tmp_path) -> None:
+    angle = 0 if name in IN_THE_PLANE else 45
+    places = [(f"{name}:contact:{preset}", "pushed-from-rest", f"{load} μmg, {angle}°")
+              for preset, load in zip(GENERAL, (1.2, 1.06), strict=True)]  # fmt: skip
+    check_numbers(places, tmp_path)
 
 
 @pytest.mark.slow

@@ -60,10 +60,8 @@ def ran(name: str, pool: LocalPool, store: Store | None = None, limit: float = P
         ("faulty-killed", "its process has ended by signal SIGKILL"),
         ("faulty-unspeakable", "UnspeakableError"),
         ("faulty-mumbles", "no file"),
-        ("faulty-disarms", "no result within the time limit"),
         ("faulty-leaves", "its process has ended with exit code 0"),
         ("faulty-interrupts", "KeyboardInterrupt"),
-        ("faulty-hungry", "MemoryError"),
     ],
 )
 def test_a_run_that_ends_its_process_fails_alone(pool, name, reason) -> None:
@@ -73,7 +71,7 @@ def test_a_run_that_ends_its_process_fails_alone(pool, name, reason) -> None:
     assert {results[eta].status for eta in OTHERS} == {Status.PERIODIC}
 
 
-@pytest.mark.parametrize("name", ["faulty-flood", "faulty-changes", "faulty-forks", "faulty-thread", "faulty-sound"])
+@pytest.mark.parametrize("name", ["faulty-flood", "faulty-forks", "faulty-thread", "faulty-sound"])
 def test_what_an_engine_prints_or_changes_does_no_harm(pool, name, capfd) -> None:
     assert {own.status for own in ran(name, pool).values()} == {Status.PERIODIC}
     assert not any(capfd.readouterr())
@@ -89,10 +87,9 @@ def test_a_copy_that_an_engine_has_forked_of_its_process_takes_no_other_run(pool
 
 
 @pytest.mark.slow  # waits until the pool is given up
-@pytest.mark.parametrize("name", ["faulty-sending", "faulty-garbles"])
-def test_garbage_in_the_pipe_of_a_pool_ends_its_run_alone(pool, monkeypatch, name: str) -> None:
+def test_half_a_result_in_the_pipe_of_a_pool_ends_its_run_alone(pool, monkeypatch) -> None:
     monkeypatch.setattr("multibody_xval.scenarios.running.pool.GRACE", 2.0)
-    results = ran(name, pool, limit=2.0)
+    results = ran("faulty-sending", pool, limit=2.0)
     assert results[DEADLY].status is Status.FAILED
     assert {results[eta].status for eta in OTHERS} == {Status.PERIODIC}
     assert {own.status for own in ran("faulty-sound", pool).values()} == {Status.PERIODIC}

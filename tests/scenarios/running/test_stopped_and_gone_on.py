@@ -44,9 +44,12 @@ print(sum(own.result.status == "periodic" for own in found))
 
 @contextlib.contextmanager
 def begun(store: Path, *words: str) -> Iterator[subprocess.Popen[str]]:
-    """Begin a command in a session of its own, as a terminal's is."""
+    """Begin a command in a session of its own, as a terminal's is: one of a background job would ignore Ctrl-C."""
     command, pipe = [sys.executable, *(words or ("-c", PROGRAM, str(store)))], subprocess.PIPE
-    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as own:
+    with subprocess.Popen(
+        command, stdout=pipe, stderr=pipe, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - this process has no threads
+    ) as own:  # fmt: skip
         yield own
 
 
