@@ -65,25 +65,15 @@ def test_levels_are_drawn_where_they_are_and_one_far_below_the_others_is_a_trian
     assert marks(drawn(panel)) == {0.5: "s", 0.7: "s", 0.9: "v"}
 
 
-@pytest.mark.parametrize(
-    ("levels", "limits"),
-    [
-        ([-33.0, 12.0], (-40.0, 20.0)),
-        ([-300.0, 5.0], (-110.0, 10.0)),
-        ([math.nan, -math.inf, -5.0], (-10.0, 10.0)),
-        ([], (-20.0, 0.0)),
-    ],
-)
-def test_an_axis_of_levels_ends_at_tens_and_spans_20_to_120_db(levels, limits) -> None:
-    assert level_limits(levels) == limits
-
-
-@pytest.mark.parametrize(
-    ("sizes", "limits"),
-    [([0.12, 15.0], (0.1, 100.0)), ([1e-9, 2e-9], (1e-4, 1e-2)), ([math.nan, 0.001], (1e-3, 1e-1)), ([], (1e-4, 1e-2))],
-)
-def test_an_axis_of_errors_has_two_decades_at_least(sizes, limits) -> None:
-    assert decade_limits(sizes, 1e-4) == pytest.approx(limits, rel=1e-12)
+def test_an_axis_of_levels_ends_at_tens_and_one_of_errors_has_two_decades_at_least() -> None:
+    """That of levels spans 20 to 120 dB."""
+    assert level_limits([-33.0, 12.0]) == (-40.0, 20.0)
+    assert level_limits([-300.0, 5.0]) == (-110.0, 10.0)
+    assert level_limits([math.nan, -math.inf, -5.0]) == (-10.0, 10.0)
+    assert level_limits([]) == (-20.0, 0.0)
+    assert decade_limits([0.12, 15.0], 1e-4) == pytest.approx((0.1, 100.0), rel=1e-12)
+    assert decade_limits([1e-9, 2e-9], 1e-4) == pytest.approx((1e-4, 1e-2), rel=1e-12)
+    assert decade_limits([], 1e-4) == pytest.approx((1e-4, 1e-2), rel=1e-12)
 
 
 NUMBERS = {14.734: "15", 7294.0: "7,300", 0.125: "0.13", 1.0: "1.0", -0.5: "−0.50", -2.1e-12: "0", 2.14e-5: "2.1e−05"}

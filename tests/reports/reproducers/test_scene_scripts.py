@@ -2,7 +2,6 @@
 
 import pytest
 
-from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.reports.reproducers.questions import SHOWN
@@ -119,15 +118,6 @@ def test_a_box_that_is_turned_is_refused_in_two_dimensions() -> None:
 )
 def test_a_bare_engine_shows_the_recipe_in_the_formulation_of_the_scene(name, scenario, shown) -> None:
     assert checked(name, scenario).run.config == Config.parse(shown)
-
-
-def test_a_scene_that_a_class_builds_is_refused_with_the_reason(monkeypatch) -> None:
-    class World:
-        """Of an adapter that keeps what it builds in an object."""
-
-    monkeypatch.setattr(type(engine("mujoco")), "scene_worlds", {Formulation.CONTACT: World})
-    with pytest.raises(ParameterError, match=r"default has no script of grip: scene = .*World.* is a class; allowed"):
-        checked("mujoco:contact:default", "grip")
 
 
 def test_a_server_s_scene_is_read_without_its_engine() -> None:

