@@ -14,7 +14,7 @@ from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps import swept as module
 from multibody_xval.scenarios.sweeps.file import sweep_of
-from multibody_xval.scenarios.sweeps.frequency_grid import level
+from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid, level, missing, resonances
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 from reference_lcp import Chain, HarmonicBase, steady_state
 from tests.scenarios.in_this_process import result_of
@@ -25,6 +25,18 @@ pytestmark = pytest.mark.usefixtures("here")
 def free_db(eta: float, **chain: int | str) -> float:
     """Level of a chain without friction, in closed form."""
     return 20 * math.log10(abs(linear_limits(Case(friction_ratio=0.0, frequency_ratio=eta, **chain))[0]))
+
+
+def test_interpolated_curve_is_as_accurate_as_asked() -> None:
+    """That of the paper's chain without friction, which bends most."""
+    grid, levels = AdaptiveGrid(first=0.3, last=1.6, accuracy_db=0.5), dict[float, float]()
+    peaks = resonances(Case(friction_ratio=0.0, frequency_ratio=1.0))
+    while new := missing(grid, peaks, levels):
+        levels |= {eta: free_db(eta) for eta in new}
+    eta = np.array(sorted(levels))
+    between = np.concatenate([(3 * eta[1:] + eta[:-1]) / 4, (eta[1:] + 3 * eta[:-1]) / 4])
+    curve = PchipInterpolator(eta, [level(levels[own]) for own in eta.tolist()])
+    assert np.abs(curve(between) - [level(free_db(own)) for own in between.tolist()]).max() <= 0.75
 
 
 GRID = {"friction_ratio": [0.0, 0.3], "frequency_ratio": [0.5, 0.9, 1.5], "mass_ratio": [0.5, 1.0]}
