@@ -7,7 +7,7 @@ import pytest
 
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.report import app
-from multibody_xval.scenarios.model import Config, Result, Run
+from multibody_xval.scenarios.model import Config
 from reference_lcp.errors import ExitCode
 from tests.reports.conftest import kept, spoilt
 
@@ -21,15 +21,14 @@ cells = 3
 """
 
 
-@pytest.mark.parametrize(("factor", "code"), [(1.0, ExitCode.DONE), (1.01, ExitCode.FAILED)])
 def test_an_engine_that_is_one_per_cent_off_is_code_1_after_the_page_is_written(
-    results: dict[Run, Result], tmp_path: Path, capsys, factor: float, code: ExitCode
+    results, tmp_path: Path, capsys
 ) -> None:
-    store = kept(spoilt(results, Config("mujoco"), factor), tmp_path / "own.sqlite")
-    assert run_command(app, ["--no-run", "--store", str(store), "--out", str(tmp_path / "out")]) == code
+    store = kept(spoilt(results, Config("mujoco"), 1.01), tmp_path / "own.sqlite")
+    assert run_command(app, ["--no-run", "--store", str(store), "--out", str(tmp_path / "out")]) == ExitCode.FAILED
     *lines, last = capsys.readouterr().out.splitlines()
     assert last.endswith(f"{tmp_path / 'out' / 'index.html'})")
-    assert any(line.startswith("mujoco:joint:tuned: 3 of 3 numbers deviate") for line in lines) == (code == 1)
+    assert any(line.startswith("mujoco:joint:tuned: 3 of 3 numbers deviate") for line in lines)
 
 
 @pytest.mark.usefixtures("here")
