@@ -1,4 +1,4 @@
-"""Sweeps against closed forms: points are steady states at their places, more of them where a curve bends, and edges."""
+"""Sweeps against closed forms: points are steady states at their places, more of them where a curve bends; edges."""
 
 import json
 import math
