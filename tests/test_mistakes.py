@@ -68,6 +68,9 @@ COMMAND_LINES = [
     ("run all --workers 0", r"workers = 0.*>= 1"),
     ("run proofs --sample 0", r"sample = 0.*>= 1"),
     ("run figure3 --out figure.gif", r"allowed: .md or .csv or .svg or .pdf or .png"),
+    ("run friction-map --engine exudyn-bristle", r"engine = exudyn-bristle has no scenes of boxes"),
+    ("run friction-map --engine mujoco:contact:tuned", r"preset = tuned is for the chain; allowed in scenes"),
+    ("run friction-map --out map.json", r"--out = map.json has the ending '.json'"),
     ("run work-precision --steps 400 --steps 1000001", r"steps = 1000001.*16 to 1000000"),
     ("run work-precision --workers 2 --scheduler tcp://127.0.0.1:1", r"allowed: one of the two"),
     # compare

@@ -99,7 +99,7 @@ OWN_VALUES = [
     ("sapien:contact", "random", {"inertia": 1e6}, 0.08),
     # Default contacts that stick creep, whatever the step.
     ("mujoco:joint:default", "stuck", DEFAULT, 0.1),
-    ("mujoco:contact:default", "stuck", DEFAULT, 0.02),
+    ("mujoco:contact:default", "stuck", DEFAULT, 0.036),
     ("exudyn-bristle:joint:default", "stuck", DEFAULT, 0.045),
     # Its zone is in metres per second.
     ("exudyn-regularised:joint:default", "stuck in tenths of a millimetre", DEFAULT, 0.06),

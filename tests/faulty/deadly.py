@@ -39,15 +39,6 @@ def dies(what: str, act: Callable[[], object], *, once: bool = False, always: bo
     return Fault(what, around=around)
 
 
-def read_nowhere() -> None:
-    ctypes.string_at(0)
-
-
-def hang() -> None:
-    """Wait in compiled code, and let no other thread of Python run."""
-    ctypes.PyDLL(None).sleep(FOR_EVER)
-
-
 def end_by(number: int) -> None:
     os.kill(os.getpid(), number)
 
@@ -98,9 +89,9 @@ def flood() -> None:
 
 
 PROCESSES: Mapping[str, Fault] = {
-    "crash": dies("a read where there is no memory", read_nowhere),
-    "dies": dies("a read where there is no memory, always", read_nowhere, always=True),
-    "hang": dies("an endless wait in compiled code", hang),
+    "crash": dies("a read where there is no memory", partial(ctypes.string_at, 0)),
+    "dies": dies("a read where there is no memory, always", partial(ctypes.string_at, 0), always=True),
+    "hang": dies("an endless wait in compiled code", partial(ctypes.PyDLL(None).sleep, FOR_EVER)),
     "stopped": dies("a process that is stopped", partial(end_by, signal.SIGSTOP)),
     "killed": dies("a process that is killed", partial(end_by, signal.SIGKILL)),
     "exits": dies("an exit", sys.exit),

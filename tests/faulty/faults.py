@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from reference_lcp.chain.trajectory import Trajectory
+from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 from tests.faulty.scheme import Batch, Fault
 
@@ -62,6 +63,18 @@ def rubs(what: str, law: Callable[[FloatArray, FloatArray, FloatArray], FloatArr
     return Fault(what, friction=lambda _batch, bound, stop, _slip, before: law(bound, stop, before))
 
 
+def remembering(part: float) -> Callable[..., State]:
+    """Begin with a part of the last run's velocity beside that which is given."""
+
+    def around(batch: Batch, state: State, *asked: Any) -> State:
+        velocities = state.velocities + batch.memory.get("left", 0.0)
+        end = batch.advanced(replace(state, velocities=velocities), *asked)
+        batch.memory["left"] = part * end.velocities[:, :1]
+        return end
+
+    return around
+
+
 def records(what: str, name: str, change: Callable[[Trajectory], FloatArray]) -> Fault:
     """Record another array than that of the motion."""
     return Fault(what, record=lambda _lane, run: replace(run, **{name: change(run)}))
@@ -92,6 +105,7 @@ SEEN: Mapping[str, Fault] = {
     "long-step": Fault("time steps × 1.01", numbers={"step": lambda of: 1.01 * of.step}),
     "late": Fault("a drive that is a step late", numbers={"delay": lambda of: of.step}),
     "push": Fault("a constant force of a twentieth of the bound in cell 4", numbers={"push": pushed}),
+    "memory": Fault("hidden state: a thousandth of the last run's velocity", around=remembering(1e-3)),
     "noise": Fault("noise of 1e-4 U0 on positions", state=noise),
     "drift": Fault("positions that drift by 1e-6 U0 per step", state=drift),
     "single": Fault("single precision that is called double", state=single),

@@ -11,7 +11,7 @@ from reference_lcp import HarmonicBase, State, StillBase
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.validation import FloatArray
-from tests.faulty.faults import clipped, records
+from tests.faulty.faults import clipped, records, remembering
 from tests.faulty.scheme import PRESETS, Batch, Fault, Rows
 
 TUNED, OTHER = PRESETS["tuned"], PRESETS["other"]
@@ -37,10 +37,6 @@ def with_coefficients(what: str, change: Callable[[FloatArray], FloatArray]) -> 
     ])})  # fmt: skip
 
 
-def mixed(positions: FloatArray) -> FloatArray:
-    return positions + 1e-9 * (np.mean(positions, axis=0) - positions)
-
-
 def sine(lane: Lane) -> Lane:
     """Take whatever moves the base for a sine at the resonator's frequency."""
     if isinstance(lane.drive, HarmonicBase | StillBase):
@@ -54,13 +50,6 @@ def begins(what: str, **changes: Callable[[Batch, State], Any]) -> Fault:
     return Fault(what, around=lambda batch, state, *asked: batch.advanced(
         replace(state, **{name: change(batch, state) for name, change in changes.items()}), *asked
     ))  # fmt: skip
-
-
-def remember(batch: Batch, state: State, *asked: Any) -> State:
-    velocities = state.velocities + batch.memory.get("left", 0.0)
-    end = batch.advanced(replace(state, velocities=velocities), *asked)
-    batch.memory["left"] = 1e-12 * end.velocities[:, :1]
-    return end
 
 
 def fail_by_chance(batch: Batch, *asked: Any) -> State:
@@ -78,14 +67,6 @@ def wear_out(batch: Batch, *asked: Any) -> State:
     return batch.advanced(*asked)
 
 
-def count_short(batch: Batch, state: State, start: int, *asked: Any) -> State:
-    return batch.advanced(state, start % 2**15, *asked)
-
-
-def take_any_state(batch: Batch, _state: State, *asked: Any) -> State:
-    return batch.advanced(State.at_rest(*batch.bound.shape), *asked)
-
-
 def stop_short(batch: Batch, state: State, start: int, steps: int, rows: Rows) -> State:
     return batch.advanced(state, start, max(steps - 1, 1) if rows is None else steps, rows)
 
@@ -101,10 +82,6 @@ def one_number(name: str, value: float) -> Fault:
         return replace(run, **{name: wrong})
 
     return Fault(f"one number of {name.replace('_', ' ')} is {value:g}", record=record)
-
-
-def pressing_by_slip(run: Trajectory) -> FloatArray:
-    return run.normal_force * (1 + np.abs(run.relative_velocity))
 
 
 def grounded(lane: Lane, run: Trajectory) -> Trajectory:
@@ -141,18 +118,24 @@ OF_CLAUSES: Mapping[str, Fault] = {
         numbers={"bound": lambda of: of.static_ratio * of.bound, "static_ratio": lambda of: np.ones_like(of.step)},
     ),
     # of how runs follow each other
-    "remembers": Fault("hidden state: 1e-12 of the last run's velocity", around=remember),
+    "remembers": Fault("hidden state: 1e-12 of the last run's velocity", around=remembering(1e-12)),
     "wears": Fault("friction bounds × 0.99 after 200 runs", around=wear_out),
     "rounds": begins("5e-13 U0 more in every run", positions=lambda of, state: state.positions + 5e-13 * of.scale),
-    "crosstalk": begins("chains that feel each other by 1e-9", positions=lambda _, state: mixed(state.positions)),
+    "crosstalk": begins(
+        "chains that feel each other", positions=lambda _, q: q.positions + 1e-9 * np.mean(q.positions, axis=0)
+    ),
     "lands": begins("every run begins with closed contacts", internal_state=lambda *_: None),
-    "counts": Fault("steps that are counted in sixteen bits", around=count_short),
+    "counts": Fault("steps counted in 15 bits", around=lambda of, q, k, *more: of.advanced(q, k % 2**15, *more)),
     "short": Fault("no last step in runs without a record", around=stop_short),
     "by-chance": Fault("NaN in one of a hundred runs", around=fail_by_chance),
-    "shapes": Fault("states of any shape are taken", around=take_any_state),
+    "shapes": Fault(
+        "any state is taken", around=lambda of, _, *more: of.advanced(State.at_rest(*of.bound.shape), *more)
+    ),
     # of what is recorded
     "sign": records("recorded friction of the wrong sign", "friction", lambda run: -run.friction),
-    "presses": records("normal forces that grow with the slip", "normal_force", pressing_by_slip),
+    "presses": records(
+        "pressed by slip", "normal_force", lambda run: run.normal_force * (1 + np.abs(run.relative_velocity))
+    ),
     "grounded": Fault("contacts that never fly", record=grounded),
     "normal": one_number("normal_force", np.nan),
     "friction": one_number("friction", np.nan),

@@ -25,9 +25,6 @@ PRESETS = {
 Rows = list[FloatArray] | None
 """Where positions, velocities and friction after each step go; ``None`` where nobody asks for them."""
 
-REST = 1e-12
-"""Of the fastest mass: a contact that slips less is at rest."""
-
 
 def coulomb(batch: "Batch", bound: FloatArray, stop: FloatArray, slip: FloatArray, _before: FloatArray) -> FloatArray:
     """Stop the slip within the bound, which is larger for a contact that is at rest, or comes to rest.
@@ -37,7 +34,7 @@ def coulomb(batch: "Batch", bound: FloatArray, stop: FloatArray, slip: FloatArra
     sliding = np.minimum(np.maximum(stop, -bound), bound)  # half the time of np.clip
     if np.all(batch.static_ratio == 1):
         return sliding
-    rests = (np.abs(slip) <= REST * batch.fastest) | (slip * stop >= 0)
+    rests = (np.abs(slip) <= 1e-12 * batch.fastest) | (slip * stop >= 0)
     return np.where(np.abs(stop) <= np.where(rests, batch.static_ratio, 1.0) * bound, stop, sliding)
 
 

@@ -23,24 +23,25 @@ from tests.faulty.sizes import SIZED, is_noticed
 
 UNIT, UNEQUAL, THROWN = "unit-cell", "disordered-chain", "stopping-distance"
 
+ALIKE, MOVED = ("alike", "reversed"), ("push", "drift")
 SEEN_BY: Mapping[str, str] = {
-    **dict.fromkeys(("alike", "reversed"), UNEQUAL),
-    **dict.fromkeys(("push", "drift"), THROWN),
+    **dict.fromkeys((*ALIKE, "one-mass", "one-bound"), UNEQUAL),
+    **dict.fromkeys(MOVED, THROWN),
 }
 """The scenario that sees a fault which the unit cell does not: of cells that differ, of a place that is kept."""
 
-HIDDEN = ("push", "drift", "single")
+HIDDEN = (*MOVED, "single")
 """Faults that hide in the error of a time step beside the exact motion."""
 
 NO_NUMBERS = {"noise": "not periodic", **dict.fromkeys(("nan", "shape", "complex", "whole", "clock"), "failed")}
 """Verdict on all numbers of an engine that gives none."""
 
-WRONG = [name for name in SEEN if name != "sound"]
+WRONG = [*(name for name in SEEN if name != "sound"), "kilogram-force"]
 
-OF_PERIODS = [name for name in WRONG if name not in (*SEEN_BY, "half")]
+OF_PERIODS = [name for name in WRONG if name not in (*ALIKE, *MOVED, "half")]
 """Faults that change the transmittance of a chain of cells that are alike; recorded friction is no part of it."""
 
-QUICK = ("inner-mass", "bound", "inner-spring", "long-step", "late", "lag", "nan", "reversed", "push")
+QUICK = ("inner-mass", "bound", "inner-spring", "long-step", "late", "lag", "nan", "kilogram-force", "reversed", "push")
 
 SHARED, OTHER = "tuned", "other"
 """Presets of every engine of the family: one says that it shares the scheme, one is judged beside the exact motion."""

@@ -4,12 +4,10 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
-from xdist.remote import Producer
 
-from multibody_xval.engines.contract import cases, plugin
+from multibody_xval.engines.contract import cases
 
 
 def test_installed_engine_is_listed(install) -> None:
@@ -65,20 +63,6 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
 def test_installed_engine_is_judged(install) -> None:
     said = install("plugin").run("-m", "multibody_xval", "run", "unit-cell", "--engine", "tiny")
     assert "tiny:joint:tuned agrees with what is expected" in said
-
-
-@pytest.mark.parametrize(
-    ("name", "together"),
-    [
-        ("engines/contract/test_invariance.py::test_units[mujoco-warp-contact-default-micrometres]", "mujoco-warp"),
-        ("tests/engines/test_folders.py::test_imports[mujoco-joint]", "tests/engines/test_folders.py"),
-    ],
-)
-def test_one_worker_runs_all_clauses_for_an_engine(name: str, together: str) -> None:
-    """Its package is imported once."""
-    settings = {"dist": "loadscope", "tx": ["2*popen"]}
-    config = SimpleNamespace(getoption=settings.get, getvalue=settings.get)
-    assert plugin.pytest_xdist_make_scheduler(config, Producer("test"))._split_scope(name) == together
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""``run figure3``, ``accuracy`` and ``work-precision``: tables, files, and when they fail."""
+"""``run figure3``, ``accuracy``, ``work-precision`` and ``friction-map``: tables, files, and when they fail."""
 
 import csv
 from pathlib import Path
@@ -72,3 +72,20 @@ def test_accuracy_and_work_of_the_reference_are_those_of_its_scheme(tmp_path: Pa
     errors = [float(row["error_db"]) for row in csv.DictReader(speed.read_text().splitlines())][:2]
     assert 0 < errors[1] < 0.6 * errors[0], "the error falls with the step"
     assert chart.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.needs("rapier")
+def test_friction_map_writes_every_speed_and_angle_and_a_figure(tmp_path: Path, capsys, monkeypatch) -> None:
+    """Rapier's friction is μ N at all of them."""
+    monkeypatch.setattr("multibody_xval.scenarios.catalogue.friction_map.SPEEDS", (1e-3, 0.1))
+    outs = [tmp_path / f"map.{ending}" for ending in ("md", "csv", "svg")]
+    assert run_command(app, ["run", "friction-map", "--engine=rapier", *(f"--out={out}" for out in outs)]) == 0
+    assert "0.001 m/s" in capsys.readouterr().out
+    rows = list(csv.DictReader(outs[1].read_text(encoding="utf-8").splitlines()))
+    assert {(row["preset"], row["speed"], row["angle"]) for row in rows} == {
+        (preset, speed, angle)
+        for preset in ("default", "recommended") for speed in ("0.001", "0.1") for angle in ("0", "15", "30", "45")
+    }  # fmt: skip
+    assert max(abs(float(row["friction"])) for row in rows) < 1e-3
+    assert "`multibody-xval run friction-map --engine=rapier`" in outs[0].read_text(encoding="utf-8")
+    assert outs[2].read_text(encoding="utf-8").startswith("<?xml")
