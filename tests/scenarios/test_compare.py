@@ -15,7 +15,6 @@ from multibody_xval.scenarios.compare.stores import conclusion, fails
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Result, Run, Status, failed, unsupported
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.store import opened
-from reference_lcp.errors import ParameterError
 from tests.scenarios.in_this_process import pressed, result_of
 from tests.scenarios.stores import CASE, ENGINE, STEPS, with_bound, write_store
 
@@ -99,13 +98,6 @@ def test_a_preset_and_the_same_with_an_option_are_compared_where_each_store_has_
     changes = own(rows).set_index("configuration").change.to_dict()
     assert changes == {f"{PRESET} -> {CHANGED}": "regressed", "mujoco:joint:tuned": "regressed"}
     assert f"{PRESET} -> {CHANGED}: options iterations 100 → 50" in identities(rows)
-
-
-def test_stores_that_have_the_reference_alone_in_common_are_refused(written, tmp_path: Path) -> None:
-    with opened(tmp_path / "other.sqlite") as store:
-        store.add({Run(Config("pybullet"), CASE, STEPS): SOUND} | dict.fromkeys(ruler([(CASE, STEPS)]), SOUND))
-    with pytest.raises(ParameterError, match="have no point in common; allowed: stores with the same configurations"):
-        compare(written("now", {CASE: SOUND}), tmp_path / "other.sqlite")
 
 
 SCENARIO = SCENARIOS["stopping-distance"]

@@ -1,10 +1,8 @@
 """What a notebook writes: `sweep` and `check`, with lists and arrays, and mistakes that cost no time."""
 
 import re
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from multibody_xval.scenarios import check, functions, sweep
@@ -30,16 +28,6 @@ def test_a_large_sweep_is_refused_without_a_yes(monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(ParameterError, match=r"has 120,000 points, 3.33 h of .*allowed: <= 100,000 .*with yes=True"):
         sweep("reference", **large)
     assert sweep("reference", **large, yes=True) == 120_000
-
-
-def test_check_gives_a_row_a_number_and_keeps_the_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    store = tmp_path / "checks.sqlite"
-    table = check("static-hold", "mujoco", workers=1, store=store)
-    assert set(table.configuration) == {"mujoco:joint:tuned"}
-    assert set(table.verdict) == {"agrees"}
-    assert table.groupby("quantity").case.nunique().tolist() == [24, 24, 24]
-    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
-    pd.testing.assert_frame_equal(table, check("static-hold", ["mujoco"], workers=1, store=store))
 
 
 SWEEP = {"friction_ratio": 0.3, "frequency_ratio": 0.9}

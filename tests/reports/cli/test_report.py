@@ -42,14 +42,3 @@ def test_the_report_of_a_sweep_is_whole_and_a_second_one_computes_nothing(tmp_pa
     assert run_command(app, [*arguments, "--no-run"]) == ExitCode.DONE
     assert run_command(app, arguments) == ExitCode.DONE
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "out" / "points.csv"), first)
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("here", "two_points")
-def test_the_report_of_an_engine_has_its_three_presets(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["--quick", "--engine", "mujoco", "--out", str(tmp_path / "out")]
-    assert run_command(app, arguments) == ExitCode.DONE, capsys.readouterr()
-    headline = pd.read_csv(tmp_path / "out" / "headline.csv").set_index("title")
-    assert list(headline) == ["default options", "recipe", "tuned to the chain"]
-    assert headline.loc["MuJoCo, joint"].astype(str).tolist() == ["15", "0.12", "0.12"]
-    assert "At one point alone" in (tmp_path / "out" / "index.html").read_text()

@@ -102,19 +102,6 @@ def test_a_worker_that_was_killed_is_not_stored_and_tried_again(pool, tmp_path: 
     assert sorted(row.run.case.frequency_ratio for row in again) == sorted(OTHERS)
 
 
-def test_what_an_engine_failed_at_is_kept_until_it_is_asked_for_again(pool, tmp_path: Path) -> None:
-    store, ended = Store(tmp_path / "results.sqlite"), []
-    ran("faulty-crash", pool, store)
-    runs = [row.run for row in store.rows()]
-    run_missing(runs, store, pool, known=lambda results: ended.append(dict(results)))
-    assert [len(results) for results in ended] == [len(runs)]
-    found = run_missing(
-        runs, store, pool, lambda own: ended.append(dict(own)), seconds_a_run=PATIENT, retry_failed=True
-    )
-    assert [len(results) for results in ended[1:] if results] == [1]
-    assert len(found) == len(runs)
-
-
 @pytest.mark.slow
 def test_what_workers_leave_behind_is_ended_and_other_children_are_not(child) -> None:
     own = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
