@@ -1,6 +1,5 @@
 """Tables: in full for programs, cut off nowhere for people, and no text is obeyed; first compilations are said."""
 
-import contextlib
 import csv
 import io
 import json
@@ -17,6 +16,8 @@ from rich.console import Console
 from multibody_xval.reports.cli.compiling import NOTICE
 from multibody_xval.scenarios.table_text import csv_cell, csv_text, json_text, markdown_lines, print_table, records
 from multibody_xval.scenarios.terminal_table import print_table as print_rows
+
+ROOT = Path(__file__).parents[2]
 
 COLUMNS = ["name", "error_db", "points"]
 TABLE = pd.DataFrame([("a|b", 1 / 3, 7), ("c, d", math.nan, None)], columns=COLUMNS, dtype=object)
@@ -95,37 +96,24 @@ import sys
 from numba.core import event
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+sys.stderr.isatty = lambda: True
 with event.install_recorder("numba:compile") as recorder:
     assert run_command(app, ["reference"]) == 0
 for module in sorted({own.data["dispatcher"].py_func.__module__ for _, own in recorder.buffer}):
     print(module)
 """
-"""Runs a command, and prints the modules of what has been compiled for it."""
-
-
-def run_in_terminal(cache: Path) -> tuple[list[str], list[str]]:
-    """Run the command with its error stream in a terminal; give the lines of both streams."""
-    reader, terminal = os.openpty()
-    with subprocess.Popen(
-        [sys.executable, "-c", COMPILED], cwd=Path(__file__).parents[2],
-        env={**os.environ, "NUMBA_CACHE_DIR": str(cache)}, stdout=subprocess.PIPE, stderr=terminal, text=True,
-    ) as process:  # fmt: skip
-        os.close(terminal)
-        said = b""
-        with contextlib.suppress(OSError):  # Linux ends a terminal that nobody holds like this
-            while part := os.read(reader, 4096):  # while it runs: a terminal that nobody reads is soon full
-                said += part
-        os.close(reader)
-        output, _ = process.communicate()
-    assert process.returncode == 0
-    return output.splitlines(), said.decode().splitlines()
+"""Runs a command as if in a terminal, and prints the modules of what has been compiled for it."""
 
 
 @pytest.mark.slow  # compiles everything
 def test_a_terminal_is_told_of_the_first_compilation_once_and_no_message_about_shapes_is_compiled(tmp_path) -> None:
     """An assignment of slices brings numba's formatting of texts with it, which takes longer than a solver."""
-    compiled, said = run_in_terminal(tmp_path)
-    assert said[0] == NOTICE
+    words, environment = [sys.executable, "-c", COMPILED], {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    first, second = (
+        subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=True) for _ in range(2)
+    )
+    assert first.stderr.splitlines()[0] == NOTICE
+    assert NOTICE not in second.stderr
+    compiled = first.stdout.splitlines()
     assert "reference_lcp.schemes.euler_kernel" in compiled
-    assert not [line for line in compiled if line.startswith("numba.cpython.unicode")]
-    assert NOTICE not in run_in_terminal(tmp_path)[1]
+    assert not [module for module in compiled if module.startswith("numba.cpython.unicode")]
