@@ -1,17 +1,21 @@
 """The page in a browser: a telephone, a screen and paper work, without scripts and without a network."""
 
+from __future__ import annotations
+
 import os
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page, sync_playwright
 
 from multibody_xval.reports.page.write import write_page
 from multibody_xval.scenarios.store import Stored
+
+if TYPE_CHECKING:  # those who run no slow tests need neither
+    from collections.abc import Iterator
+
+    from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.slow
 
@@ -34,6 +38,8 @@ def address(stored: list[Stored], tmp_path_factory: pytest.TempPathFactory) -> s
 def browser() -> Iterator[Browser]:
     if CHROMIUM is None:
         (pytest.fail if os.environ.get("CI") else pytest.skip)("there is no chromium on this machine")
+    from playwright.sync_api import sync_playwright
+
     with sync_playwright() as started:
         browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
         yield browser
@@ -85,6 +91,8 @@ def test_on_paper_nothing_is_folded_and_every_figure_is_seen(browser: Browser, a
 
 def violations(page: Page) -> list[str]:
     """Give the rules of accessibility that a page breaks."""
+    from axe_playwright_python.sync_playwright import Axe
+
     return [own["id"] for own in Axe().run(page).response["violations"]]
 
 
