@@ -7,10 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import Drive, PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response
@@ -21,7 +19,7 @@ from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESI
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import exact_orbit
-from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
+from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, contact_modes, transitions_between
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
 from reference_lcp.steady.attraction import attracts_all
@@ -40,9 +38,6 @@ motion minutes, both grow at least with the square of the cells; error bars have
 
 WHOLE_PERIOD = 1 - 1e-9
 """Stuck fraction from which on a contact sticks all the time: sums of durations have an error of round-off."""
-
-MOST_RANGES = 3
-"""Ranges of cells that one line names; where there are more, cells are counted."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,15 +64,18 @@ class SteadyState:
     @classmethod
     def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":
         """Read the observables of an orbit; for `stick_margin` see `contact_modes`."""
-        stuck, changes = stuck_fraction(orbit, stick_margin), transitions(orbit, stick_margin)
-        ratio = complex_transmittance(orbit)
-        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), stuck, changes)
+        modes, ratio = contact_modes(orbit, stick_margin), complex_transmittance(orbit)
+        reading = np.mean(modes == 0, axis=0), transitions_between(modes, orbit)
+        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), *reading)
 
     def __repr__(self) -> str:
         """Say in one line what the last mass does, with its error bar, and which contacts stick."""
         status = "" if self.orbit.converged else f"not certified ({self.orbit.status}): "
         numbers = f"{status}{self._level} dB, phase {self.phase:.3f} rad, {self.orbit.periods} periods"
-        return f"<SteadyState {numbers}{self._sticking}>".replace("-", "−")
+        whole = np.count_nonzero(self.stuck_fraction >= WHOLE_PERIOD)
+        some = np.count_nonzero(self.stuck_fraction) - whole
+        sticking = f"of {self.stuck_fraction.size} contacts {whole} stick, {some} stick and slip"
+        return f"<SteadyState {numbers}; {sticking}>".replace("-", "−")
 
     @property
     def _level(self) -> str:
@@ -90,44 +88,6 @@ class SteadyState:
         digits = max(0, -math.floor(math.log10(bar.transmittance_db)))
         error = math.ceil(bar.transmittance_db * 10**digits) / 10**digits
         return f"{self.transmittance_db:.{digits}f} ± {error:.{digits}f}"
-
-    @property
-    def _sticking(self) -> str:
-        whole = self.stuck_fraction >= WHOLE_PERIOD
-        modes = {"stick": whole, "stick and slip": ~whole & (self.stuck_fraction > 0)}
-        named = [f"{_ranges(own)} {mode}" for mode, own in modes.items() if own.any()]
-        return f"; cells {'; '.join(named)}" if named else "; no contact sticks"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON; those of the error bar if there is one."""
-        bar = {} if self.error_bar is None else self.error_bar.as_dict()
-        exact = {} if self.exact_db is None else {"exact_db": self.exact_db}
-        changes = [change.as_dict() for change in self.transitions]
-        if self.error_bar is not None:
-            for change, error in zip(changes, self.error_bar.transition_time.tolist(), strict=True):
-                change["error_bar_s"] = None if math.isnan(error) else error
-        return {
-            "transmittance_db": self.transmittance_db,
-            "phase_rad": self.phase,
-            "residual": self.orbit.residual,
-            "status": str(self.orbit.status),
-            **({"reason": self.orbit.reason} if self.orbit.reason else {}),
-            "periods": self.orbit.periods,
-            "steps_per_period": self.orbit.trajectory.steps,
-            "stuck_fraction": self.stuck_fraction.tolist(),
-            "transitions": changes,
-            **bar,
-            **exact,
-        }
-
-
-def _ranges(chosen: NDArray[np.bool_]) -> str:
-    """Name cells, shape (n,), such as ``1–4, 7``; count them where that takes more than `MOST_RANGES`."""
-    starts = np.flatnonzero(chosen & ~np.append(False, chosen[:-1])) + 1
-    ends = np.flatnonzero(chosen & ~np.append(chosen[1:], False)) + 1
-    if starts.size > MOST_RANGES:
-        return f"{np.count_nonzero(chosen)} of {chosen.size}"
-    return ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in zip(starts.tolist(), ends.tolist(), strict=True))
 
 
 def steady_state(

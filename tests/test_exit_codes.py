@@ -11,8 +11,8 @@ import pytest
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.sweeps.file import EXAMPLE
-from reference_lcp.errors import ExitCode
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 ROOT = Path(__file__).parents[1]

@@ -9,7 +9,7 @@ import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
-from reference_lcp.errors import ExitCode
+from multibody_xval.reports.cli.exit_code import ExitCode
 
 COMMAND_LINES = [
     ("reference --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),

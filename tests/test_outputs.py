@@ -8,11 +8,12 @@ import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE
 from multibody_xval.scenarios.functions import sweep
+from multibody_xval.scenarios.output_files import RunError
 from multibody_xval.scenarios.store import Store
 from multibody_xval.scenarios.sweeps.dataset import write_dataset
-from reference_lcp.errors import ExitCode, RunError
 
 SWEEP = """
 engines = ["reference:joint"]

@@ -5,10 +5,10 @@ import sys
 
 import pytest
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
-from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import visible
+from multibody_xval.reports.cli.exit_code import ExitCode
 
 LINES = ["reference --help", "reference --cells 2", "engines", "run", "example", "run all --help"]
 

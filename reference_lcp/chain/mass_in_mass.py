@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reference_lcp import defaults
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
     LARGEST_UNIT,
@@ -17,7 +18,6 @@ from reference_lcp.validation import (
     FloatArray,
     checked_array,
     checked_count,
-    checked_per_cell,
     checked_scalar,
 )
 
@@ -64,7 +64,12 @@ class Chain:
     def __post_init__(self) -> None:
         checked_count("cells", self.cells, 1, MOST_CELLS)
         for name, requirement in _REQUIREMENTS.items():
-            object.__setattr__(self, name, checked_per_cell(name, getattr(self, name), self.cells, requirement))
+            given = checked_array(name, getattr(self, name), requirement)
+            if given.shape not in ((), (1,), (self.cells,)):
+                raise ParameterError(f"{name} has shape {given.shape}; allowed: one number or ({self.cells},)")
+            own = np.broadcast_to(given, (self.cells,)).copy()
+            own.flags.writeable = False
+            object.__setattr__(self, name, own)
 
     @classmethod
     def from_ratios(

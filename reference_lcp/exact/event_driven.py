@@ -16,18 +16,18 @@ import numpy as np
 
 from reference_lcp.chain.simulation import Lane, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven_kernel import COUNTED_FROM, EVENTS, TIME, Record, follow
 from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment, values
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray
+from reference_lcp.watching import tell
 
 EVENTS_PER_SPAN = 200
 """Events of one contact within one span of the series beyond which they count as accumulating."""
 
 SEGMENTS_AT_ONCE = 64
-"""Segments between two looks at the deadline; a period of the canonical chain has some thirty."""
+"""Segments between two words to whoever watches; a period of the canonical chain has some thirty."""
 
 
 class EventsAccumulate(RuntimeError):
@@ -37,8 +37,8 @@ class EventsAccumulate(RuntimeError):
 class EventDrivenChain(LaneModel):
     """One chain under one harmonic or still drive, advanced from event to event; the time step sets the rows only."""
 
-    def __init__(self, lane: Lane, deadline: Deadline = UNLIMITED):
-        self.lane, self.deadline = lane, deadline
+    def __init__(self, lane: Lane):
+        self.lane = lane
         self.system = PiecewiseLinearChain.of(lane.chain, lane.drive)
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
@@ -69,7 +69,7 @@ class EventDrivenChain(LaneModel):
         modes = np.where(bound > 0, np.sign(z[3 * n : 4 * n] - z[2 * n : 3 * n]), 1).astype(np.int8)
         clock, nearly, most = np.array([start, 0.0, start]), end - np.spacing(end), EVENTS_PER_SPAN * n
         while clock[TIME] < end:
-            self.deadline.check()
+            tell()
             record = Record.empty(SEGMENTS_AT_ONCE, n)
             for row in range(follow(self.system, clock, end, nearly, most, z, modes, record)):
                 series = record.coefficients[row], record.friction[row]
@@ -83,9 +83,9 @@ class EventDrivenChain(LaneModel):
 class EventDrivenSimulation(SequentialSimulation):
     """The motion between events in closed form, and every event; a `Simulation` without a time-step error."""
 
-    def __init__(self, lanes: Sequence[Lane], deadline: Deadline = UNLIMITED):
+    def __init__(self, lanes: Sequence[Lane]):
         common_cells(lanes)
         check_one_coefficient(lanes, "the event-driven chain")
         if any(lane.preload is not None for lane in lanes):
             raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
-        super().__init__([EventDrivenChain(lane, deadline) for lane in lanes])
+        super().__init__([EventDrivenChain(lane) for lane in lanes])

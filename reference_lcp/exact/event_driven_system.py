@@ -37,6 +37,7 @@ from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSyste
 from reference_lcp.lcp.time_step import REST_TOLERANCE, FrictionalStep, solve_step
 from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
+from reference_lcp.watching import tell
 
 Modes = NDArray[np.int8]
 
@@ -131,6 +132,7 @@ class EventDrivenSystem:
         span = 1 / max(self._rate, 1 / limit)
         while time < limit:
             until = min([limit, *(switch for switch in self._switches if switch > time)])
+            tell()
             stretch = _Start(self, x, time, span).stretch(until)
             yield stretch
             x = stretch.values(stretch.motion, stretch.end)[0]

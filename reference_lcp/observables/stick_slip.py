@@ -1,9 +1,8 @@
 """Stick and slip: modes, transitions and stuck fraction of every contact over one period, which is cyclic."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,9 @@ if TYPE_CHECKING:
 STICK_MARGIN = 1e-6
 """A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N: far above the round-off with which engines hold the force at
 its bound, far below any stick that matters. A law that only tends to the bound is read with a wider margin."""
+
+SHORTEST_STICK = 2
+"""Steps that a stick lasts at least: where the slip turns round, the scheme ends the step in between at rest."""
 
 UNREPEATED_SLIP = 4
 """A slip travels farther than this many residuals of its orbit; a shorter one, which need not come again, is a stick.
@@ -61,10 +63,6 @@ class Transition(NamedTuple):
     kind: Mode
     """The new mode."""
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON."""
-        return {"cell": self.cell, "time_s": self.time, "kind": str(self.kind)}
-
 
 def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
@@ -72,20 +70,45 @@ def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) ->
     The force decides (equation 1): a stick leaves `stick_margin`, in (0, 1), of the bound at least. A contact without
     friction, or an open one, never sticks; the sign of its relative velocity gives its direction.
     """
-    from reference_lcp.observables.stick_slip_kernel import read_modes, resolve  # numba is imported on first use
-
     trajectory, chain = orbit.trajectory, orbit.lane.chain
-    rows = np.empty((trajectory.cells, trajectory.steps), dtype=np.int8)
-    forces = trajectory.friction, trajectory.normal_force, chain.friction_coefficient
-    read_modes(*forces, trajectory.velocities, 1 - stick_margin, rows)
+    bound, slip = (chain.friction_coefficient * trajectory.normal_force).T, trajectory.relative_velocity.T
+    direction = np.where(bound > 0, -trajectory.friction.T, slip)
+    rows = (direction > 0).astype(np.int8) - (direction < 0)
+    rows[np.abs(trajectory.friction.T) < (1 - stick_margin) * bound] = 0
     if orbit.lane.preload is not None:
         for row, opened in zip(rows, _open(orbit).T, strict=True):
             for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
                 impact = np.arange(landing, landing + IMPACT_STEPS) % row.size
                 row[impact] = row[(landing + IMPACT_STEPS) % row.size]
     shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(chain)
-    resolve(rows, trajectory.velocities, orbit.lane.time_step, chain.friction_bound > 0, shortest)
+    for row, own, rubs in zip(rows, slip * orbit.lane.time_step, chain.friction_bound > 0, strict=True):
+        _drop_short_sticks(row)
+        if rubs:
+            _drop_short_slips(row, own, shortest)
     return rows.T
+
+
+def _phases(row: NDArray[np.int8]) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int8]]:
+    """First steps of the uninterrupted modes of a cyclic period, their numbers of steps, and the modes."""
+    starts = np.flatnonzero(row != np.roll(row, 1))
+    return starts, np.diff(starts, append=starts[:1] + row.size), row[starts]
+
+
+def _drop_short_sticks(row: NDArray[np.int8]) -> None:
+    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
+    starts, lengths, modes = _phases(row)
+    if starts.size:
+        modes = np.where((modes == 0) & (lengths < SHORTEST_STICK), np.roll(modes, -1), modes)
+        row[:] = np.roll(np.repeat(modes, lengths), starts[0])
+
+
+def _drop_short_slips(row: NDArray[np.int8], way: FloatArray, shortest: float) -> None:
+    """Turn slips into stick that travel less than `shortest` [m], in place; `way` [m] is that of every step."""
+    starts, lengths, modes = _phases(row)
+    if starts.size:
+        travelled = np.add.reduceat(np.roll(way, -starts[0]), starts - starts[0])
+        modes = np.where(np.abs(travelled) < shortest, 0, modes)
+        row[:] = np.roll(np.repeat(modes, lengths), starts[0])
 
 
 def transitions(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> list[Transition]:
@@ -145,23 +168,14 @@ def _open(orbit: "PeriodicOrbit") -> NDArray[np.bool_]:
     return (orbit.trajectory.normal_force <= OPEN * mean) & (mean > 0)
 
 
-@dataclass(frozen=True)
-class TransitionMatch:
+class TransitionMatch(NamedTuple):
     """How the transitions of one simulation fit to those of another."""
 
-    pairs: tuple[tuple[TimedTransition, TimedTransition], ...]
-    """(observed, expected) transitions that match, by cell and then by time of the expected one."""
-    missed: tuple[TimedTransition, ...]
-    """Expected transitions that were not observed."""
-    spurious: tuple[TimedTransition, ...]
+    errors: dict[TimedTransition, float]
+    """Time of the observed transition less that of the expected one, over the period, in [−window, window], by the
+    expected one; those that were not observed are left out."""
+    spurious: list[TimedTransition]
     """Observed transitions that were not expected."""
-    time_errors: tuple[float, ...]
-    """Time of each pair's observed transition less the expected one's, over the period, in [−window, window]."""
-
-    @property
-    def errors(self) -> dict[TimedTransition, float]:
-        """Time errors by the expected transition."""
-        return {expected: error for (_, expected), error in zip(self.pairs, self.time_errors, strict=True)}
 
 
 def match_transitions(
@@ -181,18 +195,13 @@ def match_transitions(
         for e, (cell, time, kind) in enumerate(expected)
         for other_time, f in of_kind.get((cell, kind), ())
     ]
-    partner: dict[int, tuple[int, float]] = {}
+    partner: dict[int, float] = {}
     taken: set[int] = set()
     for error, f, e in sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1])):
         if abs(error) > window:
             break
         if e not in partner and f not in taken:
-            partner[e] = (f, error)
+            partner[e] = error
             taken.add(f)
-    order = sorted(partner, key=lambda e: expected[e])
-    return TransitionMatch(
-        pairs=tuple((observed[partner[e][0]], expected[e]) for e in order),
-        missed=tuple(transition for e, transition in enumerate(expected) if e not in partner),
-        spurious=tuple(transition for f, transition in enumerate(observed) if f not in taken),
-        time_errors=tuple(partner[e][1] for e in order),
-    )
+    errors = {expected[e]: partner[e] for e in sorted(partner, key=lambda e: expected[e])}
+    return TransitionMatch(errors, [transition for f, transition in enumerate(observed) if f not in taken])

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.validation import FloatArray
+from reference_lcp.watching import tell
 
 SEARCH = "search for the steady state"
 """What is told to whoever watches."""
@@ -286,12 +286,11 @@ class FixedPointSearch:
         self._active = np.arange(count)
         self._part = simulation
 
-    def run(self, start: State, periods: int, deadline: Deadline = UNLIMITED) -> None:
+    def run(self, start: State, periods: int) -> None:
         """Apply the map until every lane has converged or diverged, at most `periods` times."""
         self._learn(None, start)
         following = self._scales.vectors(start, self._active)
         for period in range(periods):
-            deadline.check()
             row = period % (self._most_differences + 1)
             state = self._scales.state(following, self._active)
             end = self._part.advance(state, 0, self._steps)

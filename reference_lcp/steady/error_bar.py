@@ -7,7 +7,6 @@ What the residuals of the steady states and round-off leave open comes on top.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,18 +68,6 @@ class ErrorBar:
     def resolved(self) -> bool:
         """Whether the transmittance is above what residual and round-off can resolve."""
         return math.isnan(self.floor_db)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON; what is not known is ``None``."""
-        return {
-            "error_bar_db": _known(self.transmittance_db),
-            "floor_db": _known(self.floor_db),
-            "error_bar_phase_rad": _known(self.phase),
-            "error_bar_stuck_fraction": [_known(bar) for bar in self.stuck_fraction.tolist()],
-            "missing_transitions": [change.as_dict() for change in self.missing_transitions],
-            "order": _known(self.order),
-            "extrapolated_db": _known(self.extrapolated_db),
-        }
 
 
 def measured_error_bar(
@@ -239,13 +226,9 @@ def _transition_times(
             times[number] = [change.time for change in judged]
             continue
         match = match_transitions(observed[number], judged, period)
-        for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
+        for expected, error in match.errors.items():
             times[number, index[expected]] = expected[1] + error * period
         if match.spurious:
             missing.extend(match_transitions(match.spurious, missing, period).spurious)
     times[:, [index[change] for change in marginal]] = np.nan
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
-
-
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -13,13 +13,13 @@ import pytest
 from multibody_xval.engines.interface.registry import registered_names
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.edges import judged_edges, propose
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, failures, judged
 from multibody_xval.scenarios.running.evaluate import Means, computed
-from reference_lcp.errors import ExitCode
 from tests.faulty.engines import FAULTS, PREFIX
 from tests.faulty.faults import SEEN
 

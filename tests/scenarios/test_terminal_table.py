@@ -10,8 +10,7 @@ import pytest
 from rich.console import Console
 
 from multibody_xval.reports.cli.compiling import NOTICE
-from multibody_xval.scenarios.terminal_table import print_table
-from reference_lcp.terminal import tracked
+from multibody_xval.scenarios.terminal_table import print_table, tracked
 
 NAMES = ["exudyn-regularised:contact:default", "mujoco"]
 NUMBERS = [[f"{row}.{column:04d}e-12" for column in range(14)] for row in range(2)]

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline
 from reference_lcp.exact.event_driven_system import EventDrivenSystem, system_of
 from reference_lcp.exact.exact_orbit import SHORTEST_SEGMENT, exact_orbit
 from reference_lcp.exact.mode_dynamics import harmonic_load
@@ -22,6 +21,7 @@ from reference_lcp.lcp.systems import Harmonic
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray
+from reference_lcp.watching import tell
 
 SCHEME_STEPS = 1600
 """Steps a period of the Euler scheme's steady state, with which the search begins where normal forces change."""
@@ -101,11 +101,11 @@ class FloatMotion:
     """(u, v, u̇, v̇) at a time."""
 
 
-def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
+def candidate(exact: ExactChain) -> Candidate:
     """Find the steady state in floating point."""
     chain, drive, preload = exact.floating()
     cycle = exact.cycle * drive.period
-    motion = _constant(exact, deadline) if preload is None else _modulated(exact, deadline)
+    motion = _constant(exact) if preload is None else _modulated(exact)
     length = cycle / 2 if exact.half else cycle
     events = _events(motion, chain.friction_bound > 0)
     start = _quietest([time for time, _, _ in events], length)
@@ -128,10 +128,10 @@ def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
     return _centred(found, exact, motion, np.linspace(0, cycle, SAMPLES, endpoint=False))
 
 
-def _constant(exact: ExactChain, deadline: Deadline) -> FloatMotion:
+def _constant(exact: ExactChain) -> FloatMotion:
     """Give the period that the event-driven solver finds."""
     chain, drive, _ = exact.floating()
-    _, period = exact_orbit(chain, drive, tolerance=ENOUGH, deadline=deadline, thorough=False)
+    _, period = exact_orbit(chain, drive, tolerance=ENOUGH, thorough=False)
     rows, ends = period.lasting, np.array([segment.end for segment in period.segments])
 
     def state(time: float) -> FloatArray:
@@ -141,7 +141,7 @@ def _constant(exact: ExactChain, deadline: Deadline) -> FloatMotion:
     return FloatMotion(np.array([period.segments[row].start for row in rows]), period.modes[rows], state)
 
 
-def _modulated(exact: ExactChain, deadline: Deadline) -> FloatMotion:
+def _modulated(exact: ExactChain) -> FloatMotion:
     """Go from event to event from where the Euler scheme repeats."""
     chain, drive, preload = exact.floating()
     cycle = exact.cycle * drive.period
@@ -149,22 +149,19 @@ def _modulated(exact: ExactChain, deadline: Deadline) -> FloatMotion:
     lane = Lane.periodic(chain, drive, steps, preload)
     simulation = CompiledSimulation([lane])
     if exact.cycle == 1:
-        end = periodic_orbits(simulation, steps, longest_multiple=1, deadline=deadline)[0].trajectory.end
+        end = periodic_orbits(simulation, steps, longest_multiple=1)[0].trajectory.end
     else:
         end = State.at_rest(1, exact.cells)
         for _ in range(SETTLING_CYCLES):
-            deadline.check()
+            tell()
             end = simulation.advance(end, 0, steps * exact.cycle)
     omega, (sine, cosine) = harmonic_load(chain, drive)
     load = Harmonic(
         amplitude=float(np.hypot(sine, cosine)), angular_frequency=omega, phase=float(np.arctan2(cosine, sine))
     )
     solver = EventDrivenSystem(system_of(chain, load, preload=preload))
-    stretches = []
-    for stretch in solver.stretches(position=end.positions[0], velocity=end.velocities[0], end=cycle):
-        deadline.check()
-        stretches.append(stretch)
-    stretches = [each for each in stretches if each.duration > SHORTEST_SEGMENT * cycle]
+    every = solver.stretches(position=end.positions[0], velocity=end.velocities[0], end=cycle)
+    stretches = [each for each in every if each.duration > SHORTEST_SEGMENT * cycle]
     starts = np.array([each.start for each in stretches])
 
     def state(time: float) -> FloatArray:

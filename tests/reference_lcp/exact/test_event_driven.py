@@ -25,7 +25,7 @@ from reference_lcp import (
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import OrbitStatus
-from reference_lcp.deadline import Deadline, NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact import event_driven
 from reference_lcp.exact import exact_orbit as exact_orbit_module
 from reference_lcp.exact.event_driven import (
@@ -37,6 +37,7 @@ from reference_lcp.exact.event_driven import (
 from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step
 from reference_lcp.schemes.euler import chain_step
+from reference_lcp.watching import watched
 from tests.reference_lcp.cases import EXACT_DB, STANDING, random_chain
 
 ROUND_OFF = 1e-11
@@ -139,21 +140,19 @@ def test_the_end_of_a_motion_is_its_last_row() -> None:
     assert np.array_equal(row.velocities, end.velocities)
 
 
-def test_a_motion_asks_for_its_deadline_every_few_segments() -> None:
-    class Counting(Deadline):
-        asked = 0
+def test_whoever_watches_a_motion_is_told_every_few_segments_and_may_end_it() -> None:
+    told = []
 
-        def check(self) -> None:
-            self.asked += 1
-            super().check()
+    def ended(*_: object) -> None:
+        raise NotProven("over")
 
     chain, drive = canonical(0.3, 0.62)
     lane, rest = Lane.periodic(chain, drive, 400), State.at_rest(1, 7)
-    deadline = Counting(60.0)
-    segments = list(EventDrivenChain(lane, deadline).segments(rest, 0.0, 10 * drive.period))
-    assert deadline.asked >= len(segments) / SEGMENTS_AT_ONCE > 2
-    with pytest.raises(NotProven, match="time limit"):
-        next(EventDrivenChain(lane, Counting(0.0)).segments(rest, 0.0, drive.period))
+    with watched(lambda *own: told.append(own)):
+        segments = list(EventDrivenChain(lane).segments(rest, 0.0, 10 * drive.period))
+    assert len(told) >= len(segments) / SEGMENTS_AT_ONCE > 2
+    with watched(ended), pytest.raises(NotProven, match="over"):
+        next(EventDrivenChain(lane).segments(rest, 0.0, drive.period))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -225,7 +224,7 @@ def test_monodromy_matrix_is_the_derivative_of_the_period_map() -> None:
     state = exact_steady_state(chain, drive).orbit.trajectory.end
     segments = list(EventDrivenChain(lane).segments(state, 0.0, drive.period))
     assert len({segment.modes.tobytes() for segment in segments}) > 5
-    matrix = monodromy_matrix(EventDrivenChain(lane), segments)
+    matrix = monodromy_matrix(EventDrivenChain(lane), segments, 1.0)
     rng = np.random.default_rng(0)
     step = rng.normal(0, 1, (1, 28))
     stuck = np.flatnonzero(segments[0].modes == 0)

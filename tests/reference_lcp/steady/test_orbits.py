@@ -205,7 +205,7 @@ def test_without_dashpots_a_steady_state_that_does_not_attract_is_not_converged(
     state = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), solver=solver, with_error_bar=False)
     assert state.orbit.residual < 1e-8
     assert state.orbit.status is OrbitStatus.PERIOD_LIMIT
-    assert state.as_dict()["reason"].startswith("not every cell has a dashpot: the steady state is one of many")
+    assert state.orbit.reason.startswith("not every cell has a dashpot: the steady state is one of many")
 
 
 @pytest.mark.parametrize("solver", ["compiled", "exact"])

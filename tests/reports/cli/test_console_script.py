@@ -14,8 +14,8 @@ from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.engines.pybullet import PyBullet
 from multibody_xval.reports.cli.console_script import COMMANDS, app, loaded
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.truth import problem_named
-from reference_lcp.errors import ExitCode
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -7,8 +7,8 @@ from decimal import Decimal
 import pytest
 
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.reference import app
-from reference_lcp.errors import ExitCode
 from reference_lcp.exact.proof import prove
 from tests.reference_lcp.cases import EXACT_DB
 

@@ -5,7 +5,7 @@ from functools import cache
 
 from flint import ctx
 
-from reference_lcp.deadline import NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.candidate import Candidate, candidate
 from reference_lcp.exact.proof.coulomb import Observed, observe
 from reference_lcp.exact.proof.dynamics import Dynamics

@@ -27,8 +27,6 @@ from reference_lcp import (
     stuck_transmittance,
     transmittance,
 )
-from reference_lcp.deadline import Deadline
-from reference_lcp.exact.proof.candidate import candidate
 from reference_lcp.exact.proof.exact_chain import ExactModulation
 from reference_lcp.exact.proof.prove import Uniqueness
 
@@ -262,8 +260,6 @@ def test_search_in_floating_point_keeps_the_time_limit_too(ratios) -> None:
     with pytest.raises(NotProven, match=r"the time limit of 0\.2 s is over"):
         prove(exact, time_limit=0.2)
     assert time.monotonic() - began < 10
-    with pytest.raises(NotProven, match=r"the time limit of 0 s is over"):
-        candidate(exact, Deadline(0))
 
 
 @pytest.mark.parametrize(
