@@ -1,7 +1,7 @@
 """The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna.
 
 What a study needs is here, each name imported from its folder when it is first used, which spares a command the
-compiled solvers that it does not need; `multibody_xval` has these names for type checkers too.
+compiled solvers that it does not need; `multibody_xval` has those that a study needs, for type checkers too.
 """
 
 from importlib import import_module
@@ -26,6 +26,7 @@ _NAMES = {
         "FrictionContact",
         "Harmonic",
         "MassSpringSystem",
+        "Motion",
         "Piecewise",
         "Spring",
         "simulate_system",
@@ -36,6 +37,7 @@ _NAMES = {
     "one_call": ["SteadyState", "exact_steady_state", "simulate", "steady_state"],
     "schemes.euler": ["CompiledSimulation"],
     "steady.orbits": ["periodic_orbits"],
+    "system_state": ["SystemSteadyState"],
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
+from typing import overload
 
 import numpy as np
 
@@ -16,15 +17,17 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation, steps_per_period_for
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shown
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import exact_orbit
+from reference_lcp.lcp.systems import MassSpringSystem
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, contact_modes, transitions_between
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
 from reference_lcp.steady.attraction import attracts_all
 from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.system_state import SystemSteadyState, system_steady_state
 from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count, checked_scalar
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
@@ -90,27 +93,43 @@ class SteadyState:
         return f"{self.transmittance_db:.{digits}f} ± {error:.{digits}f}"
 
 
+@overload
 def steady_state(
-    chain: Chain,
-    drive: PeriodicDrive,
+    chain: Chain, drive: PeriodicDrive, *, steps_per_period: int = ..., solver: str | None = ...,
+    tolerance: float | None = ..., max_periods: int = ..., with_error_bar: bool = ..., with_exact_value: bool = ...,
+) -> SteadyState: ...  # fmt: skip
+
+
+@overload
+def steady_state(
+    chain: MassSpringSystem, drive: float | None = None, *, steps_per_period: int = ..., solver: str | None = ...,
+    tolerance: float | None = ..., max_periods: int = ..., with_error_bar: bool = ...,
+) -> SystemSteadyState: ...  # fmt: skip
+
+
+def steady_state(
+    chain: Chain | MassSpringSystem,
+    drive: PeriodicDrive | float | None = None,
     *,
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
-    solver: str = "compiled",
+    solver: str | None = None,
     tolerance: float | None = None,
     max_periods: int = DEFAULT_PERIODS,
     with_error_bar: bool = True,
     with_exact_value: bool = False,
-) -> SteadyState:
-    """Find the steady state of `chain` under `drive`, by the Euler scheme unless the exact solver is chosen.
+) -> SteadyState | SystemSteadyState:
+    """Find the steady state of a chain under a drive, or of a system, whose forces and motions repeat.
 
     Parameters
     ----------
     chain, drive
-        What moves, and what moves it.
+        What moves, and what moves it; of a `MassSpringSystem` in place of the drive the time [s] after which all of it
+        repeats, which need not be given if that is the longest of its periods.
     steps_per_period
         Fewest steps a period, >= 16; more are taken where dt ω_max <= 0.4 requires them.
     solver
-        ``"compiled"``, ``"lemke"`` or ``"exact"``; for the last see `exact_steady_state`.
+        ``"compiled"``, the Euler scheme, as without a word of a chain; ``"lemke"``, the same by Lemke's method, of a
+        chain only; or ``"exact"``, the motion from event to event, as without a word of a system.
     tolerance
         Periodicity residual to reach; `DEFAULT_RESIDUAL`, or `EXACT_RESIDUAL` for the exact
         solver, unless given.
@@ -124,8 +143,18 @@ def steady_state(
     Raises
     ------
     ParameterError
-        If an argument is outside its range.
+        If an argument is outside its range; of a system, if a body floats, nothing repeats, or motions grow for ever.
     """
+    if isinstance(chain, MassSpringSystem):
+        if with_exact_value or not isinstance(drive, int | float | None):
+            raise ParameterError(f"drive = {shown(drive)} of a system; allowed: a period [s] or None, no exact value")
+        return system_steady_state(
+            chain, drive, steps_per_period=steps_per_period, solver=solver or "exact", tolerance=tolerance,
+            max_periods=max_periods, with_error_bar=with_error_bar,
+        )  # fmt: skip
+    if not isinstance(drive, PeriodicDrive):
+        raise ParameterError(f"drive = {shown(drive)} does not repeat; allowed: HarmonicBase, HarmonicForce")
+    solver = solver or "compiled"
     build = _solver(solver, chain)
     extras = {"an error bar": with_error_bar and solver != "exact", "an exact value": with_exact_value}
     for name in [name for name, asked in extras.items() if asked]:
@@ -251,4 +280,5 @@ def simulate(
         if array.shape != rest.shape:
             raise ParameterError(f"initial {name} have shape {array.shape}; allowed: {rest.shape}")
     simulation = build([Lane(chain, drive, time_step)])
-    return simulation.run(State(start[0][None, :], start[1][None, :]), 0, steps)[0]
+    motion = simulation.run(State(start[0][None, :], start[1][None, :]), 0, steps)[0]
+    return dataclasses.replace(motion, friction_coefficient=chain.friction_coefficient)

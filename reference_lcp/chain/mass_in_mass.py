@@ -4,7 +4,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -142,6 +142,26 @@ class Chain:
             f"friction bound {_span(self.friction_bound)} N",
         ]
         return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
+
+    part: ClassVar[str] = "cell"
+    """What messages call a part of it."""
+    one_coefficient: ClassVar[bool] = True
+    """Friction at rest is that of motion, unless the lane says otherwise."""
+
+    @property
+    def freedoms(self) -> int:
+        """Number of masses, 2n."""
+        return 2 * self.cells
+
+    @property
+    def damped(self) -> bool:
+        """Whether every cell has a chain dashpot."""
+        return bool(np.all(self.chain_damping > 0))
+
+    @property
+    def contact_mass(self) -> FloatArray:
+        """Mass that a contact has to move where no other holds, m_i m_o / (m_i + m_o) [kg], shape (n,)."""
+        return self.inner_mass * self.outer_mass / (self.inner_mass + self.outer_mass)
 
     @property
     def friction_bound(self) -> FloatArray:

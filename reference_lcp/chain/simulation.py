@@ -36,11 +36,11 @@ class Lane:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
-        largest = math.pi / 2 if self.chain.cells == 1 else 0.0
+        largest = math.pi / 2 if self.chain.freedoms == 2 else 0.0
         if abs(checked_scalar("direction", self.direction)) > largest:
             raise ParameterError(
-                f"direction = {self.direction:g} in a row of {self.chain.cells}; allowed: -pi/2 to pi/2 in a row of "
-                "one cell, 0 in others"
+                f"direction = {self.direction:g} in a row of {self.chain.freedoms // 2} cells; allowed: -pi/2 to pi/2 "
+                "in a row of one, 0 in others"
             )
         if checked_scalar("static_ratio", self.static_ratio) < 1:
             raise ParameterError(f"static_ratio = {self.static_ratio:g}; allowed: >= 1")
@@ -56,6 +56,11 @@ class Lane:
         """Divide the period of the drive into `steps_per_period` steps."""
         checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
         return cls(chain, drive, drive.period / steps_per_period, preload)
+
+    @property
+    def one_coefficient(self) -> bool:
+        """Whether friction at rest is that of motion: then friction is monotone."""
+        return self.static_ratio == 1 and self.chain.one_coefficient
 
     @property
     def opens(self) -> bool:
@@ -97,7 +102,7 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
         other = f"as with a frequency {stable / MOST_STEPS:.3g} times as high, or masses and springs that differ less"
         raise ParameterError(f"{slow} needs {stable:.3g} steps; allowed: <= {MOST_STEPS}, {other}")
     steps = max(minimum, math.ceil(stable))
-    check_record_size(chain.cells, steps)
+    check_record_size(chain.freedoms // 2, steps)
     return steps
 
 
@@ -137,7 +142,7 @@ class Simulation(Protocol):
 
 def common_cells(lanes: Sequence[Lane]) -> int:
     """Give the number of cells that all lanes, one at least, share."""
-    lengths = {lane.chain.cells for lane in lanes}
+    lengths = {lane.chain.freedoms // 2 for lane in lanes}
     if len(lengths) != 1:
         raise ParameterError(f"a batch holds chains of {sorted(lengths)} cells; allowed: one length, at least one lane")
     return lengths.pop()

@@ -124,7 +124,7 @@ def _judged(orbits: Sequence[PeriodicOrbit], simulation: Simulation) -> list[Per
     judged = list(orbits)
     for number, orbit in enumerate(orbits):
         known = orbit.trajectory.internal_state is None or orbit.lane.opens
-        if orbit.converged and known and orbit.lane.static_ratio == 1 and not attracts_all(orbit.lane):
+        if orbit.converged and known and orbit.lane.one_coefficient and not attracts_all(orbit.lane):
             judged[number] = without_dashpots(orbit, largest_multiplier(simulation.subset([number]), orbit))
     return judged
 

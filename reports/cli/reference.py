@@ -166,7 +166,7 @@ def run(
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
-    from multibody_xval.reports.figures.period import plot_period
+    from multibody_xval.reports.figures.motion import plot_motion
     from multibody_xval.reports.figures.picture_file import checked_picture, save_picture
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
@@ -186,7 +186,7 @@ def run(
     proven = proof.answer(question)
     _show(as_json, numbers_of(state) | told | proven, lambda: _print(state, reason, proven))
     if plot is not None:
-        save_picture(plot_period(state.orbit), plot)
+        save_picture(plot_motion(state.orbit), plot)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
 

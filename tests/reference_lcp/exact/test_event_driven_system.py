@@ -22,7 +22,7 @@ from reference_lcp import (
 )
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.event_driven_system import StickSlipLane, system_of
+from reference_lcp.exact.event_driven_system import EventDrivenBodies, system_of_lane
 
 
 @pytest.mark.parametrize("friction_ratio", [0.05, 0.2])
@@ -31,8 +31,7 @@ def test_a_chain_moves_as_the_event_driven_chain_does(friction_ratio) -> None:
     drive = HarmonicForce(float(chain.chain_stiffness[0]) * 0.01, 0.8 * chain.resonator_frequency)
     lane = Lane.periodic(chain, drive, 50)
     (expected,) = EventDrivenSimulation([lane]).run(State.at_rest(1, 3), 0, 300)
-    load = Harmonic(amplitude=drive.amplitude, angular_frequency=drive.angular_frequency)
-    solver = EventDrivenSystem(system_of(chain, load))
+    solver = EventDrivenSystem(system_of_lane(lane))
     motion = solver.motion(position=np.zeros(6), velocity=np.zeros(6), times=lane.times(0, 300))
     assert motion.positions == pytest.approx(expected.positions, abs=1e-11 * np.max(np.abs(expected.positions)))
     assert motion.friction == pytest.approx(expected.friction, abs=1e-9 * np.max(np.abs(expected.friction)))
@@ -43,7 +42,7 @@ def test_a_lane_of_bodies_moves_as_the_event_driven_chain_does_and_may_be_split(
     chain = Chain.from_ratios(cells=2, friction_ratio=0.1)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), 50)
     (expected,) = EventDrivenSimulation([lane]).run(State.at_rest(1, 2), 0, 90)
-    model = StickSlipLane(lane)
+    model = EventDrivenBodies(lane)
     first = model.run(State.at_rest(1, 2), 0, 40)
     second = model.run(first.end, 40, 50)
     positions = np.vstack([first.positions, second.positions])
