@@ -20,7 +20,7 @@ from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
 from multibody_xval.scenarios.result_tables import now, points
-from multibody_xval.scenarios.ruler.judge import judged
+from multibody_xval.scenarios.ruler.judge import OTHER_SCHEMES, judged
 
 ROOT = Path(__file__).parents[1]
 README, ACCURACY = ((ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "docs/accuracy.md"))
@@ -75,6 +75,9 @@ def measured() -> dict[tuple[str, str, str], str]:
 
 UNSTEADY = "not periodic"
 
+NO_CURE = f" ({tables.NO_CURE})"
+"""After an error that a recipe leaves."""
+
 
 def cell(size: float, known: int, every: int) -> str:
     """Give the largest error in two digits, with a star where points are not known, as the README has it."""
@@ -83,9 +86,17 @@ def cell(size: float, known: int, every: int) -> str:
     return significant(size) + "*" * (known < every) if known else MISSING
 
 
+def is_no_cure(name: tuple[str, str, str], text: str) -> bool:
+    """Tell whether a recipe leaves more than twice the error of the reference with as many steps, or never settles."""
+    if name[2] != "recommended" or text == MISSING:
+        return False
+    (reference,) = re.findall(r"^\| reference \| joint \| tuned \| [^|]* \| [^|]* \| ([\d.]+)", ACCURACY, re.MULTILINE)
+    return text == UNSTEADY or float(text.rstrip("*")) > OTHER_SCHEMES * float(reference)
+
+
 def measured_errors() -> dict[tuple[str, str], str]:
     """Give the text of each cell of the README's table by engine and formulation."""
-    cells = {name: text.replace("*", r"\*") for name, text in measured().items()}
+    cells = {name: text.replace("*", r"\*") + NO_CURE * is_no_cure(name, text) for name, text in measured().items()}
     pairs = {name[:2] for name in cells}
     return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in SHOWN) for pair in pairs}
 

@@ -1,6 +1,6 @@
 """The tables of engines in the page of one block, from the numbers of its scenarios.
 
-multibody-xval run static-hold breakaway stopping-distance direction --engine mujoco:all:all --out numbers.csv
+multibody-xval run static-hold breakaway stopping-distance --engine mujoco:all:all --out numbers.csv
 python docs/blocks/answers.py docs/blocks/answers.csv numbers.csv ...
 
 Rows of the table stay where there are no numbers of their configuration.
@@ -19,14 +19,13 @@ COLUMNS = {
     "breakaway": ("breakaway", "1 kg, 2 ms", "breakaway"),
     "stopping distance": ("stopping-distance", "1 kg, 4.9 m/s", "distance"),
     "drift at rest [µm/s]": ("stopping-distance", "1 kg, 4.9 m/s", "drift"),
-    "friction at 45°": ("direction", "1 kg, 4.9 m/s, 45°", "bound"),
 }
 """Scenario, case and quantity of each column: the block of 1 kg."""
 
 NAMES = "engine:formulation:preset"
 
 UNASKED = "–"
-"""Where a configuration does not answer: joints have no direction, and an engine may be missing."""
+"""Where a configuration does not answer: an engine may be missing, or cannot represent the case."""
 
 MARKS = {"agrees": "", "deviates": " *", "time step too large": " c"}
 """Behind a value; where there is none, the verdict stands in its place."""

@@ -18,14 +18,14 @@ from multibody_xval.scenarios.running.evaluate import Means
 
 ANSWERS = Path(__file__).with_name("answers.csv")
 
-COLUMNS = ["engine", "number", "default", "recommended"]
+COLUMNS = ["engine", "number", "default", "recommended", "cured"]
 
 
 def answers(name: str, means: Means) -> pd.DataFrame:
     """Give the rows of an engine: numbers of scenes, then costs."""
     worst, costs = recipe_results(name, means)
-    rows = [(number, own["default"], own["recommended"]) for number, own in worst.iterrows()]
-    rows += [(f"cost of a step, {kind} [×]", 1.0, ratio) for kind, ratio in costs.items()]
+    rows = [(number, own["default"], own["recommended"], own["cured"]) for number, own in worst.iterrows()]
+    rows += [(f"cost of a step, {kind} [×]", 1.0, ratio, True) for kind, ratio in costs.items()]
     return pd.DataFrame([(name, *row) for row in rows], columns=COLUMNS)
 
 

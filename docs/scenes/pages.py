@@ -14,7 +14,7 @@ import pandas as pd
 from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
 from multibody_xval.reports.formatting import environment
-from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+from multibody_xval.scenarios.catalogue.worst_numbers import NOT_CURED, printed_number, with_recipe
 
 FOLDER = Path(__file__).parent
 
@@ -23,7 +23,12 @@ FENCE = "```"
 DECADES = 6
 """Shades of the heat map: decades of a number over the smallest one that counts as none."""
 
-LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1}
+NOT_CURED_MEANS = (
+    f"*{NOT_CURED.capitalize()}*: beyond what is allowed with the recipe, too. "
+    "Where the lines above name no other option, none is known."
+)
+
+LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1, "ms": 1.0}
 """By unit, what counts as none."""
 
 
@@ -102,4 +107,7 @@ def _numbers(name: str, rows: pd.DataFrame) -> Iterator[str]:
         if row.number.startswith("cost"):
             yield f"| {row.number.removesuffix(' [×]')} | 1 | ×{row.recommended:.2f} |"
         else:
-            yield f"| {row.number} | {printed_number(row.default)} | {printed_number(row.recommended)} |"
+            recipe = with_recipe(row.recommended, cured=row.cured)
+            yield f"| {row.number} | {printed_number(row.default)} | {recipe} |"
+    if not rows.cured.all():
+        yield from ("", NOT_CURED_MEANS)

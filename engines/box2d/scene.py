@@ -75,9 +75,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, _, z = scene.normal
         world.CreateStaticBody(position=(-x, -z), angle=-scene.slope, fixtures=_box((GROUND, 1.0), rub))
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         body = world.CreateDynamicBody(
-            position=(place[0], place[2]), angle=-scene.slope, fixtures=_box([side / 2] * 2, rub, mass),
+            position=(place[0], place[2]), angle=-scene.slope, fixtures=_box(half, rub, mass),
             allowSleep=setting.sleeping,
         )  # fmt: skip
 
@@ -108,11 +108,14 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     world, hinge = _new_world(setting, 0.0), scene.kind == "hinge"
     still, box = world.CreateStaticBody(), _untouched((UNIT_INERTIA, UNIT_INERTIA), 1.0)
     body = world.CreateDynamicBody(position=(0, 0), fixtures=box, allowSleep=setting.sleeping)
+    body.angularDamping = body.linearDamping = scene.damping  # a rate, and so is that of a joint over its inertia of 1
     if hinge:
+        body.angularVelocity = scene.velocity
         world.CreateRevoluteJoint(
             bodyA=still, bodyB=body, anchor=(0, 0), enableMotor=True, motorSpeed=0.0, maxMotorTorque=scene.friction
         )
     else:
+        body.linearVelocity = (scene.velocity, 0)
         world.CreatePrismaticJoint(
             bodyA=still, bodyB=body, anchor=(0, 0), axis=(1, 0), enableMotor=True, motorSpeed=0.0,
             maxMotorForce=scene.friction,

@@ -18,8 +18,8 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     ``tested`` is every preset, ``tuned`` the best known options, ``default`` what a newcomer gets, ``sharing`` those
     that share the reference's scheme, ``exact`` those of them that are tuned, ``modelled`` those that have a law,
     ``following`` those whose normal force may change in time, ``following_tuned`` those of them that are tuned,
-    ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose row may have any direction, ``holding``
-    the tuned ones with static friction of its own, ``installed`` the name of an engine.
+    ``lifting`` the tuned ones whose contacts may open, ``holding`` the tuned ones with static friction of its own,
+    ``installed`` the name of an engine.
     """
     names = named or tuple(name for name in engine_names() if engine(name).unavailable_reason() is None)
     every = dict.fromkeys(variant for name in names for variant in variants_begun(name))
@@ -36,10 +36,9 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "following": follows,
         "following_tuned": [own for own in follows if is_tuned(own)],
         "lifting": [own for own, preset in presets if is_tuned(own) and preset.represents(NormalForce.LIFTING)],
-        "turning": [own for own, preset in presets if preset.turns],
         "holding": [own for own, preset in presets if is_tuned(own) and preset.static_friction],
     }
-    return {name: [later_if_optional(own, named) for own in own] for name, own in chosen.items()} | {
+    return {name: [marked(own, named) for own in own] for name, own in chosen.items()} | {
         "installed": list(dict.fromkeys(name_parts(name)[0][0] for name in names))
     }
 
@@ -57,9 +56,11 @@ def is_modelled(variant: Variant) -> bool:
         return True
 
 
-def later_if_optional(variant: Variant, named: tuple[str, ...]) -> Any:
-    """Let presets that take part where they are named be slow, unless their engine is named."""
-    return pytest.param(variant, marks=pytest.mark.slow) if variant.preset.optional and not named else variant
+def marked(variant: Variant, named: tuple[str, ...]) -> Any:
+    """Let other presets than the tuned ones be slow, unless their engine is named; mark engines beyond the suite."""
+    slow = [] if named or is_tuned(variant) else [pytest.mark.slow]
+    needs = [pytest.mark.needs(variant.engine)] if engine(variant.engine).capabilities.optional else []
+    return pytest.param(variant, marks=[*slow, *needs])
 
 
 def label(variant: Variant) -> str:

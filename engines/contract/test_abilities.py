@@ -1,69 +1,18 @@
-"""What a preset states that it can: turn a row, hold more at rest; the others refuse it."""
+"""What a preset states that it can: hold more at rest; the others refuse it."""
 
 import dataclasses
-import math
 import re
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from multibody_xval.engines.contract.lanes import lane_of, run_of, tolerance_of
-from multibody_xval.engines.interface.tolerances import STEPS
+from multibody_xval.engines.contract.lanes import lane_of, run_of
 from multibody_xval.engines.interface.variant import Variant, variants_of
-from reference_lcp.chain.drives import HarmonicBase, HarmonicForce
+from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.errors import ParameterError
-
-SHORT_SLIDE = 20
-"""Steps in which a slip that begins with some U0 ω does not come to rest."""
-
-SAME_MOTION = {"double": 1e-9, "single": 1e-4}
-"""Of positions, over U0: directions of x and y are rounded alike but for the last places of their cosines."""
-
-MOMENTUM = 0.03
-"""Of the bound, between the friction that is reported and what it does to the momentum: what finer steps inside of a
-step, or damping, change. Friction that is read along another axis lacks a tenth and more."""
-
-
-def one_cell() -> Lane:
-    """Give a lane of one cell, whose row may be turned."""
-    chain = Chain.from_ratios(friction_ratio=0.3, cells=1)
-    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
-
-
-def slide(variant: Variant, direction: float) -> tuple[Lane, State, Trajectory]:
-    """Let the inner mass slide on the outer one, some U0 ω fast."""
-    lane = one_cell()
-    state = State(np.zeros((1, 2)), np.array([[0.0, 20 * BASE_AMPLITUDE]]))
-    simulation = variant.build([dataclasses.replace(lane, direction=direction)])
-    try:
-        return lane, state, simulation.run(state, 0, SHORT_SLIDE)[0]
-    finally:
-        simulation.close()
-
-
-def test_row_along_the_other_tangent_moves_alike(turning: Variant) -> None:
-    """Nothing distinguishes the two tangents of a contact, whatever its cone."""
-    (*_, along), (*_, aside) = (slide(turning, direction) for direction in (0.0, math.pi / 2))
-    difference = np.max(np.abs(along.positions - aside.positions)) / BASE_AMPLITUDE
-    assert difference <= tolerance_of(turning, SAME_MOTION), "the row along the other tangent moves otherwise, by U0"
-
-
-def test_friction_of_a_turned_row_is_read_along_it(turning: Variant) -> None:
-    """The reported friction is what the momentum of the inner mass along the row loses beside that to its spring."""
-    lane, state, run = slide(turning, math.pi / 6)
-    chain, positions = lane.chain, np.vstack([state.positions, run.positions[:-1]])
-    velocities = np.vstack([state.velocities, run.velocities])
-    slip, rate = positions[:, 1] - positions[:, 0], velocities[:-1, 1] - velocities[:-1, 0]
-    spring = -chain.inner_stiffness * slip - chain.inner_damping * rate
-    lost = chain.inner_mass * np.diff(velocities[:, 1]) / lane.time_step - spring
-    missing = np.abs(np.mean(run.friction[:, 0] - lost)) / float(chain.friction_bound[0])
-    assert missing <= MOMENTUM, "a part of the friction is missing along the row, over the bound"
-
 
 STATIC_RATIO = 1.5
 """μ_s / μ_k."""
@@ -133,19 +82,11 @@ def test_contact_that_lets_go_jumps_under_kinetic_friction(holding: Variant) -> 
     assert np.max(np.abs(sliding - 1)) <= SLIDES, "slides with another friction than μ_k λ_N, by a part of it"
 
 
-LACKING: dict[str, tuple[str, Callable[[], Lane]]] = {
-    "turns": ("direction = 0.5", lambda: dataclasses.replace(one_cell(), direction=0.5)),
-    "static_friction": ("static_ratio = 1.5", lambda: dataclasses.replace(lane_of(0.3, 0.6), static_ratio=1.5)),
-}
-"""Lanes that a preset without an ability refuses, and the number that its message names."""
-
-
-@pytest.mark.parametrize("ability", LACKING)
-def test_what_a_preset_does_not_state_is_refused(installed: str, ability: str) -> None:
+def test_static_friction_that_a_preset_does_not_state_is_refused(installed: str) -> None:
     """With the number, and the formulation that lacks it."""
-    named, lane = LACKING[ability]
+    lane = dataclasses.replace(lane_of(0.3, 0.6), static_ratio=STATIC_RATIO)
     for variant in variants_of(installed):
-        if not getattr(variant.preset, ability):
-            refusal = rf"{re.escape(named)}: .*{re.escape(variant.formulation)}.* cannot"
+        if not variant.preset.static_friction:
+            refusal = rf"static_ratio = 1\.5: .*{re.escape(variant.formulation)}.* cannot"
             with pytest.raises(ParameterError, match=refusal):
-                variant.build([lane()])
+                variant.build([lane])

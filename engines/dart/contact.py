@@ -71,12 +71,8 @@ class DartContactLane(PressedLane):
             return np.zeros((2, self._chain.cells))
         forces = np.array([contact.force for contact in contacts])
         points = np.array([contact.point for contact in contacts])
-        # A row that is turned has one cell, wherever its points are.
-        places = points[:, 2] * (self.lane.direction == 0)
-        cells = np.rint(places / self._sizes.spacing).astype(np.intp)
-        count, (x, z) = self._chain.cells, self.lane.axis
-        friction = x * forces[:, 0] + z * forces[:, 2] if z else forces[:, 0]
-        normal = forces[:, 1]
+        cells, count = np.rint(points[:, 2] / self._sizes.spacing).astype(np.intp), self._chain.cells
+        friction, normal = forces[:, 0], forces[:, 1]
         # The force on either mass; the one that points away from the plate is on the inner.
         sign = np.where(normal > 0, 1.0, -1.0)
         return np.array([np.bincount(cells, sign * part, count) for part in (friction, normal)])
@@ -102,8 +98,7 @@ class DartContactLane(PressedLane):
         import dartpy
 
         world = new_world(self._time_step, self._preset["deactivation"])
-        sizes, chain, skeletons, (x, z) = self._sizes, self._chain, [], self.lane.axis
-        turned = np.array([[x, 0.0, -z], [0.0, 1.0, 0.0], [z, 0.0, x]])
+        sizes, chain, skeletons = self._sizes, self._chain, []
         depth = DEPTH * sizes.box
         for cell in range(chain.cells):
             skeleton = dartpy.dynamics.Skeleton()
@@ -114,15 +109,9 @@ class DartContactLane(PressedLane):
             below.setAxis([1.0, 0.0, 0.0])
             rest = [0.0, 2 * sizes.box - depth, 0.0]
             for joint, place in ((below, [0.0, 0.0, cell * sizes.spacing]), (above, rest)):
-                before, after = dartpy.math.Isometry3(), dartpy.math.Isometry3()
+                before = dartpy.math.Isometry3()
                 before.set_translation(place)
-                # Frames turn the axes and leave the bodies: with axes of its own a joint in the plane moves a body
-                # along them under forces along the old ones.
-                if self.lane.direction:
-                    before.set_rotation(turned)
-                    after.set_rotation(turned)
                 joint.setTransformFromParentBodyNode(before)
-                joint.setTransformFromChildBodyNode(after)
             plate.setMass(chain.outer_mass[cell])
             body.setMass(chain.inner_mass[cell])
             if self._rubbing[cell]:
@@ -136,10 +125,9 @@ class DartContactLane(PressedLane):
         from dartpy import dynamics
 
         edge, length = 2 * self._sizes.box, 2 * self._sizes.plate
-        width = length if self.lane.direction else edge
         box = self._preset["shape"] == "box"
         shape = dynamics.BoxShape([edge, edge, edge]) if box else dynamics.SphereShape(self._sizes.box)
-        for owner, solid in ((plate, dynamics.BoxShape([length, edge, width])), (body, shape)):
+        for owner, solid in ((plate, dynamics.BoxShape([length, edge, edge])), (body, shape)):
             node = owner.createShapeNode(solid)
             node.createCollisionAspect()
             surface = node.createDynamicsAspect()

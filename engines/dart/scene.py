@@ -100,10 +100,10 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         fixed((GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         skeleton = new_skeleton()
         joint, body = skeleton.createFreeJointAndBodyNodePair()
-        _add_box(body, [side / 2] * 3, mass, rub)
+        _add_box(body, half, mass, rub)
         joint.setPositions(dartpy.dynamics.FreeJoint.convertToPositions(_pose(place, scene.orientation)))
         world.addSkeleton(skeleton)
 
@@ -146,6 +146,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         joint, body = kind()
         joint.setAxis([1.0, 0, 0] if slides else [0, 0, 1.0])
         joint.setCoulombFriction(0, scene.friction)
+        joint.setDampingCoefficient(0, scene.damping)
+        joint.setVelocity(0, scene.velocity)
         body.setMass(1.0)
         body.setMomentOfInertia(1, 1, 1, 0, 0, 0)
     else:

@@ -142,7 +142,7 @@ class DrakeLane(LaneModel):
         """Add a mass on a joint of this name along the row, with a spring and a dashpot."""
         from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring
 
-        body, axis = add_mass(plant, name, mass), [*self.lane.axis, 0.0]
+        body, axis = add_mass(plant, name, mass), [1.0, 0.0, 0.0]
         joint = plant.AddJoint(PrismaticJoint(name, parent.body_frame(), body.body_frame(), axis, damping=damping))
         plant.AddForceElement(PrismaticSpring(joint=joint, nominal_position=0.0, stiffness=stiffness))
         return body

@@ -143,9 +143,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     for index, bound in enumerate(bounds):
         body = plant.AddRigidBody(f"body {index}", each)
         kind, axis = (drake.PrismaticJoint, [1, 0, 0]) if slides else (drake.RevoluteJoint, [0, 1, 0])
-        actuator = plant.AddJointActuator(
-            f"friction {index}", plant.AddJoint(kind(f"joint {index}", frame, body.body_frame(), axis)), bound
-        )
+        joint = plant.AddJoint(kind(f"joint {index}", frame, body.body_frame(), axis, scene.damping))
+        actuator = plant.AddJointActuator(f"friction {index}", joint, bound)
         actuator.set_controller_gains(drake.PdControllerGains(p=0.0, d=setting.preset["PdControllerGains.d"]))
         end = drake.RigidTransform([LINK_LENGTH, 0.0, 0.0])
         frame = plant.AddFrame(drake.FixedOffsetFrame(f"end {index}", body.body_frame(), end))
@@ -155,7 +154,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     model = plant.GetModelInstanceByName("DefaultModelInstance")
     builder.Connect(still.get_output_port(), plant.get_desired_state_input_port(model))
     simulator, step = _simulated(builder, setting.time_step)
-    context = plant.GetMyContextFromRoot(simulator.get_context())
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    plant.SetVelocities(context, [scene.velocity] * len(bounds))
 
     def state() -> Any:
         return (plant.GetPositions(context),)

@@ -35,7 +35,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SolvedWorld:
     with silent(exudyn):
         node = system.AddNode(itemInterface.NodeGenericODE2(
             numberOfODE2Coordinates=len(bounds), referenceCoordinates=still,
-            initialCoordinates=still, initialCoordinates_t=still,
+            initialCoordinates=still, initialCoordinates_t=[scene.velocity] * len(bounds),
         ))  # fmt: skip
         add_links(system, node, scene)
         fixed = system.AddMarker(itemInterface.MarkerNodeCoordinate(
@@ -44,7 +44,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SolvedWorld:
         for joint, bound in enumerate(bounds):
             marker = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=joint))
             system.AddObject(itemInterface.CoordinateSpringDamperExt(
-                markerNumbers=[fixed, marker], dynamicFrictionForce=bound, **friction(system, setting)
+                markerNumbers=[fixed, marker], dynamicFrictionForce=bound, damping=scene.damping,
+                **friction(system, setting),
             ))  # fmt: skip
             if isinstance(scene, JointScene):
                 system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=scene.load))

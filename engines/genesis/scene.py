@@ -1,5 +1,6 @@
 """Scenes as users of Genesis write them: a plane and boxes as entities, joints and what slides as MJCF models."""
 
+import math
 from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree
@@ -61,9 +62,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         slides = add(genesis.morphs.MJCF(file=_sliding_box(BELT, BELT_MASS, (0, 0, -BELT[2]))))
     else:
         add(genesis.morphs.Plane(normal=scene.normal))
-    for mass, side, place in scene.stack:
-        morph = genesis.morphs.Box(size=(side,) * 3, pos=place, quat=scene.orientation)
-        followed = add(morph, rho=mass / side**3)
+    for mass, half, place in scene.stack:
+        morph = genesis.morphs.Box(size=tuple(2 * own for own in half), pos=place, quat=scene.orientation)
+        followed = add(morph, rho=mass / (8 * math.prod(half)))
     world.build()
     if scene.belt:
         slides.set_dofs_velocity([scene.belt])
@@ -91,10 +92,12 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     hardness = setting.changed("solimplimit")
     for joint in model.iter("joint") if hardness else ():
         joint.set("solimplimit", _text(hardness))
-    arm = world.add_entity(import_genesis().morphs.MJCF(file=model))
+    arm = world.add_entity(import_genesis().morphs.MJCF(file=model, **setting.changes("default_armature")))
     world.build()
     if isinstance(scene, JointScene):
         arm.control_dofs_force([scene.load])
+    if scene.velocity:
+        arm.set_dofs_velocity([scene.velocity])
 
     def state() -> Any:
         return (arm.get_dofs_position().numpy(),)

@@ -127,12 +127,8 @@ class Preset:
     """Lanes that one simulation takes at best, where that is another number than the engine's."""
     optional: bool = False
     """It takes part where it is named, and not where all presets of an engine are meant."""
-    turns: bool = False
-    """The row may have any direction in the plane of the contacts."""
     static_friction: bool = False
     """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
-    pyramid: bool = False
-    """Each of two tangents has a bound of its own, so that friction between them is larger than μ λ_N, by up to √2."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Options that a recipe changes, with other values of theirs: `run recipes` measures them too."""
     judged: tuple[str, ...] = ()
@@ -141,8 +137,9 @@ class Preset:
     accuracy: Mapping[str, float] = field(default_factory=dict)
     """By how much its numbers may be off, where that is more than the error of Euler's step, by quantity:
     ``transmittance`` as a part of the amplitude, at most `LARGEST_ACCURACY`; ``stuck fraction``; ``time`` over the
-    period; ``drift`` of blocks and scenes [µm/s], [µrad/s]; in scenes ``share`` of a number. Set on one half of
-    measured points, checked on the other: ``tests/golden``, and in scenes variations that are held out."""
+    period; ``drift`` of blocks and scenes [µm/s], [µrad/s]; in scenes ``share`` of a number, and ``creep`` of a loaded
+    joint over its velocity without friction. Set on one half of measured points, checked on the other:
+    ``tests/golden``, and in scenes variations that are held out."""
     accuracy_reason: str = ""
     """Why: regularised friction, a bristle, single precision."""
     settles: bool = True
@@ -213,12 +210,10 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: its direction or forces.
+        """Say why a lane cannot be represented by what has this name: its forces.
 
         ``None`` if it can.
         """
-        if lane.direction and not self.turns:
-            return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
         if lane.static_ratio != 1 and not self.static_friction:
             return f"static_ratio = {lane.static_ratio:g}: {name} cannot set static friction of its own; allowed: 1"
         if lane.preload is None or self.represents(NormalForce.of(lane)):

@@ -7,7 +7,7 @@ two fingers. Joints with dry friction are loaded one by one, or carry an arm.
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -55,21 +55,30 @@ def turned_about(axis: int, angle: float) -> Quaternion:
 
 @dataclass(frozen=True, kw_only=True)
 class Box:
-    """A cube of uniform density that is free to move."""
+    """A body of uniform density that is free to move: a cube, or a box that is longer or shorter along its x axis."""
 
     mass: float = 1.0
     """[kg]."""
     side: float = 0.2
     """[m]."""
+    length: float | None = None
+    """Side along its x axis, where that is another one [m]."""
 
     def __post_init__(self) -> None:
         checked_scalar("mass", self.mass, "> 0")
         checked_scalar("side", self.side, "> 0")
+        if self.length is not None:
+            checked_scalar("length", self.length, "> 0")
+
+    @property
+    def half(self) -> Vector:
+        """Half sides along x, y and z [m]."""
+        return (self.length or self.side) / 2, self.side / 2, self.side / 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shaker:
-    """A mass on a spring and a dashpot in the middle of a box, that slides along the plane and touches nothing."""
+    """A mass on a spring and a dashpot in the middle of a box, that slides along its x axis and touches nothing."""
 
     mass: float = 0.1
     """[kg]."""
@@ -122,6 +131,12 @@ class ContactScene:
         return math.cos(self.slope), 0.0, -math.sin(self.slope)
 
     @property
+    def forward(self) -> Vector:
+        """Unit vector along the boxes' own x axis, which points down the plane where they are not turned."""
+        x, _, z = self.downhill
+        return math.cos(self.turn) * x, math.sin(self.turn), math.cos(self.turn) * z
+
+    @property
     def tilt(self) -> Quaternion:
         """Of the plane."""
         return turned_about(1, self.slope)
@@ -144,25 +159,25 @@ class ContactScene:
         return [(x * height, y * height, z * height) for height in heights]
 
     @property
-    def stack(self) -> list[tuple[float, float, Vector]]:
-        """Mass [kg], side [m] and centre [m] of every box, from below."""
-        return [(box.mass, box.side, place) for box, place in zip(self.boxes, self.places, strict=True)]
+    def stack(self) -> list[tuple[float, Vector, Vector]]:
+        """Mass [kg], half sides [m] and centre [m] of every box, from below."""
+        return [(box.mass, box.half, place) for box, place in zip(self.boxes, self.places, strict=True)]
 
     @property
     def finger(self) -> tuple[float, float]:
         """Distance of the fingers' centres from the middle, and their height [m]."""
-        return self.boxes[0].side / 2 + FINGER[0], self.places[0][2]
+        return self.boxes[0].half[0] + FINGER[0], self.places[0][2]
 
 
 def along(scene: ContactScene, force: float) -> Vector:
-    """Give a force down the plane [N] in the axes of the world."""
-    x, y, z = scene.downhill
+    """Give a force along the boxes' own x axis [N] in the axes of the world."""
+    x, y, z = scene.forward
     return force * x, force * y, force * z
 
 
 @dataclass(frozen=True, kw_only=True)
 class JointScene:
-    """One joint with dry friction, without gravity, and a constant load on it."""
+    """One joint with dry friction, without gravity: under a constant load, or thrown."""
 
     kind: str = "hinge"
     """``hinge``, a body of 1 kg m² about z, or ``slide``, one of 1 kg along x."""
@@ -170,10 +185,16 @@ class JointScene:
     """Bound [N m] or [N]."""
     load: float = 0.0
     """[N m] or [N]."""
+    damping: float = 0.0
+    """Viscous, beside the friction [N m s] or [N s/m]."""
+    velocity: float = 0.0
+    """At the start [rad/s] or [m/s]."""
 
     def __post_init__(self) -> None:
         checked_choice("kind", self.kind, ("hinge", "slide"))
         checked_scalar("friction", self.friction, ">= 0")
+        checked_scalar("damping", self.damping, ">= 0")
+        checked_scalar("velocity", self.velocity)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,6 +206,8 @@ class ArmScene:
 
     friction: tuple[float, ...]
     """Bounds of the hinges [N m], from the base."""
+    damping: ClassVar[float] = 0.0
+    velocity: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         if not self.friction or min(self.friction) < 0:
@@ -209,8 +232,8 @@ def not_launched(velocity: Vector, spin: float) -> None:
 
 
 def not_pushed(force: float) -> None:
-    """Refuse to push what is no box, or in an engine whose adapter does not."""
-    raise ParameterError(f"force = {force:g} N that swings; allowed: on a box, in an engine whose adapter pushes one")
+    """Refuse to push what is no box."""
+    raise ParameterError(f"force = {force:g} N on a joint; allowed: on a box")
 
 
 class SceneWorld(Protocol):
@@ -229,7 +252,7 @@ class SceneWorld(Protocol):
         ...
 
     def push(self, force: float) -> object:
-        """Push the followed box down the plane in the next step [N]: its shaker, against the box, where it has one."""
+        """Push the followed box along its own x axis in the next step [N]: its shaker, where it has one."""
         ...
 
     def close(self) -> object:

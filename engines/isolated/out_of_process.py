@@ -118,7 +118,6 @@ class OutOfProcessLane(LaneModel):
             "coefficient": chain.friction_coefficient,
             "time_step": self.lane.time_step / self._units.time,
             "length": scale,
-            "axis": np.array(self.lane.axis),
         }
 
     def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:
@@ -157,7 +156,7 @@ class ServedScene:
     """A scene in another Python: a `SceneWorld`, which the worker builds on first use."""
 
     def __init__(self, name: str, server: Path, parameters: Message):
-        """Take the engine, its server and what that builds the scene from; a box is pushed along ``downhill``."""
+        """Take the engine, its server and what that builds the scene from; a box is pushed along ``forward``."""
         self.server, self.given = server, parameters
         self._built = Built(process_of(name, server), parameters)
         self._launch: Sequence[float] = ()
@@ -180,7 +179,7 @@ class ServedScene:
 
     def push(self, force: float) -> None:
         """Push the followed box with the next request; see `SceneWorld.push`."""
-        if "downhill" not in self.given:
+        if "forward" not in self.given:
             not_pushed(force)
         self._push = [force]
 

@@ -100,7 +100,7 @@ class EngineProcess:
     def _usable_worker(self) -> "_WorkerProcess":
         if self._worker is None or not self._worker.usable():
             self._lose()
-            if os.name != "posix":
+            if sys.platform == "win32":
                 raise EngineProcessError(
                     f"{self.engine}: another Python needs a POSIX system, and this is {sys.platform}"
                 )

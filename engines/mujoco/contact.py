@@ -99,10 +99,10 @@ def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool, depth: fl
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
     spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
-        outer, inner = _add_masses(spec, lane, chain, cell, scale)
+        outer, inner = _add_masses(spec, chain, cell, scale)
         if lifting:
             inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
-        _add_geometry(outer, inner, lane, cell, scale, depth)
+        _add_geometry(outer, inner, cell, scale, depth)
         pair = _add_contact(spec, chain, cell, preset)
         pair.solreffriction = solref_of(preset, "solreffriction", lane.time_step, units)
         if lifting:
@@ -123,29 +123,24 @@ def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool, depth: fl
     return model
 
 
-def _add_masses(spec: Any, lane: Lane, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
+def _add_masses(spec: Any, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
     """Add the masses of a cell, side by side with the others; the inner one is free in the plane."""
     import mujoco
 
-    along, aside = lane.axis
-    outer, inner = add_masses(spec, chain, cell, 4 * RADIUS * scale * cell, lane.axis)
+    outer, inner = add_masses(spec, chain, cell, 4 * RADIUS * scale * cell)
     # MuJoCo solves for friction in the plane: without inertia across it, the problem is singular.
-    inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[-aside, along, 0])
+    inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 1, 0])
     return outer, inner
 
 
-def _add_geometry(outer: Any, inner: Any, lane: Lane, cell: int, scale: float, depth: float) -> None:
-    """Add a plate to the outer mass, and to the inner one a sphere that dips into it; others do not touch them.
-
-    They have the directions of the world, whatever that of the row: so have MuJoCo's tangents.
-    """
+def _add_geometry(outer: Any, inner: Any, cell: int, scale: float, depth: float) -> None:
+    """Add a plate to the outer mass, and to the inner one a sphere that dips into it; others do not touch them."""
     import mujoco
 
     radius = RADIUS * scale
-    width = PLATE * scale if lane.direction else radius
     height = 2 * radius - depth * scale
     for body, name, kind, size, place in (
-        (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, width, radius], [0, 0, 0]),
+        (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, radius, radius], [0, 0, 0]),
         (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], [0, 0, height]),
     ):
         body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, contype=0, conaffinity=0)

@@ -55,23 +55,21 @@ def new_spec(time_step: float, preset: Preset) -> Any:
     return spec
 
 
-def add_masses(
-    spec: Any, chain: Chain, cell: int, across: float = 0.0, axis: tuple[float, float] = (1.0, 0.0)
-) -> tuple[Any, Any]:
+def add_masses(spec: Any, chain: Chain, cell: int, across: float = 0.0) -> tuple[Any, Any]:
     """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
-    outer = _add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], axis, across)
-    inner = _add_slider(outer, f"inner {cell}", chain.inner_mass[cell], axis)
+    outer = _add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], across)
+    inner = _add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
     set_spring(inner.joints[0], chain.inner_stiffness[cell], chain.inner_damping[cell])
     return outer, inner
 
 
-def _add_slider(parent: Any, name: str, mass: float, axis: tuple[float, float], across: float = 0.0) -> Any:
+def _add_slider(parent: Any, name: str, mass: float, across: float = 0.0) -> Any:
     """Add a body that slides along the row, with a joint of the same name; its inertia never enters."""
     import mujoco
 
     place = [0, across, 0]
     body = parent.add_body(name=name, mass=mass, inertia=[mass] * 3, ipos=[0, 0, 0], explicitinertial=True, pos=place)
-    body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[*axis, 0])
+    body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[1, 0, 0])
     return body
 
 

@@ -1,7 +1,6 @@
 """Scenes as users of MuJoCo write them: a model in XML, with the attributes that the preset changes."""
 
-import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from multibody_xval.engines.interface.scene import (
@@ -48,8 +47,8 @@ def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
         bodies.append(f'<body pos="0 0 -.1"><joint name="belt" type="slide" axis="1 0 0"/>{belt}</body>')
     else:
         bodies.append(f'<geom type="plane" size="{GROUND} {GROUND} 1" quat="{_text(scene.tilt)}" {rub}/>')
-    for mass, side, place in scene.stack:
-        geom = f'<geom type="box" size="{_text([side / 2] * 3)}" mass="{mass}" {rub}/>'
+    for mass, half, place in scene.stack:
+        geom = f'<geom type="box" size="{_text(half)}" mass="{mass}" {rub}/>'
         free = "<freejoint/>"
         if place == scene.places[-1]:
             free, geom = '<freejoint name="box"/>', geom + _shaker(scene)
@@ -65,8 +64,7 @@ def _shaker(scene: ContactScene) -> str:
     """Write the mass inside a box; nothing where there is none."""
     if scene.shaker is None:
         return ""
-    axis = f"{math.cos(scene.turn)} {-math.sin(scene.turn)} 0"
-    own = f'axis="{axis}" stiffness="{scene.shaker.stiffness}" damping="{scene.shaker.damping}"'
+    own = f'axis="1 0 0" stiffness="{scene.shaker.stiffness}" damping="{scene.shaker.damping}"'
     geom = f'<geom type="sphere" size=".01" mass="{scene.shaker.mass}" contype="0" conaffinity="0"/>'
     return f'<body><joint name="shaker" type="slide" {own}/>{geom}</body>'
 
@@ -74,6 +72,8 @@ def _shaker(scene: ContactScene) -> str:
 def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
     """Write a scene with joints in XML."""
     attributes = {name: written(setting, option) for option, name in JOINT_ATTRIBUTES.items()}
+    if scene.damping:
+        attributes |= {"damping": str(scene.damping)} | _damped(attributes, setting, scene.damping)
     own = " ".join(f'{name}="{value}"' for name, value in attributes.items() if value)
     if isinstance(scene, JointScene):
         axis = "0 0 1" if scene.kind == "hinge" else "1 0 0"
@@ -86,6 +86,15 @@ def joint_model(scene: JointScene | ArmScene, setting: SceneSetting) -> str:
         for link, bound in enumerate(scene.friction)
     ]
     return _model(setting, [*links, "</body>" * scene.links])
+
+
+def _damped(attributes: Mapping[str, str], setting: SceneSetting, damping: float) -> dict[str, str]:
+    """Give the recipe of a joint with damping and an inertia of 1: the direct form, with which one step stops a slip.
+
+    MuJoCo applies damping after friction, and makes that part of a step 1 + damping × step / inertia times less.
+    """
+    rate = 1 / setting.time_step + damping
+    return {"solreffriction": _text([-rate, -rate])} if attributes["solreffriction"] else {}
 
 
 def _model(setting: SceneSetting, bodies: Iterable[str], gravity: float = GRAVITY) -> str:
@@ -126,7 +135,7 @@ def joint_world(scene: JointScene | ArmScene, setting: SceneSetting) -> tuple[An
     model = mujoco.MjModel.from_xml_string(joint_model(scene, setting))
     data = mujoco.MjData(model)
     if isinstance(scene, JointScene):
-        data.qfrc_applied[0] = scene.load
+        data.qfrc_applied[0], data.qvel[0] = scene.load, scene.velocity
     return model, data
 
 

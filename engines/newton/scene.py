@@ -94,9 +94,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         )
         builder.add_articulation([joint])
 
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         body = builder.add_body(xform=_pose(place, scene.orientation))
-        add_box(body, [side / 2] * 3, mass)
+        add_box(body, half, mass)
     if scene.grip:
         reach, height = scene.finger
         add_box(-1, FINGER, pose=_pose((-reach, 0.0, height)))
@@ -147,12 +147,15 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         drive = {"target_ke": 0.0, "target_kd": setting.preset["target_kd"], "effort_limit": bound}
         chain.append(add(
             before, link, axis=axis, parent_xform=_pose((LINK_LENGTH if index else 0.0, 0.0, 0.0)), armature=0.0,
-            limit_lower=-BEYOND, limit_upper=BEYOND, actuator_mode=newton.JointTargetMode.VELOCITY, **drive,
+            damping=scene.damping, limit_lower=-BEYOND, limit_upper=BEYOND,
+            actuator_mode=newton.JointTargetMode.VELOCITY, **drive,
         ))  # fmt: skip
         before = link
     builder.add_articulation(chain)
-    now, loads, _, step = _stepped(builder.finalize(device=PROCESSOR), setting)
+    model = builder.finalize(device=PROCESSOR)
+    now, loads, _, step = _stepped(model, setting)
     if isinstance(scene, JointScene):
+        _set_rates(model, now, 0, [scene.velocity])
         loads.assign(np.array([scene.load], np.float32))
 
     def state() -> Any:

@@ -31,16 +31,17 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> ServedScene:
 
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> ServedScene:
     """Build a scene with joints."""
+    moving = {"damping": scene.damping, "velocity": scene.velocity}
     if isinstance(scene, JointScene):
         axis = (0.0, 0.0, 1.0) if scene.kind == "hinge" else (1.0, 0.0, 0.0)
         body = {"mass": 1.0, "inertia": (1.0, 1.0, 1.0), "place": np.zeros((1, 3)), "anchor": np.zeros((1, 3))}
         acting = {"kind": scene.kind, "axis": axis, "friction": (scene.friction,), "load": scene.load, "gravity": 0.0}
-        return _served({**body, **acting}, setting, "fmax")
+        return _served({**body, **acting, **moving}, setting, "fmax")
     link = np.array([LINK_LENGTH, 0.0, 0.0])
     anchors = np.outer(np.arange(scene.links), link)
     links = {"mass": LINK_MASS, "inertia": LINK_INERTIA, "anchor": anchors, "place": anchors + link / 2}
     acting = {"kind": "hinge", "axis": (0.0, 1.0, 0.0), "friction": scene.friction, "load": 0.0, "gravity": GRAVITY}
-    return _served({**links, **acting}, setting, "fmax")
+    return _served({**links, **acting, **moving}, setting, "fmax")
 
 
 def _served(given: dict[str, Any], setting: SceneSetting, *options: str) -> ServedScene:

@@ -16,6 +16,9 @@ import ode
 LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
 """Numbers of parameters in ODE 0.16; some of pyode's constants are those of an older one."""
 
+ALONG = (1.0, 0.0, 0.0)
+"""Axis of the row."""
+
 STOP_BEYOND = 1e8
 """Motion over the displacement scale at which a run ends: further on, ODE would end the process."""
 
@@ -57,7 +60,6 @@ class JointModel:
         self._bound = given["normal"] * given["coefficient"]
         self._cells = len(self._bound)
         self._has_springs = str(given.get("springs")) == "stops"
-        self._axis = (*given["axis"].tolist(), 0.0)
         self._time_step = float(given["time_step"])
         self.world = ode.World()
         self.world.setCFM(float(given["cfm"]))
@@ -70,10 +72,9 @@ class JointModel:
 
     def put(self, position: list[float], velocity: list[float], _across: Any) -> None:
         """Give the masses a state."""
-        x, y, _ = self._axis
         for body, (aside, height), place, speed in zip(self._bodies, self._places(), position, velocity):
-            body.setPosition((x * place, aside + y * place, height))
-            body.setLinearVel((x * speed, y * speed, 0.0))
+            body.setPosition((place, aside, height))
+            body.setLinearVel((speed, 0.0, 0.0))
 
     def run(self, loads: Any, normal_load: Any) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
@@ -87,7 +88,7 @@ class JointModel:
 
     def _take(self, loads: Any, normal_load: Any, motion: Any, rows: Any) -> int:
         """Take a step for every load, from the first row on, and fill the others; gives how many were taken."""
-        pushes, (x, y, _), count = [body.setForce for body in self._bodies], self._axis, 2 * len(self._bodies)
+        pushes, count = [body.setForce for body in self._bodies], 2 * len(self._bodies)
         matrix = -np.hstack([self._given["stiffness"], self._given["damping"]])
         if self._has_springs:
             # The load on cell 1 is the only force.
@@ -100,7 +101,7 @@ class JointModel:
             matrix.dot(rows[number, :count], force)
             force[0] += load
             for value, across, push in zip(force.tolist(), pressing, pushes):
-                push((x * value, y * value, across))
+                push((value, 0.0, across))
             self._meet()
             self.world.step(self._time_step)
             moved = motion()
@@ -112,8 +113,6 @@ class JointModel:
     def _motion(self) -> Any:
         """Give what reads positions and velocities along the row."""
         getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
-        if self._axis[1]:
-            return lambda: [float(np.dot(self._axis, get())) for get in getters]
         return lambda: [get()[0] for get in getters]
 
     def _press(self, normal_load: Any) -> list[float]:
@@ -151,7 +150,7 @@ class JointModel:
     def _slider(self, body: Any, base: Any) -> Any:
         slider = ode.SliderJoint(self.world)
         slider.attach(body, base)
-        slider.setAxis(self._axis)
+        slider.setAxis(ALONG)
         return slider
 
     def _guided(self) -> Iterator[Any]:
@@ -180,7 +179,7 @@ class JointModel:
         motor = ode.LMotor(self.world)
         motor.attach(body, base)
         motor.setNumAxes(1)
-        motor.setAxis(0, 0, self._axis)
+        motor.setAxis(0, 0, ALONG)
         return motor
 
     def _add_friction(self) -> None:
@@ -242,7 +241,7 @@ class ContactModel(JointModel):
         self._joints: list[tuple[int, Any]] = []
         for cell in np.flatnonzero(self._bound > 0).tolist():
             outer, inner = self._outer[cell], self._inner[cell]
-            plate = ode.GeomBox(None, lengths=(length, length if self._axis[1] else edge, edge))
+            plate = ode.GeomBox(None, lengths=(length, edge, edge))
             sphere = str(self._given["shape"]) == "sphere"
             slider = ode.GeomSphere(None, edge / 2) if sphere else ode.GeomBox(None, lengths=(edge, edge, edge))
             plate.setBody(outer)
@@ -281,7 +280,7 @@ class ContactModel(JointModel):
         forces = [0.0] * (2 * self._cells)
         for cell, joint in self._joints:
             force = joint.getFeedback()[0]
-            forces[cell] += self._axis[0] * force[0] + self._axis[1] * force[1]
+            forces[cell] += force[0]
             forces[self._cells + cell] += force[2]
         return gaps + forces
 

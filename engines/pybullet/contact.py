@@ -6,7 +6,6 @@ as if the reduced mass m_o m_i / (m_o + m_i) flew. That is a factor on the gap a
 trajectories hold the gap over a guided plate, on which m_i flies.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -62,14 +61,14 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
         self._bodies = bodies = self._new_bodies(motion, self._across)
         self._set_normal_load(self._chain.normal_force)
         position, velocity = np.split(motion, 2)
-        apply, frame, nowhere, (x, y) = bullet.applyExternalForce, bullet.LINK_FRAME, (0.0, 0.0, 0.0), self.lane.axis
+        apply, frame, nowhere = bullet.applyExternalForce, bullet.LINK_FRAME, (0.0, 0.0, 0.0)
         step_simulation, read = bullet.stepSimulation, bullet.getBaseVelocity
 
         def step(force: FloatArray) -> None:
             for body, along, across in zip(bodies, force.tolist(), self._pressing, strict=True):
-                apply(body, -1, (x * along, y * along, across), nowhere, frame)
+                apply(body, -1, (along, 0.0, across), nowhere, frame)
             step_simulation()
-            velocity[:] = [self._along(read(body)[0]) for body in bodies]
+            velocity[:] = [read(body)[0][0] for body in bodies]
             # Bullet's own step, compared in `_state`: reading positions too would take as long as its solver.
             np.add(position, time_step * velocity, position)
 
@@ -77,11 +76,6 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pressing = np.concatenate([normal_load, -normal_load]).tolist()
-
-    def _along(self, vector: Sequence[float]) -> float:
-        """Give the part along the row of a vector in the world."""
-        x, y = self.lane.axis
-        return x * vector[0] + y * vector[1] if y else vector[0]
 
     def _gaps(self) -> FloatArray:
         """Read the gap, and its rate, as the inner mass alone would make them; shape (2, n)."""
@@ -99,9 +93,7 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
             points = bullet.getContactPoints(inner, outer)
             # A point has its normal force at 9, then twice a tangential force and the direction it acts in on
             # the outer mass.
-            forces[0, cell] = -sum(
-                point[10] * self._along(point[11]) + point[12] * self._along(point[13]) for point in points
-            )
+            forces[0, cell] = -sum(point[10] * point[11][0] + point[12] * point[13][0] for point in points)
             forces[1, cell] = sum(point[9] for point in points)
         return forces
 
@@ -110,7 +102,7 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
         bullet, end = self._bullet, super()._state(motions)
         positions = motions[-1, : len(self._bodies)]
         places = (bullet.getBasePositionAndOrientation(body)[0] for body in self._bodies)
-        where, tolerance = [self._along(place) for place in places], POSITION_TOLERANCE * self._sizes.box / BOX
+        where, tolerance = [place[0] for place in places], POSITION_TOLERANCE * self._sizes.box / BOX
         if not np.allclose(positions, where, rtol=0, atol=tolerance, equal_nan=True):
             raise RuntimeError(f"Bullet's positions {where} do not follow from its velocities: {positions.tolist()}")
         return end
@@ -128,17 +120,15 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
         )
         chain, box, length = self._chain, self._sizes.box, self._sizes.plate
         plate, cube = (
-            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=sizes)
-            for sizes in ([length, length if self.lane.direction else box, box], [box] * 3)
+            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=sizes) for sizes in ([length, box, box], [box] * 3)
         )
         # At the static equilibrium a contact is as deep as Bullet leaves alone.
         height = box - REST_DEPTH
         positions, velocities = np.split(motion, 2)
-        bodies, (x, y) = [], self.lane.axis
+        bodies = []
         for mass in range(2 * chain.cells):
             side, cell = divmod(mass, chain.cells)
-            along, aside = float(positions[mass]), cell * self._sizes.spacing
-            place = [x * along, y * along + aside, height if side else -box]
+            place = [float(positions[mass]), cell * self._sizes.spacing, height if side else -box]
             weight = float((chain.inner_mass if side else chain.outer_mass)[cell])
             # Bullet multiplies the coefficients of the two bodies.
             friction = float(chain.friction_coefficient[cell]) if side else 1.0
@@ -151,7 +141,7 @@ class PyBulletContactLane(PressedLane, PyBulletLane):
             if self.lane.opens:
                 (along, aside, rest), turned = bullet.getBasePositionAndOrientation(body)
                 bullet.resetBasePositionAndOrientation(body, [along, aside, rest + rise], turned)
-            bullet.resetBaseVelocity(body, [x * velocity, y * velocity, speed], [0.0] * 3)
+            bullet.resetBaseVelocity(body, [velocity, 0.0, speed], [0.0] * 3)
         return bodies
 
     def _new_body(self, shape: Any, mass: float, friction: float, place: list[float]) -> int:

@@ -1,7 +1,12 @@
-"""Scenes as users of PyBullet write them: multi-bodies, and motors of target zero as dry friction of joints."""
+"""Scenes as users of PyBullet write them: boxes as multi-bodies, and joints in URDF.
+
+The friction that a URDF states is ignored; the recipe has motors of target zero.
+"""
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from multibody_xval.engines.interface.scene import (
@@ -117,8 +122,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         _add_box(bullet, setting, (GROUND, GROUND, 1), 0, (-x, -y, -z), scene.tilt, rub)
-    for mass, side, place in scene.stack:
-        body = _add_box(bullet, setting, [side / 2] * 3, mass, place, scene.orientation, rub)
+    for mass, half, place in scene.stack:
+        body = _add_box(bullet, setting, half, mass, place, scene.orientation, rub)
 
     def step() -> None:
         if scene.grip:
@@ -139,24 +144,48 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     return SteppedWorld(step, state, launch, bullet.disconnect, push)
 
 
+def joint_model(scene: JointScene | ArmScene) -> str:
+    """Write a scene with joints in URDF."""
+    kind, axis, centre, inertia = "continuous", "0 1 0", LINK_LENGTH / 2, LINK_INERTIA
+    if isinstance(scene, JointScene):
+        kind, axis = ("continuous", "0 0 1") if scene.kind == "hinge" else ("prismatic", "1 0 0")
+        centre, inertia = 0.0, (1.0, 1.0, 1.0)
+    bounds = (scene.friction,) if isinstance(scene, JointScene) else scene.friction
+    x, y, z = inertia
+    body = (
+        f'<inertial> <origin xyz="{centre} 0 0"/> <mass value="{LINK_MASS}"/> '
+        f'<inertia ixx="{x!r}" iyy="{y!r}" izz="{z!r}" ixy="0" ixz="0" iyz="0"/> </inertial> </link>'
+    )
+    links = [
+        f'<link name="link{number}"> {body}<joint name="joint{number}" type="{kind}"> '
+        f'<parent link="link{number - 1}"/> <child link="link{number}"/> '
+        f'<origin xyz="{LINK_LENGTH if number > 1 else 0.0} 0 0"/> <axis xyz="{axis}"/> '
+        f'<limit lower="-1e6" upper="1e6" effort="1e9" velocity="1e9"/> '
+        f'<dynamics damping="{scene.damping}" friction="{bound!r}"/> </joint>'
+        for number, bound in enumerate(bounds, 1)
+    ]
+    return f'<robot name="joints"><link name="link0"> {body}{"".join(links)}</robot>'
+
+
+def _loaded(bullet: Any, model: str) -> int:
+    """Load a URDF as it is written: without the flag, Bullet has inertias of its own."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "joints.urdf"
+        file.write_text(model, encoding="utf-8")
+        return int(bullet.loadURDF(str(file), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE))
+
+
 def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with joints."""
     single = isinstance(scene, JointScene)
     bullet = _connected(setting, 0.0 if single else GRAVITY)
     bounds = [scene.friction] if isinstance(scene, JointScene) else scene.friction
-    if isinstance(scene, JointScene) and scene.kind == "slide":
-        body = _add_links(bullet, bullet.JOINT_PRISMATIC, (1, 0, 0), [(0, 0, 0)], 1.0)
-    elif single:
-        body = _add_links(bullet, bullet.JOINT_REVOLUTE, (0, 0, 1), [(0, 0, 0)], 1.0)
-    else:
-        places = [(LINK_LENGTH if link else 0.0, 0.0, 0.0) for link in range(len(bounds))]
-        centre = (LINK_LENGTH / 2, 0.0, 0.0)
-        body = _add_links(bullet, bullet.JOINT_REVOLUTE, (0, 1, 0), places, LINK_MASS, centre=centre)
+    body = _loaded(bullet, joint_model(scene))
     for joint, bound in enumerate(bounds):
-        inertia = (1.0, 1.0, 1.0) if single else LINK_INERTIA
-        bullet.changeDynamics(body, joint, localInertiaDiagonal=inertia)
         _set_dynamics(bullet, setting, body, joint)
-        bullet.setJointMotorControl2(body, joint, bullet.VELOCITY_CONTROL, targetVelocity=0, force=bound)
+        motor = bound if setting.changed("dry friction") else 0.0
+        bullet.setJointMotorControl2(body, joint, bullet.VELOCITY_CONTROL, targetVelocity=0, force=motor)
+        bullet.resetJointState(body, joint, 0.0, scene.velocity)
 
     def step() -> None:
         if isinstance(scene, JointScene):

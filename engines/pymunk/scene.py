@@ -78,9 +78,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, _, z = scene.normal
         add(pymunk.Body(body_type=pymunk.Body.STATIC), (GROUND, 1.0), (-x, -z), -scene.slope)
-    for mass, side, place in scene.stack:
-        moment = pymunk.moment_for_box(mass, (side, side))
-        body = add(pymunk.Body(mass, moment), [side / 2] * 2, (place[0], place[2]), -scene.slope)
+    for mass, half, place in scene.stack:
+        moment = pymunk.moment_for_box(mass, (2 * half[0], 2 * half[2]))
+        body = add(pymunk.Body(mass, moment), half, (place[0], place[2]), -scene.slope)
 
     def step() -> None:
         if scene.grip:
@@ -111,10 +111,13 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     space, body, hinge = _new_space(setting, 0.0), pymunk.Body(1.0, 1.0), scene.kind == "hinge"
     pin: Any
     rubbing: Any
+    space.damping = math.exp(-scene.damping)  # what is left of velocities after a second, of an inertia of 1
     if hinge:
+        body.angular_velocity = scene.velocity
         pin = pymunk.PivotJoint(space.static_body, body, (0, 0))
         rubbing = pymunk.SimpleMotor(space.static_body, body, 0)
     else:
+        body.velocity = (scene.velocity, 0)
         pin = pymunk.GrooveJoint(space.static_body, body, (-GROOVE, 0), (GROOVE, 0), (0, 0))
         rubbing = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
         rubbing.max_bias = 0.0  # or it pulls its anchors together

@@ -41,8 +41,7 @@ class RapierContactLane(PressedLane, RapierLane):
         self._colliders = []
         for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):
             # Rapier takes the mean of the coefficients of the two.
-            width = plate if self.lane.direction else radius
-            shapes = (below, Collider.cuboid(plate, width, radius)), (above, Collider.ball(radius))
+            shapes = (below, Collider.cuboid(plate, radius, radius)), (above, Collider.ball(radius))
             rough = [(shape.density(0.0).friction(friction).restitution(0.0), body) for body, shape in shapes]
             self._colliders.append([world.add_collider(*each) for each in rough])
 
@@ -63,21 +62,20 @@ class RapierContactLane(PressedLane, RapierLane):
 
     def _put(self, motion: FloatArray) -> None:
         """Give the bodies this motion; contacts remember their impulses."""
-        x, y = self.lane.axis
         places = zip(self._bodies, *motion.reshape(2, -1).tolist(), *self._places.T.tolist(), strict=True)
         for body, along, velocity, aside, z in places:
-            body.translation, body.linvel = (x * along, y * along + aside, z), (x * velocity, y * velocity, 0.0)
+            body.translation, body.linvel = (along, aside, z), (velocity, 0.0, 0.0)
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pressing[normal_load.size :] = -normal_load
 
     def _contacts(self) -> FloatArray:
-        impulses, (x, y) = np.zeros((2, self._chain.cells)), self.lane.axis
+        impulses = np.zeros((2, self._chain.cells))
         pair_of = self._world.narrow_phase.contact_pair
         for cell, colliders in enumerate(self._colliders):
             pair = pair_of(*colliders)
             for manifold in [] if pair is None else pair.manifolds:
                 for point in manifold.points:
-                    impulses[0, cell] += x * point.tangent_impulse[1] + y * point.tangent_impulse[0]
+                    impulses[0, cell] += point.tangent_impulse[1]
                     impulses[1, cell] += point.impulse
         return impulses / self._time_step

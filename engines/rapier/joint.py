@@ -56,16 +56,16 @@ class RapierLane(ExplicitForcesLane):
         self._world, handles = self._new_world(motion)
         self._bodies = bodies = [self._world.rigid_bodies[handle] for handle in handles]
         loads = [(body.reset_forces, body.add_force) for body in bodies]
-        advance, (x, y) = self._world.step, self.lane.axis
+        advance = self._world.step
 
         def step(force: FloatArray) -> None:
             # Forces stay until they are taken off.
             for (reset, push), along, across in zip(loads, force.tolist(), self._pressing.tolist(), strict=True):
                 reset(True)
-                push((x * along, y * along, across), True)
+                push((along, 0.0, across), True)
             advance()
             vectors = [body.translation for body in bodies] + [body.linvel for body in bodies]
-            motion[:] = [x * vector.x + y * vector.y for vector in vectors] if y else [vector.x for vector in vectors]
+            motion[:] = [vector.x for vector in vectors]
 
         return step
 
@@ -75,16 +75,14 @@ class RapierLane(ExplicitForcesLane):
 
         world = new_world(self._time_step, parameters_of(self._preset))
         cells, masses = self._chain.cells, np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
-        # An outer mass slides along the row or, where that is turned, in the plane.
-        x, y = self.lane.axis
-        free = [(True, bool(y), False)] * cells + [self.FREE_INNER] * cells
+        free = [(True, False, False)] * cells + [self.FREE_INNER] * cells
         positions, velocities = motion.reshape(2, -1).tolist()
         handles = [
             # Every call gives another builder, and leaves the one before as it was.
             world.add_body(
                 rapier3d.RigidBody.dynamic()
-                .translation((x * position, y * position + aside, z))
-                .linvel((x * velocity, y * velocity, 0.0))
+                .translation((position, aside, z))
+                .linvel((velocity, 0.0, 0.0))
                 .additional_mass(mass)
                 .enabled_translations(directions)
                 .enabled_rotations((False, False, False))

@@ -90,9 +90,9 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         x, y, z = scene.normal
         ground = bodies.fixed().rotation(_scaled_axis(scene.tilt)).translation(vector(-x, -y, -z))
         world.add_body(ground, [_box((GROUND, GROUND, 1.0), 0, rub)])
-    for mass, side, place in scene.stack:
+    for mass, half, place in scene.stack:
         free = bodies.dynamic().rotation(_scaled_axis(scene.orientation)).translation(vector(*place))
-        handle = world.add_body(free.can_sleep(setting.sleeping), [_box([side / 2] * 3, mass, rub)])
+        handle = world.add_body(free.can_sleep(setting.sleeping), [_box(half, mass, rub)])
     body = world.rigid_bodies[handle]
 
     def state() -> Any:
@@ -129,11 +129,16 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     root = world.add_body(rapier3d.RigidBody.fixed())
     half = [6**0.5 / 2] * 3  # a cube of 1 kg with an inertia of 1 kg m²
     free = rapier3d.RigidBody.dynamic().can_sleep(setting.sleeping)
+    free = free.angular_damping(scene.damping).linear_damping(scene.damping)  # rates, of an inertia of 1
     handle = world.add_body(free, [_box(half, 1.0, 0.0).sensor(True)])
     kind = rapier3d.RevoluteJoint if hinge else rapier3d.PrismaticJoint
     world.impulse_joints.insert(root, handle, _rubbing(kind.builder(vector(1, 0, 0)), scene.friction, setting))
     body = world.rigid_bodies[handle]
     (body.add_torque if hinge else body.add_force)(vector(scene.load, 0, 0), True)
+    if hinge:
+        body.angvel = vector(scene.velocity, 0, 0)
+    else:
+        body.linvel = vector(scene.velocity, 0, 0)
 
     def state() -> Any:
         turned = _quaternion(body.rotation)

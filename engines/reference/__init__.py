@@ -28,7 +28,6 @@ class Reference(Engine):
                     "The scheme of equation (5), one Euler step a time step.",
                     shares_scheme=True,
                     normal_force=NormalForce.LIFTING,
-                    turns=True,
                     static_friction=True,
                 ),
                 EXACT: Preset(
@@ -36,7 +35,6 @@ class Reference(Engine):
                     split_tolerance=SERIES_ROUND_OFF,
                     batch_lanes=1,
                     optional=True,
-                    turns=True,
                     static_friction=True,
                 ),
             }

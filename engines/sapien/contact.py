@@ -36,17 +36,16 @@ class SapienContactLane(PressedLane, SapienLane):
         self._set_normal_load(self._chain.normal_force)
         size, pushes, still = len(bodies), [body.add_force_torque for body in bodies], np.zeros(3)
         advance, read, forces = self._system.step, self._system.pack, self._pushing
-        axis = np.array(self.lane.axis)
 
         def step(force: FloatArray) -> None:
-            np.multiply.outer(force, axis, out=forces[:, :2])
+            forces[:, 0] = force
             for push, body_force in zip(pushes, forces, strict=True):
                 push(body_force, still)
             advance()
             # Of every body its orientation, place, velocity and rotation: 4, 3, 3 and 3 numbers.
             rows = np.frombuffer(read(), np.float32).reshape(size, 13)
-            motion[:size] = rows[:, 4:6] @ axis
-            motion[size:] = rows[:, 7:9] @ axis
+            motion[:size] = rows[:, 4]
+            motion[size:] = rows[:, 7]
 
         return step
 
@@ -56,22 +55,21 @@ class SapienContactLane(PressedLane, SapienLane):
         cells, box, spacing = self._chain.cells, self._sizes.box, self._sizes.spacing
         positions, velocities = motion.reshape(2, -1)
         masses = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
-        bodies, (x, y) = [], self.lane.axis
+        bodies = []
         for index, mass in enumerate(masses):
             cell, inner = index % cells, index >= cells
             body = sapien.physx.PhysxRigidDynamicComponent()
             body.attach(self._shape(cell, inner))
             body.set_mass(mass)
             body.set_inertia(np.full(3, self._preset["inertia"]))
-            # Friction acts in the plane of a contact, and the row is held along it by the outer masses, if it can be.
-            body.set_locked_motion_axes([False, not (inner or y), False, True, True, True])
+            # Friction acts in the plane of a contact, and the row is held along it by the outer masses.
+            body.set_locked_motion_axes([False, not inner, False, True, True, True])
             body.set_angular_damping(0.0)
             entity = sapien.Entity()
             entity.add_component(body)
-            along = positions[index]
-            entity.set_pose(sapien.Pose([x * along, y * along + cell * spacing, box if inner else -box]))
+            entity.set_pose(sapien.Pose([positions[index], cell * spacing, box if inner else -box]))
             scene.add_entity(entity)
-            body.set_linear_velocity([x * velocities[index], y * velocities[index], 0.0])
+            body.set_linear_velocity([velocities[index], 0.0, 0.0])
             bodies.append(body)
         return system, bodies
 
@@ -83,7 +81,7 @@ class SapienContactLane(PressedLane, SapienLane):
         if inner:
             return physx.PhysxCollisionShapeSphere(box, material)
         length = self._sizes.plate
-        return physx.PhysxCollisionShapeBox([length, length if self.lane.direction else box, box], material)
+        return physx.PhysxCollisionShapeBox([length, box, box], material)
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pushing[:, 2] = np.concatenate([normal_load, -normal_load])
@@ -103,8 +101,6 @@ class SapienContactLane(PressedLane, SapienLane):
         bound = self._chain.friction_coefficient * given / units.force
         speed = np.maximum(np.abs(outer), np.abs(inner))
         rounding = ROUNDINGS * SINGLE * (rate * (speed[:-1] + speed[1:]) + np.abs(force))
-        if self.lane.direction:  # the bound may be another there, see `Preset.pyramid`
-            return friction * units.force, given
         at_bound = np.abs(friction) > bound - rounding
         if self.lane.static_ratio > 1:  # what holds may be anywhere up to another bound
             at_bound &= np.abs(friction) < bound + rounding

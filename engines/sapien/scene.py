@@ -64,8 +64,8 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     else:
         x, y, z = scene.normal
         add(physx.PhysxRigidStaticComponent(), (GROUND, GROUND, 1.0), (-x, -y, -z), scene.tilt)
-    for mass, side, place in scene.stack:
-        body = add(physx.PhysxRigidDynamicComponent(), [side / 2] * 3, place, scene.orientation, mass)
+    for mass, half, place in scene.stack:
+        body = add(physx.PhysxRigidDynamicComponent(), half, place, scene.orientation, mass)
     time = 0.0
 
     def step() -> None:
@@ -112,7 +112,9 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
         link.set_joint_properties(kind, [[-np.inf, np.inf]], parent, pose([0, 0, 0], axis), 0.0, 0.0)
     articulation = builder.build(fix_root_link=True)
     for each in articulation.get_links():
-        each.set_linear_damping(setting.preset["linear damping"])
+        each.set_linear_damping(scene.damping or setting.preset["linear damping"])  # rates, of an inertia of 1
+        if scene.damping or setting.changed("angular damping") is not None:
+            each.set_angular_damping(scene.damping)
     for joint in articulation.get_active_joints():
         joint.set_friction(setting.preset["joint friction"])
         joint.set_drive_properties(0.0, setting.preset["drive damping"], bounds[int(joint.name)], "force")
@@ -121,6 +123,8 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     def step() -> None:
         articulation.set_qf(load)
         system.step()
+
+    articulation.set_qvel(np.full(len(bounds), scene.velocity, np.float32))
 
     def state() -> Any:
         assert world is not None, "articulations do not keep their scene"

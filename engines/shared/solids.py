@@ -31,9 +31,9 @@ def solids(scene: ContactScene) -> dict[str, Any]:
     elif scene.belt:
         fixed = {}
         boxes.append(([2 * half for half in BELT], 1.0, (0.0, 0.0, -BELT[2]), LEVEL))
-    for mass, side, place in scene.stack:
-        boxes.append(([side] * 3, mass, place, scene.orientation))
+    for mass, half, place in scene.stack:
+        boxes.append(([2 * own for own in half], mass, place, scene.orientation))
     columns = zip(("size", "mass", "place", "orientation"), zip(*boxes, strict=True), strict=True)
     moving = [(scene.belt if box == 0 else 0.0, 0.0, 0.0) for box in range(len(boxes))]
     acting = {"friction": scene.friction, "belt": scene.belt, "grip": scene.grip, "gravity": GRAVITY}
-    return {**dict(columns), **acting, **fixed, "velocity": moving, "downhill": scene.downhill}
+    return {**dict(columns), **acting, **fixed, "velocity": moving, "forward": scene.forward}

@@ -61,7 +61,7 @@ def scene(given: dict[str, Any]) -> Any:
         bodies[-1].swapInMemory()  # a step begins from there
 
     def push(force: float) -> None:
-        bodies[-1].setFExtPtr(weight + force * np.array(given["downhill"].tolist()))
+        bodies[-1].setFExtPtr(weight + force * np.array(given["forward"].tolist()))
 
     return SimpleNamespace(step=step, state=state, launch=launch, push=push)
 

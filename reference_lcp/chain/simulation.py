@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
@@ -29,19 +28,11 @@ class Lane:
     """dt [s], > 0."""
     preload: Preload | None = None
     """How the normal force changes in time; ``None`` where it is constant."""
-    direction: float = 0.0
-    """Angle by which the row, of one cell, is turned in the plane of the contacts [rad], −π/2 to π/2."""
     static_ratio: float = 1.0
     """μ_s / μ_k >= 1 of all contacts, with the chain's coefficient of friction as μ_k."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
-        largest = math.pi / 2 if self.chain.freedoms == 2 else 0.0
-        if abs(checked_scalar("direction", self.direction)) > largest:
-            raise ParameterError(
-                f"direction = {self.direction:g} in a row of {self.chain.freedoms // 2} cells; allowed: -pi/2 to pi/2 "
-                "in a row of one, 0 in others"
-            )
         if checked_scalar("static_ratio", self.static_ratio) < 1:
             raise ParameterError(f"static_ratio = {self.static_ratio:g}; allowed: >= 1")
 
@@ -66,11 +57,6 @@ class Lane:
     def opens(self) -> bool:
         """Whether contacts can open; then a state carries the gaps, see `State.normal_state`."""
         return self.preload is not None and self.preload.opens
-
-    @cached_property
-    def axis(self) -> tuple[float, float]:
-        """Direction of the row in the plane of the contacts, (cos, sin) of its angle."""
-        return math.cos(self.direction), math.sin(self.direction)
 
     def preloads(self, start: int, steps: int) -> FloatArray:
         """N at the *start* of each step [N], negative where contacts are pulled open, shape (steps, n).

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from multibody_xval.reports.cli.options import TABLE_ENDINGS, Engines, TableFile, check_outs, grouped
+from multibody_xval.reports.cli.options import TABLE_ENDINGS, Engines, TableFiles, check_outs, grouped
 from multibody_xval.reports.cli.shown import Shown
 
 
 @grouped
-def laws(engines: Engines, *, out: TableFile = None) -> None:
+def laws(engines: Engines, *, out: TableFiles = None) -> None:
     """Compare engines with the laws of their presets, over one period from the same state.
 
     Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: --out could not be written;
@@ -16,7 +16,7 @@ def laws(engines: Engines, *, out: TableFile = None) -> None:
     Example: multibody-xval run laws --engine mujoco:joint:default --out laws.md
     """
     configs = engines.variants()
-    outs = check_outs([out], TABLE_ENDINGS)
+    outs = check_outs(out, TABLE_ENDINGS)
     from multibody_xval.reports.cli.compiling import announce_compilation
     from multibody_xval.scenarios.studies import laws as study
 

@@ -54,7 +54,10 @@ Scheduler = Annotated[
 
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
-TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
+TableFiles = Annotated[
+    list[Path] | None,
+    typer.Option("--out", help="Write the table here: Markdown as .md, full precision as .csv; may be repeated."),
+]
 
 COMMENT_ENDINGS, TABLE_ENDINGS, CHART_ENDINGS = (".md", ".json", ".csv"), (".md", ".csv"), (".svg", ".pdf", ".png")
 """Formats of a comment with its numbers, of a table, and of a figure."""
@@ -193,11 +196,11 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def check_outs(
-    outs: Iterable[Path | None] | None, endings: Sequence[str], *inputs: Path | None, name: str = "--out"
+    outs: Iterable[Path] | None, endings: Sequence[str], *inputs: Path | None, name: str = "--out"
 ) -> list[Path]:
     """Give the files to write; refuse one that cannot be written, of no known ending, named twice or of `inputs`."""
     checked: list[Path] = []
-    for out in filter(None, outs or ()):
+    for out in outs or ():
         if out.suffix not in endings:
             raise ParameterError(f"{name} = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
         checked.append(checked_output_file(name, out, [*inputs, *checked]))

@@ -21,7 +21,9 @@ def proofs(
     *,
     sample: Annotated[int | None, typer.Option(help="Prove so many points at random instead of all.")] = None,
     seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
-    out: Annotated[Path | None, typer.Option(help="Write the proven levels here, as .csv.")] = None,
+    out: Annotated[
+        list[Path] | None, typer.Option(help="Write the proven levels here, as .csv; may be repeated.")
+    ] = None,
 ) -> None:
     """Prove the steady states of standard grids and catalogue, and compare their levels with the table of the suite.
 
@@ -31,7 +33,7 @@ def proofs(
 
     Example: multibody-xval run proofs --sample 20
     """
-    check_outs([out], (".csv",))
+    outs = check_outs(out, [".csv"])
     from multibody_xval.scenarios.catalogue import proofs as study
     from multibody_xval.scenarios.ruler.proven import DIGITS
     from multibody_xval.scenarios.table_text import print_table
@@ -45,8 +47,8 @@ def proofs(
     print_table(summary)
     _print_exceptions(table)
     crossing = sample is not None or _print_edges()
-    if out is not None:
-        write_whole(out, study.table_rows(table).to_csv(index=False, lineterminator="\n"))
+    for file in outs:
+        write_whole(file, study.table_rows(table).to_csv(index=False, lineterminator="\n"))
     if not (table.as_known.all() and crossing):
         raise typer.Exit(ExitCode.FAILED)
 

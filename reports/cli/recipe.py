@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +13,7 @@ from multibody_xval.reports.cli.options import (
     AsJson,
     Computing,
     Store,
-    TableFile,
+    TableFiles,
     check_outs,
     grouped,
     keeping,
@@ -42,7 +42,8 @@ def recipe(
 ) -> None:
     """Print what to write in one's own model so that friction holds, in the engine's own syntax, and what that gives.
 
-    Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe.
+    Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe. "Not
+    cured": with the recipe, too, they are beyond what is allowed.
     Exit code 0: printed; 2: wrong input, or the engine has no recipe; 3: results could not be written; 130:
     interrupted.
 
@@ -54,13 +55,13 @@ def recipe(
     from multibody_xval.scenarios.catalogue.recipes import recipe_results
 
     text = recipe_text(engine)
-    scenes: dict[str, dict[str, float]] = {}
+    scenes: dict[str, dict[str, Any]] = {}
     costs: dict[str, float] = {}
     if measure:
         check_installed(engine, engine_of(engine).unavailable_reason())
         with keeping(store):
             worst, costs = recipe_results(engine, computing.means(store))
-        scenes = {str(name): {str(key): float(value) for key, value in own.items()} for name, own in worst.iterrows()}
+        scenes = worst.astype({"cured": bool}).to_dict("index")
     if as_json:
         print(json.dumps({"engine": engine, "recipe": text, "scenes": scenes, "cost": costs}, indent=2))
         return
@@ -69,11 +70,14 @@ def recipe(
         _print_table(scenes, costs)
 
 
-def _print_table(scenes: dict[str, dict[str, float]], costs: dict[str, float]) -> None:
+def _print_table(scenes: dict[str, dict[str, Any]], costs: dict[str, float]) -> None:
     """Print a row a number, and what a step costs with the recipe."""
-    from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+    from multibody_xval.scenarios.catalogue.worst_numbers import printed_number, with_recipe
 
-    rows = [(name, *map(printed_number, own.values())) for name, own in scenes.items()]
+    rows = [
+        (name, printed_number(own["default"]), with_recipe(own["recommended"], cured=own["cured"]))
+        for name, own in scenes.items()
+    ]
     print_table(("scene, worst number", "default options", "recipe"), rows)
     for formulation, ratio in costs.items():
         print(f"cost of a step with the recipe, {formulation}: ×{ratio:.2f}")
@@ -87,7 +91,7 @@ def recipes(
         typer.Option("--engine", metavar="NAME[:FORMULATION]", help="An engine; may be repeated. Without it, all."),
     ] = None,
     store: Store = None,
-    out: TableFile = None,
+    out: TableFiles = None,
     computing: Computing,
 ) -> None:
     """Measure every set of the options that a recipe changes, in all scenes: drift, cost of a step, what gets worse.
@@ -97,7 +101,7 @@ def recipes(
 
     Example: multibody-xval run recipes --engine mujoco
     """
-    check_outs([out], TABLE_ENDINGS, store)
+    outs = check_outs(out, TABLE_ENDINGS, store)
     import pandas as pd
 
     from multibody_xval.reports.document import document
@@ -109,8 +113,8 @@ def recipes(
         rows = pd.concat([study(own, computing.means(store)) for own in wanted])
     shown = _for_people(rows)
     table_text.print_table(shown)
-    if out is not None:
-        write_whole(out, table_text.csv_text(rows) if out.suffix == ".csv" else document([shown]))
+    for file in outs:
+        write_whole(file, table_text.csv_text(rows) if file.suffix == ".csv" else document([shown]))
 
 
 def _for_people(rows: pd.DataFrame) -> pd.DataFrame:

@@ -154,7 +154,8 @@ def run(
     exact_value: Annotated[bool, typer.Option("--exact-value", help="Also compute the exact transmittance.")] = False,
     as_json: AsJson = False,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw one period into this file: .pdf, .svg, .png, .eps, .jpg or .tif.")
+        list[Path] | None,
+        typer.Option(help="Draw one period into this file: .pdf, .svg, .png, .eps, .jpg or .tif; may be repeated."),
     ] = None,
 ) -> None:
     """Find the steady state of a frictional mass-in-mass chain on a base that moves as U0 sin ωt.
@@ -172,8 +173,8 @@ def run(
     from reference_lcp.chain.mass_in_mass import Chain
     from reference_lcp.one_call import steady_state
 
-    if plot is not None:
-        checked_picture("--plot", plot)
+    for file in plot or ():
+        checked_picture("--plot", file)
     announce_compilation()
     chain = Chain.from_ratios(friction_ratio=friction_ratio, **vars(parameters))
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, parameters.base_amplitude)
@@ -185,8 +186,8 @@ def run(
     told = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
     proven = proof.answer(question)
     _show(as_json, numbers_of(state) | told | proven, lambda: _print(state, reason, proven))
-    if plot is not None:
-        save_picture(plot_motion(state.orbit), plot)
+    for file in plot or ():
+        save_picture(plot_motion(state.orbit), file)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
 

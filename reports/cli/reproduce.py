@@ -27,7 +27,7 @@ def reproduce(
     scenario: Annotated[
         str,
         typer.Argument(
-            help="The scenario: static-hold, ratchet, breakaway, stopping-distance, direction, published, figure3 or "
+            help="The scenario: static-hold, ratchet, breakaway, stopping-distance, published, figure3 or "
             "unit-cell, or any scene: slope-hold, slope-slide, conveyor, spin, joint-hold, arm-hold and so on."
         ),
     ],

@@ -55,12 +55,14 @@ class Output:
         ),
     ] = None
     series: Annotated[
-        Path | None, typer.Option(help="Write every row of the motions here, as .csv; needs --store.")
+        list[Path] | None,
+        typer.Option(help="Write every row of the motions here, as .csv; needs --store; may be repeated."),
     ] = None
     transitions: Annotated[
-        Path | None,
+        list[Path] | None,
         typer.Option(
-            help="Write when contacts stick and slip in steady states, over the period, here as .csv; needs --store."
+            help="Write when contacts stick and slip in steady states, over the period, here as .csv; needs --store; "
+            "may be repeated."
         ),
     ] = None
     details: Annotated[
@@ -78,10 +80,11 @@ class Output:
     def check(self, record: Path | None) -> None:
         """Refuse files that cannot be written; whole motions are read from the store."""
         inputs = [*check_outs(self.out, COMMENT_ENDINGS, self.store, record), self.store, record]
-        for name, file in (("--series", self.series), ("--transitions", self.transitions)):
-            if file is not None and self.store is None:
-                raise ParameterError(f"{name} = {file} without --store; allowed: with a store, which holds the runs")
-            inputs += check_outs([file], [".csv"], *inputs, name=name)
+        for name, files in (("--series", self.series), ("--transitions", self.transitions)):
+            if files and self.store is None:
+                given = f"{name} = {files[0]} without --store"
+                raise ParameterError(f"{given}; allowed: with a store, which holds the runs")
+            inputs += check_outs(files, [".csv"], *inputs, name=name)
 
 
 def names() -> list[str]:
@@ -178,8 +181,9 @@ def _write_motions(answer: Answer, output: Output) -> None:
     from multibody_xval.scenarios.running.evaluate import stored_results
     from multibody_xval.scenarios.table_text import csv_text
 
-    for table, file in ((series, output.series), (transitions, output.transitions)):
-        if file is not None and output.store is not None:
+    for table, files in ((series, output.series), (transitions, output.transitions)):
+        for file in files or ():
+            assert output.store is not None, "checked before"
             rows = table(answer.scenarios, stored_results(output.store), set(answer.rows.configuration))
             write_whole(file, csv_text(rows, missing=""))
             if rows.empty:

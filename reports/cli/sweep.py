@@ -45,8 +45,11 @@ def sweep(
         Path, typer.Option(help="File that stores every result; a stopped sweep continues from it.")
     ] = Path("sweep.sqlite"),
     out: Annotated[
-        Path | None,
-        typer.Option(help="Write all results of the sweep: arrays with units, NetCDF, as .nc; a row a run as .csv."),
+        list[Path] | None,
+        typer.Option(
+            help="Write all results of the sweep: arrays with units, NetCDF, as .nc; a row a run as .csv; may be "
+            "repeated."
+        ),
     ] = None,
     run: Annotated[
         bool, typer.Option("--run/--no-run", help="Run missing points; --no-run shows only stored results.")
@@ -73,13 +76,13 @@ def sweep(
     means = computing.means(checked_store(store) if run else existing_store(store))
     planned = read_sweep(file)
     check_size(planned, yes=yes or not run, how="--yes")
-    check_outs([out], (".nc", ".csv"), store, file)
+    outs = check_outs(out, (".nc", ".csv"), store, file)
     data = _dataset(planned, means, run=run)
     table = judged_table(data)
     print_counts(planned, table)
     print_reasons(table)
-    if out is not None:
-        write_dataset(data, out)
+    for each in outs:
+        write_dataset(data, each)
     print(visible(conclusion(table)))
 
 

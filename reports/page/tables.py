@@ -11,9 +11,12 @@ from multibody_xval.scenarios.model import Case, Config, Status
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
 from multibody_xval.scenarios.result_tables import CONFIG, curve_of, full_name, is_reference, rows_of
 from multibody_xval.scenarios.ruler.exact_values import has_ruler
-from multibody_xval.scenarios.ruler.judge import VERDICTS
+from multibody_xval.scenarios.ruler.judge import OTHER_SCHEMES, VERDICTS
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.claims import OPEN, STATED, TITLES, conclusions
+
+NO_CURE = "no cure known"
+"""Said of recipes that leave an error beyond what is allowed."""
 
 STICK_SLIP = Case(friction_ratio=0.1, frequency_ratio=1.5)
 """The point whose stick and slip is shown, if it is there."""
@@ -77,21 +80,24 @@ def largest_errors(rows: pd.DataFrame) -> pd.DataFrame:
     Points that an engine does not support are not counted: they say nothing about steady states.
 
     Columns: ``title``, ``options``, ``configuration``, ``points``, ``periodic``, ``median_percent``,
-    ``largest_percent``, ``largest_db``, ``largest_deg``, ``worst_case`` and ``status``, the commonest.
+    ``largest_percent``, ``largest_db``, ``largest_deg``, ``beyond``, whether an error is `OTHER_SCHEMES` times what is
+    allowed, ``worst_case`` and ``status``, the commonest.
     """
     own = rows.assign(db=rows.error_db.abs(), deg=rows.error_deg.abs(), periodic=rows.status == Status.PERIODIC,
-                      supported=rows.status != Status.UNSUPPORTED)  # fmt: skip
+                      supported=rows.status != Status.UNSUPPORTED, beyond=rows.distance > OTHER_SCHEMES * rows.allowed,
+                      )  # fmt: skip
     groups = own.groupby(["title", "options", "configuration"])
     found = groups.agg(
         points=("supported", "sum"), periodic=("periodic", "sum"), median_percent=("error_percent", "median"),
         largest_percent=("error_percent", "max"), largest_db=("db", "max"), largest_deg=("deg", "max"),
+        beyond=("beyond", "any"),
         status=("status", lambda status: status.mode().iloc[0]),
     )  # fmt: skip
     known = own[own.error_percent.notna()]
     worst = known.loc[known.groupby("configuration").error_percent.idxmax()]
     cases = {name: case.title for name, case in zip(worst.configuration, worst.case, strict=True)}
     found = found.reset_index()
-    return found.assign(worst_case=found.configuration.map(cases).fillna(""))
+    return found.assign(worst_case=found.configuration.map(cases).astype(object).fillna(""))
 
 
 def worst_first(worst: pd.DataFrame) -> pd.DataFrame:
@@ -113,9 +119,11 @@ def error_text(error_db: float, points: int, periodic: int, status: str) -> str:
 
 
 def headline(worst: pd.DataFrame) -> pd.DataFrame:
-    """Give the largest errors in dB: a row an engine and formulation, a column a preset."""
+    """Give the largest errors in dB, a row an engine and formulation, and say which recipes do not cure."""
     numbers = zip(worst.largest_db, worst.points, worst.periodic, worst.status, strict=True)
-    texts = worst.assign(text=[error_text(*own) for own in numbers])
+    uncured = (worst.options == TITLES["recommended"]) & (worst.beyond | (worst.periodic == 0)) & (worst.points > 0)
+    endings = uncured.map({True: f"; {NO_CURE}", False: ""})
+    texts = worst.assign(text=[error_text(*own) + ending for own, ending in zip(numbers, endings, strict=True)])
     wide = texts.pivot_table(index="title", columns="options", values="text", aggfunc="first", sort=False)
     usual = [TITLES[name] for name in PRESETS]
     wide = wide.reindex(columns=[*usual, *(name for name in wide if name not in usual)])

@@ -23,7 +23,6 @@ SHOWN = {
     "breakaway": "1 kg, 2 ms",
     "stopping-distance": "1 kg, 4.9 m/s",
     "ratchet": "1 kg, load 0.5, shaken",
-    "direction": "1 kg, 4.9 m/s, 0°",
     "static-above-kinetic": "1 kg, 1.5",
     "published": "sdnd104-1.5",
     "figure3": "friction 0.6, η_r 0.9",
@@ -35,10 +34,12 @@ SHOWN = {
     "held-while-shaken": "slope, 5 Hz",
     "slope-slide": "μ 0.5, load 1.5",
     "slide-to-stop": "3 m/s",
+    "pushed-from-rest": "1.2 μmg, 45°",
     "conveyor": "1 m/s, μ 0.5",
     "spin": "20 rad/s",
     "joint-hold": "hinge, load 0.9",
     "arm-hold": "6 hinges, load 0.9",
+    "joint-stop": "damped, 0.22 s",
 }
 """Scenarios that can be reproduced, with the case that is shown unless another is named.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine
-from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, SceneSetting
+from multibody_xval.engines.interface.scene import GRAVITY, ContactScene, JointScene, SceneSetting
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine, ServedScene
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.known import names_set
@@ -16,8 +16,8 @@ from multibody_xval.reports.reproducers.served import builder, given
 from multibody_xval.reports.reproducers.specialise import specialised
 from multibody_xval.reports.reproducers.tidy import imports_of, model_text, names_read, text_of, used
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
-from multibody_xval.scenarios.catalogue.scenes import sliding_boxes, spinning_box
-from multibody_xval.scenarios.compute.scenes import in_world, kept_rows, plane_axes
+from multibody_xval.scenarios.catalogue.scenes import pushed_box, sliding_boxes, spinning_box, stopping_joints
+from multibody_xval.scenarios.compute.scenes import STOPPED, in_world, kept_rows, plane_axes
 from multibody_xval.scenarios.model import Run
 
 PARTS = {"torque": 1, "friction": 2, "time": 2}
@@ -90,9 +90,11 @@ def _numbers(run: Run) -> Mapping[str, Any]:
     numbers: dict[str, Any] = {
         "settling": bool(case.settling), "time": case.time, "kept": kept_rows(run.steps), "spin": case.spin,
         "boxes": False, "launch": in_world(scene, case.launch) if launched else None,
-        "tones": [(tone.force, tone.frequency) for tone in case.shake],
+        "push": case.push, "tones": [(tone.force, tone.frequency) for tone in case.shake],
     }  # fmt: skip
     if not isinstance(scene, ContactScene):
+        if isinstance(scene, JointScene) and scene.velocity:
+            numbers |= {"stopped": STOPPED, "exact_stop": repr(stopping_joints.exact_stop(scene)[0])}
         return numbers
     axes = plane_axes(scene)[[2, 1] if scene.grip else [0, 1]].tolist()
     numbers |= {"boxes": True, "axes": axes, "bound": repr(scene.friction * GRAVITY * math.cos(scene.slope)),
@@ -104,6 +106,8 @@ def _numbers(run: Run) -> Mapping[str, Any]:
     if scene.belt:
         reached, expected = sliding_boxes.REACHED, sliding_boxes.time_with_belt(case)
         numbers |= {"reached": reached, "aim": repr(reached * scene.belt), "expected": repr(expected)}
+    if case.push:
+        numbers |= {"pushed": repr(pushed_box.way_pushed(case)), "straight": list(scene.forward[:2])}
     if case.spin:
         numbers |= {"braking": repr(spinning_box.braking(scene, spinning_box.CORNERS))}
     return numbers

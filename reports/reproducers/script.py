@@ -49,8 +49,6 @@ def checked(name: str, scenario: str, case: str | None = None) -> Reproduction:
     shown = reproduction(name, scenario, case)
     if not isinstance(shown.run.case, SceneMotion):
         reproducer_of(shown.run.config)
-        if getattr(shown.run.case, "direction", 0.0):
-            raise ParameterError(f"case = {shown.case!r} has a row that is turned; allowed in a script: 0°")
         if (reason := shown.run.config.preset.unsupported_reason(_lane(shown.run), str(shown.run.config))) is not None:
             raise ParameterError(reason)
     elif (reason := unsupported_reason(shown.run.config, shown.run.case.scene)) is not None:

@@ -259,8 +259,6 @@ class BlockMotion(Motion):
     """By how much the block is moved on the carrier at first [m]."""
     slip_velocity: float = 0.0
     """Velocity of the block on the carrier at first [m/s]."""
-    direction: float = 0.0
-    """Angle by which the row is turned in the plane of the contact [rad]."""
     carrier_velocity: float = 0.0
     """Velocity of the carrier at first [m/s]."""
     static_ratio: float = 1.0
@@ -275,9 +273,7 @@ class BlockMotion(Motion):
     def lane(self, steps: int, *, pressed: bool = False) -> Lane:
         """Build the chain under its drive; see `Motion.lane`."""
         preload = CONSTANT if pressed else None
-        return dataclasses.replace(
-            super().lane(steps), preload=preload, direction=self.direction, static_ratio=self.static_ratio
-        )
+        return dataclasses.replace(super().lane(steps), preload=preload, static_ratio=self.static_ratio)
 
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""

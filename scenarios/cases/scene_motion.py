@@ -21,7 +21,7 @@ class Tone:
     """A force on a box that swings as a sine, from the start."""
 
     force: float
-    """Its amplitude, down the plane [N]."""
+    """Its amplitude, along the box's own x axis [N]."""
     frequency: float
     """[Hz]."""
 
@@ -50,6 +50,10 @@ class SceneMotion:
     """Velocity that the followed box then gets, along the plane, across and off it [m/s]."""
     spin: float = 0.0
     """Angular velocity about the vertical that it then gets [rad/s]."""
+    push: float = 0.0
+    """Constant force along the box's own x axis that then begins to act on it [N]."""
+    drive: float = 0.0
+    """Speed along the box's own x axis at which a force then keeps it, see `compute.driven` [m/s]."""
     sleeping: bool = False
     """Bodies may be put to sleep, as far as the engine does so as it comes."""
     shake: tuple[Tone, ...] = ()

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from multibody_xval.scenarios.catalogue.blocks import breakaway, direction, held, published, static_friction, thrown
+from multibody_xval.scenarios.catalogue.blocks import breakaway, held, published, static_friction, thrown
 from multibody_xval.scenarios.catalogue.chains import (
     broadband,
     closed_forms,
@@ -16,14 +16,17 @@ from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.catalogue.scenes import (
     held_boxes,
     loaded_joints,
+    pushed_box,
     shaken_boxes,
     sliding_boxes,
     spinning_box,
+    stopping_joints,
 )
 
 FAMILIES = (
-    steady_states, closed_forms, normal_forces, free_decay, held, thrown, breakaway, static_friction, direction,
-    published, broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, spinning_box, loaded_joints,
+    steady_states, closed_forms, normal_forces, free_decay, held, thrown, breakaway, static_friction, published,
+    broadband, records, long_run, held_boxes, shaken_boxes, sliding_boxes, pushed_box, spinning_box, loaded_joints,
+    stopping_joints,
 )  # fmt: skip
 
 SCENARIOS: Mapping[str, Scenario] = {own.name: own for family in FAMILIES for own in family.SCENARIOS}

@@ -39,7 +39,7 @@ DECIDING = [
 ]  # fmt: skip
 """Sizes that decide, see `judge.decided`."""
 
-RELATIVE = ("transmittance", "share")
+RELATIVE = ("transmittance", "share", "creep")
 """Accuracies that are stated as a part of the number."""
 
 NOT_RUN = "not run"
@@ -113,8 +113,7 @@ def about_config(run: Run) -> Row:
     modulation = case.modulation if isinstance(case, Case) else 0.0
     about = of_config(run.config, swings=bool(modulation) or is_pressed(run), opens=modulation > 1)
     if isinstance(case, BlockMotion):
-        cone = not case.direction or not preset.pyramid  # else its friction is stated to be a pyramid
-        return about | {"judged": "blocks" in preset.judged and cone}
+        return about | {"judged": "blocks" in preset.judged}
     return about
 
 

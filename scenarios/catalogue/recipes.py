@@ -15,6 +15,7 @@ import pandas as pd
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import SceneWorld
+from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
@@ -193,14 +194,14 @@ def on_front(table: pd.DataFrame) -> list[bool]:
 def recipe_results(name: str, means: Means) -> tuple[pd.DataFrame, dict[str, float]]:
     """Give the worst number of every scene of an engine, and by formulation what its recipe costs a step.
 
-    The table has a row a number, with the columns ``default`` and ``recommended``; scenes without numbers are left out.
+    The table is that of `worst_numbers`, a row a number; scenes without numbers are left out.
     """
     usable = [kind for kind in Formulation if engine(name).scene_gap(kind) is None]
     configs = {kind: general_configs(name, kind) for kind in usable}
     scenes = [scene for kind in usable for scene in scenes_of(kind)]
     worst = worst_numbers(scene_numbers(scenes, [config for own in configs.values() for config in own], means))
     costs = {str(kind): step_ratio(own[-1], own[0]) for kind, own in configs.items() if len(own) > 1}
-    return worst.droplevel("engine").dropna(how="all"), costs
+    return worst.droplevel("engine").dropna(subset=list(GENERAL), how="all"), costs
 
 
 def step_ratio(config: Config, base: Config) -> float:

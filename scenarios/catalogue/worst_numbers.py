@@ -6,9 +6,13 @@ import pandas as pd
 
 from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.scenarios.catalogue.scenario import OWN_STEP
+from multibody_xval.scenarios.ruler.judge import DEVIATES
 
-FAILED, NONE = math.inf, math.nan
-"""Numbers of a scene that an engine fails at, and of one that it has none of."""
+NEVER, FAILED, NONE = math.inf, -math.inf, math.nan
+"""Numbers of what never happens, of a scene that an engine fails at, and of one that it has none of."""
+
+NOT_CURED = "not cured"
+"""Said of numbers that are beyond what is allowed with the recipe too."""
 
 LEAST_PRINTED = 5e-3
 """Smaller numbers are printed as zero: far below the resolution of every quantity."""
@@ -29,7 +33,8 @@ def worst_numbers(table: pd.DataFrame) -> pd.DataFrame:
     -------
     pandas.DataFrame
         Rows: engine and number, such as ``slope-hold, drift [µm/s]``; columns ``default`` and ``recommended``: the
-        number that is largest in size; infinite where the engine failed, NaN where it has no such scene.
+        number that is largest in size, `NEVER`, `FAILED`, or NaN where the engine has no such scene; ``cured``: whether
+        none is beyond what is allowed with the recipe.
     """
     own = table[table.preset.isin(GENERAL) & ~table.case.str.contains("may sleep")]
     at_own = own.case.str.endswith(OWN_STEP)
@@ -38,8 +43,10 @@ def worst_numbers(table: pd.DataFrame) -> pd.DataFrame:
         what=rows.scenario + ", " + rows.quantity + " [" + rows.unit + "]",
         number=rows.value.astype(float).mask(rows.verdict == "failed", FAILED),
     )
-    worst = rows.groupby(["engine", "what", "preset"], sort=False).number.apply(_worst)
-    return worst.unstack("preset").reindex(columns=list(GENERAL))
+    worst = rows.groupby(["engine", "what", "preset"], sort=False).number.apply(_worst).unstack("preset")
+    beyond = rows[rows.verdict.isin([DEVIATES, "failed"]) & (rows.preset == GENERAL[-1])]
+    off = worst.index.isin(beyond.set_index(["engine", "what"]).index)
+    return worst.reindex(columns=list(GENERAL)).assign(cured=~off)
 
 
 def _worst(values: "pd.Series[float]") -> float:
@@ -47,11 +54,16 @@ def _worst(values: "pd.Series[float]") -> float:
     return max(values.dropna(), key=abs, default=NONE)
 
 
+def with_recipe(value: float, *, cured: bool) -> str:
+    """Write a number with the recipe for people, and say where that does not cure."""
+    return printed_number(value) + f" ({NOT_CURED})" * (not cured)
+
+
 def printed_number(value: float) -> str:
     """Write a number of a scene for people."""
     if math.isnan(value):
         return "–"
     if math.isinf(value):
-        return "failed"
+        return "never" if value == NEVER else "failed"
     size = abs(value)
     return "0" if size < LEAST_PRINTED else f"{value:,.0f}" if size >= THOUSANDS else f"{value:.2g}"

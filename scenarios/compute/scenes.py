@@ -10,6 +10,7 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import (
     ContactScene,
+    JointScene,
     Scene,
     SceneSetting,
     SceneWorld,
@@ -18,12 +19,16 @@ from multibody_xval.engines.interface.scene import (
 )
 from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion, swinging
+from multibody_xval.scenarios.compute.driven import driven
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
 ROWS = 100
 """Rows that are kept of a motion, at most."""
+
+STOPPED = 1e-3
+"""Velocity below which a joint that was thrown rests [rad/s], [m/s]."""
 
 EXPLODED = 1e4
 """A position [m] or an angle [rad] beyond is an explosion: nothing falls or turns as far within the scenes' times."""
@@ -68,27 +73,31 @@ def built(run: Run) -> SceneWorld:
 def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:
     """Let a world settle, launch its box, follow it, and close it."""
     step = case.time / steps
+    held: dict[str, tuple[float, ...]] = {}
     try:
         settling = round(case.settling / step)
         first = _rows(case, step, world, 0, settling)[-1:] if settling else None
         if any(case.launch) or case.spin:
             world.launch(in_world(case.scene, case.launch), case.spin)
-        rows = _rows(case, step, world, settling, steps)
+        if case.drive:
+            rows, held["held"] = driven(case.scene, case.drive, step, world, steps)
+        else:
+            rows = _rows(case, step, world, settling, steps, case.push)
     finally:
         world.close()
     every = rows if first is None else np.concatenate([first, rows])
     if not (np.isfinite(every).all() and np.max(np.abs(every)) < EXPLODED):
         return failed("the scene exploded")
-    return Result(status=Status.FINISHED, series=dict(_series(case, step, first, rows)))
+    return Result(status=Status.FINISHED, series={**dict(_series(case, step, first, rows)), **held})
 
 
-def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int) -> FloatArray:
-    """Take steps from the one with this number on, under the force at the start of each where one swings."""
-    if not case.shake:
+def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int, push: float = 0.0) -> FloatArray:
+    """Take steps from the one with this number on, under the force at the start of each: a constant one, and tones."""
+    if not (case.shake or push):
         return world.run(steps)
     rows = []
     for number in range(begin, begin + steps):
-        world.push(swinging(case.shake, number * step))
+        world.push(push + swinging(case.shake, number * step))
         rows.append(world.run(1))
     return np.concatenate(rows)
 
@@ -100,13 +109,17 @@ def _series(
 
     Of boxes, ``along``, ``across`` and ``off`` the plane [m] from where the motion began, the ``speed`` along each
     [m/s], the ``turn`` about its normal [rad], and ``highest``, off the plane so far. Of joints, ``joint 1`` and so
-    on, from where the motion began. ``from the start`` is the whole way since the scene was built, at the end: along,
-    across and off the plane, or of every joint.
+    on, from where the motion began; of one that is thrown, ``stop``, see `_stop`. ``from the start`` is the whole way
+    since the scene was built, at the end: along, across and off the plane, or of every joint. Of a box that is driven,
+    ``held`` is what `driven` gives.
     """
     kept = kept_rows(len(rows))
     yield "time", _numbers((step * np.arange(1, len(rows) + 1, dtype=np.float64))[kept])
     if not isinstance(case.scene, ContactScene):
         start = np.zeros(rows.shape[1]) if first is None else first[0]
+        if isinstance(case.scene, JointScene) and case.scene.velocity:
+            yield "stop", _stop(rows[:, 0], step)
+            rows = np.unwrap(rows, axis=0) if case.scene.kind == "hinge" else rows
         for joint, values in enumerate((rows - start).T, 1):
             yield f"joint {joint}", _numbers(values[kept])
         yield "from the start", _numbers(rows[-1])
@@ -120,6 +133,13 @@ def _series(
     yield "from the start", _numbers((rows[-1, :3] - case.scene.places[-1]) @ axes.T)
     yield "highest", _numbers(np.maximum.accumulate(way[:, 2])[kept])
     yield "turn", _numbers(_turns(rows[kept, 3:7], start[3:7], axes[2]))
+
+
+def _stop(coordinates: FloatArray, step: float) -> tuple[float, ...]:
+    """Give the end of the step from which on a joint rests [s]; nothing where it never does."""
+    moving = np.flatnonzero(np.abs(np.diff(coordinates, prepend=0)) >= STOPPED * step)
+    steps = int(moving[-1]) + 2 if moving.size else 1
+    return (steps * step,) if steps <= len(coordinates) else ()
 
 
 def _numbers(values: FloatArray) -> tuple[float, ...]:

@@ -4,9 +4,11 @@ import dataclasses
 
 import numpy as np
 
-from multibody_xval.engines.interface.engine import Engine
+from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.presets import Formulation, Option, Preset
+from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.tolerances import SINGLE
+from multibody_xval.engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -27,18 +29,34 @@ def lane_of(friction_ratio: object = 0.3, frequency_ratio: float = 0.6, steps: i
     return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
 
 
+def chain_of(mass: float, stiffness: float, length: float, friction_ratio: float = 0.3) -> Lane:
+    """The canonical chain in other units: outer mass [kg], stiffness [N/m], amplitude [m]."""
+    ratios = {"outer_mass": mass, "chain_stiffness": stiffness, "base_amplitude": length}
+    chain = Chain.from_ratios(friction_ratio=friction_ratio, **ratios)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, length), STEPS)
+
+
 def unstable_lane() -> Lane:
     """The canonical chain with steps so long that its motion diverges."""
     return lane_of(0.1, 0.1, 20)
 
 
-def built_with(
-    engine: Engine, lane: Lane, formulation: str = "joint", preset: str = "tuned", **values: object
-) -> Simulation:
-    """Build one lane with some options of a preset replaced."""
-    options = {name: Option(value, None, "") for name, value in values.items()}
-    changed = Preset("", {**engine.preset(formulation, preset).options, **options})
-    return engine._build((lane,), Formulation(formulation), changed)
+def built(name: str, lane: Lane, **values: object) -> Simulation:
+    """Build one lane by a configuration such as ``mujoco:joint:default``, with the values of some options replaced."""
+    own = Variant.parse(name)
+    if not values:
+        return own.build([lane])
+    options = own.preset.options | {option: Option(value, None, "") for option, value in values.items()}
+    return engine(own.engine)._build((lane,), Formulation(own.formulation), Preset("", options))
+
+
+def run(name: str, lane: Lane, state: State, steps: int = STEPS, start: int = 0, **values: object) -> Trajectory:
+    """Run one lane of a configuration, with the values of some options replaced."""
+    simulation = built(name, lane, **values)
+    try:
+        return simulation.run(state, start, steps)[0]
+    finally:
+        simulation.close()
 
 
 def uneven_lane() -> Lane:
@@ -80,18 +98,6 @@ def scheme(lane: Lane, state: State, steps: int) -> tuple[np.ndarray, np.ndarray
     return positions, velocities, friction
 
 
-def assert_equals_scheme(
-    lane: Lane, state: State, trajectory: Trajectory, scale: float = AMPLITUDE, round_off: float = ROUND_OFF
-) -> None:
-    positions, velocities, friction = scheme(lane, state, trajectory.steps)
-    speed = scale * lane.chain.resonator_frequency
-    force = scale * np.max(lane.chain.stiffness_matrix)
-    np.testing.assert_allclose(trajectory.positions, positions, rtol=0, atol=round_off * scale)
-    np.testing.assert_allclose(trajectory.velocities, velocities, rtol=0, atol=round_off * speed)
-    # A force is a difference of velocities over dt, which costs it the digits of dt times the frequency.
-    np.testing.assert_allclose(trajectory.friction, friction, rtol=0, atol=100 * round_off * force)
-
-
 def with_coefficients(coefficient: object) -> Lane:
     """The canonical chain with these coefficients of friction, and the same bounds."""
     lane = lane_of()
@@ -107,19 +113,14 @@ def distance(lane: Lane, state: State, motion: Trajectory) -> float:
     return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
 
 
-def lanes_of_all_kinds() -> list[Lane]:
-    """Lanes that differ in time step, frequency, friction, units and coefficient; the first has no dashpots."""
-    heavy = Chain.from_ratios(friction_ratio=0.3, outer_mass=20.0, chain_stiffness=3e3, base_amplitude=0.1)
-    return [
-        lane_of(0.3, 0.6, damping_ratio=0.0),
-        lane_of(0.1, 0.9, 2 * STEPS),
-        lane_of(0.0, 1.3),
-        Lane.periodic(heavy, HarmonicBase.from_ratio(heavy, 0.9, 0.1), 3 * STEPS),
-        uneven_lane(),
-        with_coefficients([0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]),
-    ]
-
-
 def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
     for name in ("positions", "velocities", "friction", "normal_force"):
         assert np.array_equal(getattr(first, name), getattr(second, name)), f"{name} differ"
+
+
+def off_the_law(law: str, lane: Lane, name: str = "", **values: object) -> float:
+    """Largest distance over two periods from rest, over U0, of a configuration from the law of one, or of itself."""
+    rest, model = State.at_rest(1, lane.chain.cells), law_of(Variant.parse(law))
+    assert model is not None
+    apart = run(name or law, lane, rest, 2 * STEPS, **values).positions - model.positions(lane, rest, 2 * STEPS)
+    return float(np.max(np.abs(apart))) / lane.drive.displacement_scale(lane.chain)

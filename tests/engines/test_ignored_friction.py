@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-PAGE = Path(__file__).parents[2] / "docs" / "questions" / "ignored_friction.md"
-
 FRICTION, MASS, TIME_STEP, STEPS = 3.0, 2.0, 1e-3, 10
 """[N], [kg], [s]; few steps, for some of these engines take milliseconds for each."""
 
@@ -123,6 +121,8 @@ def sapien_velocity(coefficient: float, load: float) -> float:
         import sapien
         from sapien import physx
 
+    physx.set_scene_config()  # of the process: as installed, whatever has run before
+    physx.set_body_config()
     system = physx.PhysxCpuSystem()
     system.timestep = TIME_STEP
     builder = sapien.Scene([system]).create_articulation_builder()

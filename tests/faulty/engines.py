@@ -19,8 +19,6 @@ def family(name: str, fault: Fault) -> type[Engine]:
     """Give the engine with a fault."""
 
     class Faulty(Engine):
-        """A copy of Euler's scheme with one fault."""
-
         capabilities = Capabilities(
             title=f"Euler's scheme, wrong: {fault.what}",
             package="faulty-engines",
@@ -32,11 +30,9 @@ def family(name: str, fault: Fault) -> type[Engine]:
         )
 
         def version(self) -> str:
-            """Version of the family."""
             return "1.0.0"
 
         def unavailable_reason(self) -> str | None:
-            """It needs nothing but NumPy."""
             return None
 
         def _build(self, lanes, formulation, preset) -> Batch:
@@ -47,10 +43,7 @@ def family(name: str, fault: Fault) -> type[Engine]:
 
 
 class TakesEverything(family("takes", Fault("any formulation, preset and lane is taken"))):
-    """It builds whatever it is asked for."""
-
     def build(self, lanes, formulation="joint", preset="tuned"):
-        """Build the tuned joint."""
         return Batch(lanes, SEEN["sound"])
 
 

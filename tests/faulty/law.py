@@ -6,17 +6,13 @@ from multibody_xval.engines.shared.linear_law import LinearStep, linear_law
 
 def stopping_in_parts(preset):
     def step(lane, of):
-        linear = LinearStep.explicit(lane.chain, lane.time_step)
-
         def friction(_cell, slip, coupling, bound):
             return min(max(-of["s"] * slip / coupling, -bound), bound)
 
-        return linear_law(lane, linear, friction)
+        return linear_law(lane, LinearStep.explicit(lane.chain, lane.time_step), friction)
 
-    return Law(
-        formula="equation (5), but a stick leaves 1 − s of its slip", step=step,
-        constants={"s": Constant(preset["part"], "", "option part")},
-    )  # fmt: skip
+    part = Constant(preset["part"], "", "option part")
+    return Law(formula="equation (5), but a stick leaves 1 − s of its slip", step=step, constants={"s": part})
 
 
 LAWS = {"joint:default": stopping_in_parts}

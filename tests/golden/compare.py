@@ -4,13 +4,12 @@ It prints a line a difference, and ends with 1 if there is any. Rows of engines 
 folders has are counted, not compared: an engine may not be installed.
 """
 
-import csv
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-Row = Mapping[str, str]
+import pandas as pd
 
 ROUND_OFF = 1e-7
 """Relative difference of numbers that another processor computes: sums take other orders there."""
@@ -24,99 +23,79 @@ RESOLUTION = {"µm/s": 0.1, "µrad/s": 0.1, "mm": 1e-3, "mrad": 1e-3, "°": 1e-3
 PHASE_OF_DB = math.degrees(math.log(10) / 20)
 """Phase [deg] that is left open where this level [dB] is: both are parts of one complex number."""
 
-
-def number(row: Row, name: str) -> float:
-    """Read a number; NaN where there is none."""
-    return float(row[name]) if row[name] else math.nan
-
-
-def apart(before: float, now: float, allowed: float) -> bool:
-    """Whether two numbers differ; two that are missing do not."""
-    if math.isnan(before) and math.isnan(now):
-        return False
-    return not abs(before - now) <= allowed + ROUND_OFF * abs(before)
+Allowed = float | Callable[[pd.DataFrame], pd.Series] | None
+"""What two numbers may differ by: a number, or a function of rows with the columns of both folders; ``None`` stands for
+text, which has to be the same."""
 
 
-def steady(before: Row, now: Row) -> str:
-    """Say how two steady states differ beyond what their residuals leave open."""
-    if before["status"] != now["status"]:
-        return f"status {before['status']} -> {now['status']}"
-    if before["status"] != "periodic":
-        return ""
-    left = number(before, "open_db") + number(now, "open_db") + WRITTEN_DB
-    if apart(number(before, "level_db"), number(now, "level_db"), left):
-        return f"level {before['level_db']} -> {now['level_db']} dB, open {left:.1e}"
-    turn = (number(now, "phase_deg") - number(before, "phase_deg") + 180) % 360 - 180
-    if abs(turn) > left * PHASE_OF_DB + WRITTEN_DEG:
-        return f"phase {before['phase_deg']} -> {now['phase_deg']} deg"
-    names = ("stuck", "transitions")
-    return ", ".join(f"{name} {before[name]} -> {now[name]}" for name in names if before[name] != now[name])
+def open_level(both: pd.DataFrame) -> pd.Series:
+    """What the residuals of two steady states leave open [dB]."""
+    return numbers(both.open_db_before) + numbers(both.open_db_now) + WRITTEN_DB
 
 
-def scenario(before: Row, now: Row) -> str:
-    """Say how two numbers of a block or a scene differ."""
-    allowed = RESOLUTION.get(before["unit"], ROUND_OFF)
-    differs = apart(number(before, "value"), number(now, "value"), allowed)
-    return f"{before['value'] or 'no number'} -> {now['value'] or 'no number'} {before['unit']}" if differs else ""
+COLUMNS: Mapping[str, Mapping[str, Allowed]] = {
+    "steady": {"status": None, "level_db": open_level, "stuck": None, "transitions": None,
+               "phase_deg": lambda both: open_level(both) * PHASE_OF_DB + WRITTEN_DEG},
+    "scenarios": {"value": lambda both: both.unit_now.map(RESOLUTION).fillna(ROUND_OFF)},
+    "edges": {"frequency_ratio": lambda both: numbers(both.width_before) + numbers(both.width_now)},
+    "reference": {"level_db": WRITTEN_DB, "phase_deg": WRITTEN_DEG, "error_bar_db": WRITTEN_DB, "exact_db": WRITTEN_DB,
+                  "proven_db": None, "stuck": None, "transitions": None},
+}  # fmt: skip
+"""Folders of files: the columns that are compared, and what they may differ by."""
 
-
-def edge(before: Row, now: Row) -> str:
-    """Say how two edges differ beyond the widths to which they are bracketed."""
-    names = ("frequency_ratio", "width")
-    (one, width), (other, own) = ([number(row, name) for name in names] for row in (before, now))
-    return f"{one} -> {other}" if apart(one, other, width + own) else ""
-
-
-def reference(before: Row, now: Row) -> str:
-    """Say how two answers of the reference differ; proven digits are compared as they are."""
-    if before["proven_db"] != now["proven_db"]:
-        return f"proven {before['proven_db']} -> {now['proven_db']} dB"
-    names = {"level_db": WRITTEN_DB, "phase_deg": WRITTEN_DEG, "error_bar_db": WRITTEN_DB, "exact_db": WRITTEN_DB}
-    differing = [name for name, own in names.items() if apart(number(before, name), number(now, name), own)]
-    differing += [name for name in ("stuck", "transitions") if before[name] != now[name]]
-    return ", ".join(f"{name} {before[name]} -> {now[name]}" for name in differing)
-
-
-Compare = Callable[[Row, Row], str]
-
-FILES: Mapping[str, tuple[tuple[str, ...], Compare]] = {
-    "steady/*.csv": (("config", "point"), steady),
-    "scenarios/*.csv": (("scenario", "case", "config", "quantity"), scenario),
-    "edges.csv": (("config", "friction_ratio", "edge"), edge),
-    "reference.csv": (("point",), reference),
+NAMES: Mapping[str, list[str]] = {
+    "steady": ["config", "point"],
+    "scenarios": ["scenario", "case", "config", "quantity"],
+    "edges": ["config", "friction_ratio", "edge"],
+    "reference": ["point"],
 }
-"""Files by pattern: the columns that name a row, and what compares two rows."""
+"""Columns that name a row of these files."""
 
 
-def rows(folder: Path, pattern: str, names: tuple[str, ...]) -> dict[tuple[str, ...], Row]:
-    """Give the rows of files by what names them."""
-    found: dict[tuple[str, ...], Row] = {}
-    for path in sorted(folder.glob(pattern)):
-        with path.open(newline="", encoding="utf-8") as file:
-            found |= {tuple(row[name] for name in names): row for row in csv.DictReader(file)}
-    return found
+def numbers(column: pd.Series) -> pd.Series:
+    """Read a column of text; NaN where there is no number."""
+    return pd.to_numeric(column.replace("", None))
 
 
-def differences(before: Path, now: Path) -> Iterator[str]:
+def rows(folder: Path, part: str) -> pd.DataFrame:
+    """Give the rows of the files of all engines, as text."""
+    files = sorted((folder / part).glob("*.csv"))
+    found = [pd.read_csv(file, dtype=str, keep_default_na=False) for file in files]
+    return pd.concat(found, ignore_index=True) if found else pd.DataFrame(columns=NAMES[part])
+
+
+def differ(name: str, both: pd.DataFrame, allowed: Allowed) -> pd.Series:
+    """Tell in which rows a column differs; two numbers that are missing do not."""
+    before, now = both[f"{name}_before"], both[f"{name}_now"]
+    if allowed is None:
+        return before != now
+    before, now = numbers(before), numbers(now)
+    apart = (now - before + 180) % 360 - 180 if name == "phase_deg" else now - before
+    most = allowed(both) if callable(allowed) else allowed
+    return ~(apart.abs() <= most + ROUND_OFF * before.abs()) & (before.notna() | now.notna())
+
+
+def differences(both: pd.DataFrame, part: str) -> Iterator[str]:
     """Give a line a row that differs."""
-    for pattern, (names, compare) in FILES.items():
-        one, other = rows(before, pattern, names), rows(now, pattern, names)
-        for name in one.keys() & other.keys():
-            if said := compare(one[name], other[name]):
-                yield f"{', '.join(name)}: {said}"
-
-
-def counts(before: Path, now: Path) -> str:
-    """Say how many rows were compared, and how many only one of the two folders has."""
-    names = [(rows(before, pattern, own).keys(), rows(now, pattern, own).keys()) for pattern, (own, _) in FILES.items()]
-    both, gone, new = (sum(map(len, own)) for own in zip(*((a & b, a - b, b - a) for a, b in names), strict=True))
-    return f"{both} rows compared; {gone} only before, {new} only now"
+    found = pd.DataFrame({name: differ(name, both, allowed) for name, allowed in COLUMNS[part].items()})
+    for index, row in both[found.any(axis=1)].iterrows():
+        said = [f"{name} {row[f'{name}_before']} -> {row[f'{name}_now']}" for name in found if found[name][index]]
+        yield f"{', '.join(row[NAMES[part]])}: {'; '.join(said)}"
 
 
 def main(before: Path, now: Path) -> int:
-    """Print what differs; gives the exit code."""
-    found = sorted(differences(before, now))
-    print(*found, counts(before, now), f"{len(found)} differ", sep="\n")
+    """Print what differs, and how many rows were compared; gives the exit code."""
+    found, counts = [], pd.Series(0, ["both", "left_only", "right_only"])
+    for part, names in NAMES.items():
+        both = rows(before, part).merge(
+            rows(now, part), how="outer", on=names, suffixes=("_before", "_now"), indicator="of"
+        )
+        counts += both.of.value_counts()
+        if "both" in set(both.of):
+            found += differences(both[both.of == "both"], part)
+    print(*sorted(found), sep="\n")
+    print(f"{counts.both} rows compared; {counts.left_only} only before, {counts.right_only} only now")
+    print(f"{len(found)} differ")
     return int(bool(found))
 
 

@@ -8,9 +8,11 @@ from reference_lcp import (
     HarmonicBase,
     Lane,
     PeriodicOrbit,
+    Preload,
     periodic_orbits,
     simulate_system,
 )
+from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.steady.error_bar import ErrorBar, error_bars_of
 from reference_lcp.steady.neighbours import PeriodInverse
 
@@ -28,20 +30,33 @@ STANDING = np.asarray(1e14)
 """A mass [kg] so heavy that it stands still: it moves by 1e-14 of what the other one does."""
 
 
+def one_cell(bound: float = 0.0, **parameters) -> Chain:
+    """A cell of unit masses and springs with this friction bound, but for the parameters that are given."""
+    unit = dict.fromkeys(("outer_mass", "inner_mass", "chain_stiffness", "inner_stiffness"), 1.0)
+    return Chain(cells=1, normal_force=np.asarray(bound), friction_coefficient=np.ones(1), **(unit | parameters))
+
+
 def driven(frequency_ratio: float, **ratios) -> tuple[Chain, HarmonicBase]:
     """A chain of these ratios, and a base that drives it at its default amplitude."""
     chain = Chain.from_ratios(**ratios)
     return chain, HarmonicBase.from_ratio(chain, frequency_ratio)
 
 
-def canonical_lane(friction_ratio: float, frequency_ratio: float) -> Lane:
-    """A point of figure 3 with 400 steps per period."""
-    return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio), 400)
+def canonical_lane(friction_ratio: float, frequency_ratio: float, **ratios) -> Lane:
+    """A point of figure 3, or of chains with other ratios too, with 400 steps per period."""
+    return Lane.periodic(*driven(frequency_ratio, friction_ratio=friction_ratio, **ratios), 400)
 
 
-def euler_orbit(chain: Chain, drive: HarmonicBase, steps: int, **limits) -> PeriodicOrbit:
-    """The periodic orbit of Euler's scheme with so many steps per period."""
-    return periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, **limits)[0]
+def orbit_of(lane: Lane, **limits) -> PeriodicOrbit:
+    """The periodic orbit of Euler's scheme."""
+    return periodic_orbits(CompiledSimulation([lane]), round(lane.drive.period / lane.time_step), **limits)[0]
+
+
+def euler_orbit(
+    chain: Chain, drive: PeriodicDrive, steps: int, preload: Preload | None = None, **limits
+) -> PeriodicOrbit:
+    """The same with so many steps per period."""
+    return orbit_of(Lane.periodic(chain, drive, steps, preload), **limits)
 
 
 def error_bar(orbits, place: int = 0) -> ErrorBar:
@@ -70,6 +85,11 @@ def moved(system, time_step, steps, position=None, velocity=None):
     still = np.zeros(system.freedoms)
     start = {"position": still if position is None else position, "velocity": still if velocity is None else velocity}
     return simulate_system(system, **start, time_step=time_step, steps=steps)
+
+
+def fitted_order(errors) -> float:
+    """Order of convergence over halvings of the time step."""
+    return -np.polyfit(np.arange(len(errors)), np.log2(errors), 1)[0]
 
 
 def natural_residual(M, q, z) -> float:

@@ -6,7 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from multibody_xval.engines.interface.scene import GRAVITY, ArmScene, ContactScene, SteppedWorld, turned_about
+from multibody_xval.engines.interface.scene import (
+    GRAVITY,
+    ArmScene,
+    ContactScene,
+    JointScene,
+    SteppedWorld,
+    turned_about,
+)
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
@@ -24,35 +31,41 @@ class Wrong:
     """What a copy of Coulomb's law does otherwise."""
 
     friction: float = 1.0
-    normal: float = 1.0
+    damping: float = 1.0
     drift: float = 0.0
     """[m/s]."""
     fall: float = 0.0
     """At once [m]."""
+    aside: float = 0.0
+    """Part of friction that acts across the slip, beside the whole against it."""
 
 
 class PointMass:
     """Coulomb's law of one mass along and across its plane, in steps of semi-implicit Euler."""
 
     def __init__(self, case: SceneMotion, step_size: float, wrong: Wrong):
-        scene, self.step_size, self.drift = case.scene, step_size, wrong.drift
+        scene, self.step_size, self.drift, self.aside = case.scene, step_size, wrong.drift, wrong.aside
         self.axes, self.load, self.bound = np.eye(3), np.zeros(3), math.inf
-        self.start, self.belt = np.zeros(3), np.zeros(3)
+        self.start, self.belt, self.forward = np.zeros(3), np.zeros(3), np.zeros(3)
         if isinstance(scene, ContactScene):
             self.axes = np.array([scene.downhill, (0.0, 1.0, 0.0), scene.normal])
             self.start, self.belt = np.array(scene.places[-1]), np.array([scene.belt, 0.0, 0.0])
+            self.forward = self.axes @ scene.forward
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
-                self.bound = wrong.friction * wrong.normal * scene.friction * GRAVITY * math.cos(scene.slope)
+                self.bound = wrong.friction * scene.friction * GRAVITY * math.cos(scene.slope)
         self.mass, self.pushed = scene.boxes[-1].mass if isinstance(scene, ContactScene) else 1.0, 0.0
         self.shaker = scene.shaker if isinstance(scene, ContactScene) else None
         self.inside, self.carried = np.zeros(2), self.shaker.mass if self.shaker else 0.0
         self.bound *= 1 + self.carried / self.mass
         self.links = scene.links if isinstance(scene, ArmScene) else 1
         self.box = isinstance(scene, ContactScene)
-        self.way, self.velocity = np.full(3, wrong.fall), np.zeros(3)
+        self.way, self.velocity, self.damping = np.full(3, wrong.fall), np.zeros(3), 0.0
+        if isinstance(scene, JointScene) and scene.velocity:  # others are held
+            self.velocity = np.array([scene.velocity, 0.0, 0.0])
+            self.bound, self.damping = wrong.friction * scene.friction, wrong.damping * scene.damping
         self.angle = self.spin = 0.0
-        self.braking = wrong.friction * wrong.normal * braking(scene, CORNERS) if self.box else 0.0
+        self.braking = wrong.friction * braking(scene, CORNERS) if self.box else 0.0
 
     def launch(self, velocity, spin) -> None:
         self.velocity, self.spin = self.axes @ velocity, spin
@@ -67,9 +80,12 @@ class PointMass:
             self.pushed = (spring - force) / self.mass
 
     def step(self) -> None:
-        free = self.velocity - self.belt + self.step_size * (self.load + np.array([self.pushed, 0.0, 0.0]))
+        free = self.velocity - self.belt + self.step_size * (self.load + self.pushed * self.forward)
         speed = math.sqrt(free @ free)
-        self.velocity = self.belt + free * max(0.0, 1 - self.step_size * self.bound / speed if speed else 0.0)
+        part = self.step_size * self.bound / speed if speed else 1.0
+        across = np.cross([0.0, 0.0, 1.0], free) * self.aside * part if part < 1 else np.zeros(3)
+        self.velocity = self.belt + free * max(0.0, 1 - part) + across
+        self.velocity = self.velocity / (1 + self.step_size * self.damping)
         self.way = self.way + self.step_size * (self.velocity + self.drift)
         self.spin = max(0.0, self.spin - self.step_size * self.braking)
         self.angle += self.step_size * self.spin

@@ -179,8 +179,9 @@ def _sweeps_help(kept: _Run, off: _Run) -> bool:
 
 
 def _largest(run: _Run) -> float:
-    """Give the largest creep of what is held; infinite where nothing is, as in a model that explodes."""
-    return max((motion.creep for motion in run.motions.values() if motion.held), default=math.inf)
+    """Give the largest creep of what is loaded and held; infinite where nothing is, as in a model that explodes."""
+    held = (motion.creep for motion in run.motions.values() if motion.loaded and motion.held)
+    return max(held, default=math.inf)
 
 
 def _looked_at(steps: int) -> set[int]:

@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from multibody_xval.engines.interface.presets import Formulation, Preset
 from multibody_xval.engines.interface.scene import SceneSetting
+from multibody_xval.engines.mujoco.probe.stops import damped, stopping_rate
 from multibody_xval.engines.mujoco.scene import JOINT_ATTRIBUTES, written
 
 AS_IT_IS, ALL = "as it is", "all"
@@ -19,6 +20,9 @@ WITH_SWEEPS, WITHOUT_SWEEPS = f"{ALL} but {NO_SWEEPS}", f"{ALL}, {NO_SWEEPS}"
 
 ENUMERATIONS = {"cone": "mjtCone.mjCONE_", "solver": "mjtSolver.mjSOL_", "integrator": "mjtIntegrator.mjINT_"}
 """Of options that are words."""
+
+DAMPED = 'solreffriction="-x -x"'
+"""Line for joints with much damping: x is `stops.stopping_rate`."""
 
 TOLERANCE = 1e-14
 """Of the solver, as in the recommended presets: with MuJoCo's own 1e-8 a load that swings makes the recipe drift."""
@@ -44,6 +48,8 @@ def recipe_lines(presets: Sequence[Preset], model: Any) -> Recipe:
             value = setting.changed(name)
             if value is not None and name != "tolerance":  # a model's own may be finer
                 lines[f'{JOINT_ATTRIBUTES.get(name, name)}="{written(setting, name)}"'] = ((name, value),)
+    if damped(model):
+        lines[DAMPED] = ((DAMPED, None),)
     lines.update(_of_solver(model.opt))
     every = tuple(each for line in lines.values() for each in line)
     but_sweeps = tuple(each for name, line in lines.items() for each in line if name != NO_SWEEPS)
@@ -81,6 +87,9 @@ def with_options(model: Any, options: Sequence[tuple[str, Any]]) -> Any:
     for name, value in options:
         if name == "solref_friction":
             changed.dof_solref[:], changed.tendon_solref_fri[:] = value, value
+        elif name == DAMPED:
+            dofs = damped(model)
+            changed.dof_solref[dofs] = -stopping_rate(model)[dofs, None]
         elif name == "solimp_friction":
             changed.dof_solimp[:, :2], changed.tendon_solimp_fri[:, :2] = value, value
         elif name in ENUMERATIONS:

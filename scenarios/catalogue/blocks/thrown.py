@@ -26,16 +26,13 @@ FOLLOWED = 2
 """Times the stopping time for which a motion is followed."""
 
 
-def thrown(scale: Scale, time: float, spring_length: float = SPRING_LENGTH, followed: float = FOLLOWED) -> BlockMotion:
-    """Give a block that is thrown over its carrier so fast that it comes to rest after a time [s].
-
-    Its spring is so long over the distance, and it is followed for so long over the time.
-    """
+def thrown(scale: Scale, time: float) -> BlockMotion:
+    """Give a block that is thrown over its carrier so fast that it comes to rest after a time [s]."""
     velocity = scale.deceleration * time
     distance = velocity * time / 2
     return BlockMotion(
-        block=scale.block(spring_length * distance), drive=StillBase(distance), slip_velocity=velocity,
-        time=followed * time, rows=round(followed * time / TIME_STEP),
+        block=scale.block(SPRING_LENGTH * distance), drive=StillBase(distance), slip_velocity=velocity,
+        time=FOLLOWED * time, rows=round(FOLLOWED * time / TIME_STEP),
     )  # fmt: skip
 
 

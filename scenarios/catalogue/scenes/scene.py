@@ -20,6 +20,7 @@ NONE = {
     "drift": 0.1,  # µm/s, µrad/s: a tenth of the slowest that has to be found, 1 mm in three hours
     "sag": 1.0,  # mm, mrad: bodies that are put in touch settle by less
     "friction": 0.1,  # %, and with it of distances and times: a tenth of what has to be found
+    "stop": 0.1,  # mrad, mm: a tenth of the angle that counts as a sag
     "lift": 0.1,  # mm: a thousandth of half the side of a box
     "wander": 0.1,  # mm: likewise
     "turn": 0.1,  # °: 2 mm on a way of 1 m

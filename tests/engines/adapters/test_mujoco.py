@@ -1,72 +1,16 @@
-"""MuJoCo: what only its friction, its options and its limits do."""
+"""MuJoCo: what only its softness and its sparse algebra do; more in `test_own_values.py`."""
 
+import mujoco
 import numpy as np
 import pytest
 
-from multibody_xval.engines.mujoco import MuJoCo
-from reference_lcp.chain.drives import HarmonicBase, StillBase
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError
-from tests.engines.scheme_oracle import (
-    AMPLITUDE,
-    STEPS,
-    built_with,
-    lane_of,
-    random_state,
-    scheme,
-    unstable_lane,
-    with_coefficients,
-)
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, run
 
 pytestmark = pytest.mark.needs("mujoco")
-
-
-both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
-
-
-def test_states_where_mujoco_would_stop_are_refused() -> None:
-    simulation = MuJoCo().build([lane_of()])
-    with pytest.raises(ParameterError, match=r"initial positions reach 1e\+12"):
-        simulation.advance(State(np.full((1, 14), 1e12), np.zeros((1, 14))), 0, 1)
-
-
-def test_forces_for_which_mujoco_would_take_none_are_refused() -> None:
-    chain = Chain.from_ratios(chain_stiffness=1e12, outer_mass=1e9)
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, 1.0), STEPS)
-    simulation = MuJoCo().build([lane], "joint", "default")
-    with pytest.raises(ParameterError, match=r"^forces reach .* N; allowed by MuJoCo: 1e\+10 N"):
-        simulation.advance(State.at_rest(1, 7), 0, STEPS)
-    assert np.all(np.isfinite(MuJoCo().build([lane]).advance(State.at_rest(1, 7), 0, STEPS).positions))
-
-
-def test_a_diverged_run_leaves_nothing_behind() -> None:
-    simulation = MuJoCo().build([unstable_lane()])
-    before = simulation.advance(State.at_rest(1, 7), 0, 3).positions
-    simulation.advance(State.at_rest(1, 7), 0, 100)
-    assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before)
-
-
-def test_without_the_no_slip_sweep_a_stuck_contact_creeps() -> None:
-    """The option that removes MuJoCo's softness is needed: the law itself is regularised."""
-    simulation = built_with(MuJoCo(), lane_of(5.0, 0.3), noslip_iterations=0)
-    trajectory = simulation.run(State.at_rest(1, 7), 0, STEPS)[0]
-    assert np.max(np.abs(trajectory.relative_velocity)) > 1e-6 * AMPLITUDE
-
-
-@pytest.mark.parametrize("coefficient", [1e-5, [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.004]])
-def test_coefficients_that_mujoco_would_cut_off_or_take_for_singular_are_refused(coefficient: object) -> None:
-    with pytest.raises(ParameterError, match=r"friction_coefficient = .* at least"):
-        MuJoCo().build([with_coefficients(coefficient)], "contact")
-
-
-def test_in_other_units_the_sweep_over_sliding_contacts_is_inexact() -> None:
-    """MuJoCo solves for them to a fixed 1e-10: the units of the contact formulation are needed."""
-    lane, state = with_coefficients(3.0), random_state()
-    simulation = built_with(MuJoCo(), lane, "contact", units="lane")
-    difference = simulation.run(state, 0, STEPS)[0].positions - scheme(lane, state, STEPS)[0]
-    assert np.max(np.abs(difference)) > 1e-8 * AMPLITUDE
 
 
 def test_a_weak_contact_that_turns_back_takes_no_more_than_its_bound() -> None:
@@ -75,20 +19,18 @@ def test_a_weak_contact_that_turns_back_takes_no_more_than_its_bound() -> None:
         cells=1, mass_ratio=1e-4, stiffness_ratio=2.5e-5, damping_ratio=0.0, friction_ratio=1.5e-6, base_amplitude=0.01
     )
     lane = Lane(chain, StillBase(0.01), 2 * np.pi / chain.resonator_frequency / STEPS)
-    start = State(np.array([[0.0, 0.01]]), np.zeros((1, 2)))
-    friction = MuJoCo().build([lane], "contact").run(start, 0, 4 * STEPS)[0].friction
+    friction = run("mujoco:contact", lane, State(np.array([[0.0, 0.01]]), np.zeros((1, 2))), 4 * STEPS).friction
     assert np.max(np.abs(friction)) == pytest.approx(chain.friction_bound[0], rel=1e-9)
 
 
-@both_formulations
+@pytest.mark.parametrize("formulation", ["joint", "contact"])
 def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: str) -> None:
     """A time constant of its own, whatever the step: friction never stops a contact."""
     creep = []
     for steps in (STEPS, 4 * STEPS):
-        coarse = lane_of(5.0)
-        lane = Lane.periodic(coarse.chain, coarse.drive, steps)
-        trajectory = MuJoCo().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, 2 * steps)[0]
-        creep.append(np.max(np.abs(trajectory.relative_velocity)) / (AMPLITUDE * lane.drive.angular_frequency))
+        lane = lane_of(5.0, steps=steps)
+        slip = run(f"mujoco:{formulation}:default", lane, State.at_rest(1, 7), 2 * steps).relative_velocity
+        creep.append(np.max(np.abs(slip)) / (AMPLITUDE * lane.drive.angular_frequency))
     assert creep[0] > 0.01
     assert creep[1] == pytest.approx(creep[0], rel=0.1)
 
@@ -96,14 +38,49 @@ def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: st
 def test_a_default_joint_that_sticks_comes_to_rest_with_a_time_constant_of_10_6_ms() -> None:
     """Not the 20 ms of `solref`: of its rate 2 / (0.95 · 20 ms), the impedance of 0.9 acts in stick."""
     chain = Chain.from_ratios(cells=1, friction_ratio=5.0, chain_stiffness=1e-9, stiffness_ratio=1.0, damping_ratio=0.0)
-    lane = Lane(chain, StillBase(AMPLITUDE), 1e-5)
-    state = State(np.zeros((1, 2)), np.array([[0.0, 1e-12]]))
-    slip = MuJoCo().build([lane], "joint", "default").run(state, 0, 1056)[0].relative_velocity[:, 0]
-    assert slip[-1] == pytest.approx(1e-12 * np.exp(-1056 * 1e-5 * 0.9 * 2 / (0.95 * 0.02)), rel=1e-3)
-    assert slip[-1] == pytest.approx(1e-12 / np.e, rel=2e-3)
+    slipping = State(np.zeros((1, 2)), np.array([[0.0, 1e-12]]))
+    slip = run("mujoco:joint:default", Lane(chain, StillBase(AMPLITUDE), 1e-5), slipping, 1056).relative_velocity[-1, 0]
+    assert slip == pytest.approx(1e-12 * np.exp(-1056 * 1e-5 * 0.9 * 2 / (0.95 * 0.02)), rel=1e-3)
+    assert slip == pytest.approx(1e-12 / np.e, rel=2e-3)
 
 
-def test_in_the_default_pyramid_friction_presses_the_contact() -> None:
-    lane = lane_of(0.3, 0.9)
-    trajectory = MuJoCo().build([lane], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
-    assert np.max(trajectory.normal_force / lane.chain.normal_force) > 1.5
+def network(masses: int, tendons: int, seed: int, jacobian: str) -> mujoco.MjModel:
+    """Give masses in the world, and tendons with dry friction between pairs of them that random numbers choose."""
+    rng = np.random.default_rng(seed)
+    bodies = "".join(
+        f'<body><joint name="x{k}" type="slide" axis="1 0 0" stiffness="{rng.uniform(100, 1000):.17g}"/>'
+        f'<inertial pos="0 0 0" mass="{rng.uniform(0.5, 2):.17g}" diaginertia="1 1 1"/></body>'
+        for k in range(masses)
+    )
+    pairs = [rng.choice(masses, 2, replace=False) for _ in range(tendons)]
+    fixed = "".join(
+        f'<fixed frictionloss="{rng.uniform(0.1, 1):.17g}"><joint joint="x{first}" coef="1"/>'
+        f'<joint joint="x{second}" coef="-1"/></fixed>'
+        for first, second in pairs
+    )
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="0.001" gravity="0 0 0" jacobian="{jacobian}"/>'
+        f"<worldbody>{bodies}</worldbody><tendon>{fixed}</tendon></mujoco>"
+    )
+
+
+def accelerations(*asked: object) -> np.ndarray:
+    """Give what one step makes of random velocities."""
+    model = network(*asked)
+    data = mujoco.MjData(model)
+    data.qvel[:] = np.random.default_rng(1000).normal(0, 0.1, model.nv)
+    mujoco.mj_step(model, data)
+    return data.qacc.copy()
+
+
+@pytest.mark.xfail(
+    mujoco.__version__ == "4.0.0",
+    reason="the sparse Cholesky factorisation of MuJoCo 4.0.0 merges columns that differ: google-deepmind/mujoco#3767",
+    strict=True,
+)
+def test_sparse_and_dense_steps_of_random_networks_are_equal() -> None:
+    """The chain couples two masses at most, and shows no fault that depends on which masses are coupled."""
+    for asked in ((masses, 3 * masses // 2, seed) for masses in (10, 20, 40) for seed in range(12)):
+        dense, sparse = (accelerations(*asked, kind) for kind in ("dense", "sparse"))
+        # a thousand times what versions without a fault leave
+        assert np.max(np.abs(sparse - dense)) <= 1e-12 * np.max(np.abs(dense)), asked

@@ -4,32 +4,35 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
-from xdist.remote import Producer
 
-from multibody_xval.engines.contract import cases, plugin
+from multibody_xval.engines.contract import cases
 
 
 def test_installed_engine_is_listed(install) -> None:
-    rows = {
-        row["engine"]: row for row in json.loads(install("plugin").run("-m", "multibody_xval", "engines", "--json"))
-    }
-    assert rows["tiny"]["version"] == "1.2.3"
-    assert rows["tiny"]["missing"] is None
+    rows = json.loads(install("plugin").run("-m", "multibody_xval", "engines", "--json"))
+    assert {row["engine"]: (row["version"], row["missing"]) for row in rows}["tiny"] == ("1.2.3", None)
+
+
+CONTRACT = "-m pytest -q -n 0 -p no:cacheprovider --pyargs multibody_xval.engines.contract --xval-engine"
 
 
 @pytest.mark.slow
 def test_installed_engine_is_held_to_the_contract(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs multibody_xval.engines.contract --xval-engine tiny"
-    printed = install("plugin").run(*command.split())
+    printed = install("plugin").run(*CONTRACT.split(), "tiny")
     assert int(printed.rsplit(" passed", 1)[0].split()[-1]) >= 20
 
 
 def test_contract_refuses_an_engine_that_is_not_there(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs multibody_xval.engines.contract --xval-engine tinny"
-    install("plugin").run(*command.split(), code=4)
+    install("plugin").run(*CONTRACT.split(), "tinny", code=4)
+
+
+def passes(folder: Path, *options: str) -> None:
+    """Run the tests of a folder, with all plugins that are installed."""
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *options]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_a_project_with_an_option_of_the_same_kind_runs_beside_the_suite(tmp_path: Path) -> None:
@@ -41,9 +44,7 @@ def test_a_project_with_an_option_of_the_same_kind_runs_beside_the_suite(tmp_pat
     (tmp_path / "test_engine.py").write_text(
         "def test_it(request):\n    assert request.config.option.engine == 'petrol'\n"
     )
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--engine", "petrol"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    passes(tmp_path, "--engine", "petrol")
 
 
 def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp_path: Path) -> None:
@@ -56,43 +57,12 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
         "    assert own == {plugin.rsplit('.', up)[0] if up else plugin for plugin in plugins for up in range(4)}\n"
         "    assert not {'numpy', 'numba', 'rich', 'typer', 'pydantic'} & set(sys.modules)\n"
     )
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    passes(tmp_path, "-p", "no:xdist")
 
 
-@pytest.mark.slow
-def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
-    script = (
-        "from multibody_xval.engines.interface.variant import Variant\n"
-        "from multibody_xval.scenarios.running.evaluate import Means, computed\n"
-        "from multibody_xval.scenarios.ruler.judge import judged\n"
-        "from multibody_xval.scenarios.model import Case\n"
-        "from multibody_xval.scenarios.plan import runs_at\n"
-        "from multibody_xval.scenarios.result_tables import points\n"
-        "if __name__ == '__main__':\n"
-        "    cases = [Case(friction_ratio=0.3, frequency_ratio=eta) for eta in (0.9, 1.3)]\n"
-        "    rows = judged(points(computed(runs_at([Variant('tiny')], cases), Means(workers=1))))\n"
-        "    print(rows[rows.engine == 'tiny'].verdict.tolist())\n"
-    )
-    file = tmp_path / "compare.py"
-    file.write_text(script)
-    assert install("plugin").run(str(file)).strip() == "['agrees', 'agrees']"
-
-
-@pytest.mark.parametrize(
-    ("name", "together"),
-    [
-        ("engines/contract/test_invariance.py::test_units[mujoco-warp-contact-default-micrometres]", "mujoco-warp"),
-        ("agreement::test_agrees[mujoco-warp-contact-tuned-friction 0.3, frequency 0.9]", "mujoco-warp"),
-        ("tests/engines/test_folders.py::test_imports[mujoco-joint]", "tests/engines/test_folders.py"),
-    ],
-)
-def test_one_worker_runs_all_clauses_for_an_engine(name: str, together: str) -> None:
-    """Its package is imported once."""
-    settings = {"dist": "loadscope", "tx": ["2*popen"]}
-    config = SimpleNamespace(getoption=settings.get, getvalue=settings.get)
-    assert plugin.pytest_xdist_make_scheduler(config, Producer("test"))._split_scope(name) == together
+def test_installed_engine_is_judged(install) -> None:
+    said = install("plugin").run("-m", "multibody_xval", "run", "unit-cell", "--engine", "tiny")
+    assert "tiny:joint:tuned agrees with what is expected" in said
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """An engine for another Python that does what engines do at their worst; served by engines/isolated/worker.py."""
 
+import contextlib
 import ctypes
 import os
 import sys
@@ -43,16 +44,13 @@ def _raise() -> None:
 
 
 def _print() -> None:
-    for _ in range(20_000):
-        print("Warning : something in the solution of something")
+    print(20_000 * "Warning : something in the solution of something\n")
 
 
 def _write(text: bytes) -> None:
     for descriptor in range(3, 20):
-        try:
+        with contextlib.suppress(OSError):
             os.write(descriptor, text)
-        except OSError:
-            continue
 
 
 def _half() -> None:
@@ -66,8 +64,7 @@ TROUBLES = {
     "crash": _crash,
     "exit": lambda: os._exit(3),
     "leave": lambda: sys.exit("no licence"),
-    # With the lock of the interpreter held, as compiled code of an engine does.
-    "hang": lambda: ctypes.PyDLL(None).sleep(1000),
+    "hang": lambda: ctypes.PyDLL(None).sleep(1000),  # with the interpreter's lock held, as compiled code does
     "raise": _raise,
     "print": _print,
     "garble": lambda: _write(b"Warning : something else"),

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 from reference_lcp import Chain, HarmonicBase
-from reference_lcp.exact.mode_dynamics import SERIES_ORDER, PiecewiseLinearChain, monodromy, values
+from reference_lcp.exact.mode_dynamics import SERIES_ORDER, PiecewiseLinearChain, monodromy
 from reference_lcp.validation import FloatArray
 
 PATTERNS = [(False, False, False), (True, False, True), (True, True, True)]
@@ -47,10 +47,3 @@ def test_propagator_is_the_exponential_of_the_rates(stuck, damping_ratio) -> Non
         expected = expm(rates(chain, stuck) * part * system.span) @ together
         found = propagator(system, stuck, part * system.span)
         assert np.max(np.abs(found - expected)) < 1e-14 * np.max(np.abs(expected))
-
-
-def test_series_are_read_as_numpy_reads_polynomials() -> None:
-    series = np.random.default_rng(0).normal(0, 1, (3, SERIES_ORDER + 1, 5))
-    rows, places = np.array([2, 0, 0, 1]), np.array([0.0, 0.3, 1.0, 0.7])
-    expected = [np.polynomial.polynomial.polyval(s, series[row]) for row, s in zip(rows, places, strict=True)]
-    assert values(series, rows, places) == pytest.approx(np.array(expected), rel=1e-13)

@@ -45,14 +45,6 @@ def test_passing_zero_by_more_than_round_off_is_told_from_reaching_it() -> None:
         assert first_root(Polynomial.fromroots([touch, touch]) + 1e-14) == np.inf
 
 
-def test_polynomials_of_one_sign_have_no_root() -> None:
-    columns = np.zeros((5, 3))
-    columns[:, 0] = [1.0, 0, 0, 0, 0]
-    columns[:, 1] = [1.0, -0.5, 0.2, 0, 0]
-    columns[:, 2] = [0.1, 0.0, 0.0, 0.0, 3.0]
-    assert np.all(first_roots(columns) == np.inf)
-
-
 def test_root_at_the_end_of_the_interval_counts() -> None:
     assert first_root(Polynomial([1.0, -1.0])) == pytest.approx(1.0)
 

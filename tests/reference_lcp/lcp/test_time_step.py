@@ -1,157 +1,150 @@
-"""Equation (7) on systems whose motion is known in closed form."""
+"""Equation (7)'s blocks by definition, static friction in a step, and what is no system."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
 
-from reference_lcp import FrictionalStep, ParameterError
-from reference_lcp.lcp.time_step import StepFailed, advanced, assemble, solve_step
+from reference_lcp import (
+    FrictionalStep,
+    FrictionContact,
+    Harmonic,
+    MassSpringSystem,
+    ParameterError,
+    Piecewise,
+    Spring,
+    simulate_system,
+)
+from reference_lcp.lcp.time_step import advanced, assemble, solve_step
+from tests.reference_lcp.cases import moved
 
-GRAVITY = 9.81
 DT = 1e-3
 
 
-def block_on_a_plane(position, velocity, *, mass=2.0, mu=0.4, push=0.0, belt=0.0, belt_acceleration=0.0):
-    """A block (x along the plane, y off it) that may slide on a plane, lift off and land."""
+def random_step(freedoms=5, contacts=2) -> FrictionalStep:
+    """Everything that a step takes is there, and random."""
+    rng = np.random.default_rng(7)
+    root = rng.normal(size=(freedoms, freedoms))
+    matrices = ("normal_directions", "tangential_directions", "tangential_directions_of_position")
+    vectors = ("normal_motion", "tangential_motion", "normal_gap", "relative_velocity")
     return FrictionalStep(
-        mass_matrix=mass * np.eye(2),
-        force=np.array([push, -mass * GRAVITY]),
-        velocity=velocity,
-        time_step=DT,
-        normal_directions=np.array([[0.0], [1.0]]),
-        tangential_directions=np.array([[1.0], [0.0]]),
-        tangential_motion=np.array([-belt_acceleration]),
-        normal_gap=position[1:],
-        relative_velocity=velocity[:1] - belt,
-        friction_coefficient=np.atleast_1d(mu),
-    )
-
-
-def simulate(steps, position, velocity, **parameters):
-    rows = []
-    for _ in range(steps):
-        step = block_on_a_plane(position, velocity, **parameters)
-        impulses = solve_step(step)
-        position, velocity = advanced(step, impulses, position)
-        rows.append((*position, *velocity, impulses.normal[0] / DT, impulses.tangential[0] / DT))
-    return np.array(rows).T
-
-
-def test_sliding_block_stops_after_v_squared_over_two_mu_g() -> None:
-    mu, v = 0.4, 1.5
-    x, y, vx, _, normal, tangential = simulate(800, np.zeros(2), np.array([v, 0.0]), mu=mu)
-    assert x[-1] == pytest.approx(v**2 / (2 * mu * GRAVITY), abs=v * DT)
-    assert abs(vx[-1]) < 1e-12
-    assert np.allclose(normal, 2 * GRAVITY, rtol=1e-10)
-    assert np.max(np.abs(tangential)) <= mu * 2 * GRAVITY * (1 + 1e-10)
-    assert np.max(np.abs(y)) < 1e-12
-
-
-def test_pushed_block_sticks_below_the_bound_and_slides_above_it() -> None:
-    mass, mu = 2.0, 0.4
-    bound = mu * mass * GRAVITY
-    stuck = simulate(100, np.zeros(2), np.zeros(2), mu=mu, push=0.99 * bound)
-    assert np.max(np.abs(stuck[0])) < 1e-12
-    assert np.allclose(stuck[5], -0.99 * bound)
-    sliding = simulate(100, np.zeros(2), np.zeros(2), mu=mu, push=1.25 * bound)
-    assert sliding[2][-1] == pytest.approx(0.25 * bound / mass * 100 * DT, rel=1e-9)
-
-
-def test_dropped_block_falls_freely_then_rests_on_the_plane() -> None:
-    height = 0.05
-    _, y, vx, vy, normal, _ = simulate(400, np.array([0.0, height]), np.array([0.3, 0.0]), mu=0.0)
-    in_flight = int(np.sqrt(2 * height / GRAVITY) / DT) - 2
-    assert np.all(normal[:in_flight] == 0)
-    assert vy[in_flight] == pytest.approx(-GRAVITY * DT * (in_flight + 1))
-    assert np.all(y >= -1e-12)
-    assert abs(y[-1]) < 1e-12
-    assert normal[-1] == pytest.approx(2 * GRAVITY)
-    assert vx[-1] == pytest.approx(0.3)
-
-
-def test_block_on_a_moving_belt_is_dragged_to_the_speed_of_the_belt() -> None:
-    mu, belt = 0.4, 0.5
-    _, _, vx, _, _, _ = simulate(400, np.zeros(2), np.zeros(2), mu=mu, belt=belt)
-    catching_up = int(belt / (mu * GRAVITY) / DT)
-    assert vx[catching_up // 2] == pytest.approx(mu * GRAVITY * DT * (catching_up // 2 + 1))
-    assert np.allclose(vx[catching_up + 2 :], belt)
-
-
-def test_accelerating_belt_carries_a_sticking_block_along() -> None:
-    """The explicit motion of the surface, ω̃_T: within one step the block follows the belt exactly."""
-    step = block_on_a_plane(np.zeros(2), np.zeros(2), belt_acceleration=2.0)
-    _, velocity = advanced(step, solve_step(step), np.zeros(2))
-    assert velocity[0] == pytest.approx(2.0 * DT)
-
-
-def test_given_normal_force_equals_the_full_problem_where_the_contact_stays_closed() -> None:
-    step = block_on_a_plane(np.zeros(2), np.array([0.7, 0.0]), push=3.0)
-    full = solve_step(step)
-    given = solve_step(dataclasses.replace(step, normal_force=full.normal / DT))
-    assert given.tangential == pytest.approx(full.tangential)
-    assert given.relative_velocity == pytest.approx(full.relative_velocity)
+        mass_matrix=root @ root.T + freedoms * np.eye(freedoms), force=rng.normal(size=freedoms),
+        velocity=rng.normal(size=freedoms), time_step=0.01, friction_coefficient=np.array([0.3, 0.7]),
+        **{name: rng.normal(size=(freedoms, contacts)) for name in matrices},
+        **{name: rng.normal(size=contacts) for name in vectors},
+    )  # fmt: skip
 
 
 def test_matrix_has_the_blocks_of_equation_7() -> None:
-    rng = np.random.default_rng(7)
-    f, c, dt = 5, 2, 0.01
-    root = rng.normal(size=(f, f))
-    mass = root @ root.T + f * np.eye(f)
-    w_n, w_t, w_tilde = rng.normal(size=(3, f, c))
-    mu = np.array([0.3, 0.7])
-    step = FrictionalStep(
-        mass_matrix=mass, force=rng.normal(size=f), velocity=rng.normal(size=f), time_step=dt,
-        normal_directions=w_n, tangential_directions=w_t, tangential_directions_of_position=w_tilde,
-        normal_motion=rng.normal(size=c), tangential_motion=rng.normal(size=c), normal_gap=rng.normal(size=c),
-        relative_velocity=rng.normal(size=c), friction_coefficient=mu,
-    )  # fmt: skip
-    matrix, _ = assemble(step)
-    inverse = np.linalg.inv(mass)
+    step = random_step()
+    inverse, w_n, w_t = np.linalg.inv(step.mass_matrix), step.normal_directions, step.tangential_directions
+    after = w_t + step.tangential_directions_of_position * step.time_step
     g_nn, g_nt = w_n.T @ inverse @ w_n, w_n.T @ inverse @ w_t
-    g_tn, g_tt = (w_t + w_tilde * dt).T @ inverse @ w_n, (w_t + w_tilde * dt).T @ inverse @ w_t
-    one, zero, coefficient = np.eye(c), np.zeros((c, c)), np.diag(mu)
-    expected = [
-        [g_nn - g_nt @ coefficient, g_nt, zero],
-        [g_tn - g_tt @ coefficient, g_tt, one],
-        [2 * coefficient, -one, zero],
-    ]
-    assert np.allclose(matrix, np.block(expected))
+    g_tn, g_tt = after.T @ inverse @ w_n, after.T @ inverse @ w_t
+    one, zero, mu = np.eye(2), np.zeros((2, 2)), np.diag(step.friction_coefficient)
+    expected = [[g_nn - g_nt @ mu, g_nt, zero], [g_tn - g_tt @ mu, g_tt, one], [2 * mu, -one, zero]]
+    assert np.allclose(assemble(step)[0], np.block(expected))
 
 
 def test_right_hand_side_is_the_state_at_the_end_of_a_step_without_contact() -> None:
     """C_N and C_T by definition: gaps and relative velocities that (5) and (6) give for Λ = 0."""
-    rng = np.random.default_rng(8)
-    f, c, dt = 4, 3, 0.02
-    mass = np.diag(rng.uniform(1, 3, f))
-    w_n, w_t, w_tilde = rng.normal(size=(3, f, c))
-    h, q, wn, wt, gn, gt = rng.normal(size=f), rng.normal(size=f), *rng.normal(size=(4, c))
-    step = FrictionalStep(
-        mass_matrix=mass, force=h, velocity=q, time_step=dt, normal_directions=w_n, tangential_directions=w_t,
-        tangential_directions_of_position=w_tilde, normal_motion=wn, tangential_motion=wt, normal_gap=gn,
-        relative_velocity=gt, friction_coefficient=np.ones(c),
-    )  # fmt: skip
-    dq = np.linalg.solve(mass, h * dt)
-    du = (q + dq) * dt
+    step = random_step()
+    dt, gained = step.time_step, np.linalg.solve(step.mass_matrix, step.force * step.time_step)
+    displaced = (step.velocity + gained) * dt
     _, vector = assemble(step)
-    assert np.allclose(vector[:c], gn + w_n.T @ du + wn * dt)
-    assert np.allclose(vector[c : 2 * c] / dt, gt + w_t.T @ dq + w_tilde.T @ du + wt * dt)
-    assert np.all(vector[2 * c :] == 0)
+    gap = step.normal_gap + step.normal_directions.T @ displaced + step.normal_motion * dt
+    turned = step.tangential_directions_of_position.T @ displaced + step.tangential_motion * dt
+    slip = step.relative_velocity + step.tangential_directions.T @ gained + turned
+    assert np.allclose(vector, np.concatenate([gap, slip * dt, np.zeros(2)]))
 
 
-def test_shape_that_does_not_fit_is_named() -> None:
-    with pytest.raises(ParameterError, match=r"friction_coefficient has shape \(2,\); allowed: \(1,\)"):
-        block_on_a_plane(np.zeros(2), np.zeros(2), mu=np.array([0.1, 0.2]))
+def held_block(**contact) -> MassSpringSystem:
+    """1 kg under 10 N, μ = 0.3 in motion."""
+    rough = FrictionContact(0, **{"normal_force": 10.0, "coefficient": 0.3, **contact})
+    return MassSpringSystem(masses=np.array([1.0]), friction=[rough])
 
 
-def test_wedged_contact_without_a_solution_is_reported() -> None:
-    """Two surfaces that close in on a body of one freedom: no motion satisfies both, and Lemke says so."""
+@pytest.mark.parametrize(
+    ("force", "before", "static", "after"),
+    [
+        (3.9, 0.0, 0.4, 0.0),  # at rest it is held up to the static bound, and released with the kinetic one
+        (4.1, 0.0, 0.4, 1.1 * DT),
+        (3.1, 0.0, None, 0.1 * DT),
+        (0.0, 1.0, None, 1 - 3 * DT),  # in motion it feels kinetic friction, whatever holds it at rest
+        (0.0, 1.0, 0.4, 1 - 3 * DT),
+        (-3.9, 1e-20, 0.4, 0.0),  # to turn within a step it has to pass the static bound
+        (-4.1, 1e-20, 0.4, -1.1 * DT),
+        (-3.9, 1e-5, 0.4, 0.0),
+        (-4.1, 1e-5, 0.4, 1e-5 - 1.1 * DT),
+    ],
+)
+def test_static_friction_holds_at_rest_and_kinetic_friction_acts_in_motion(force, before, static, after) -> None:
+    system = dataclasses.replace(held_block(static_coefficient=static), forces={0: force})
+    motion = moved(system, DT, 1, velocity=[before])
+    assert motion.velocities[0, 0] == pytest.approx(after, rel=1e-14, abs=1e-15)
+
+
+def test_block_that_breaks_away_from_its_neighbour_leaves_that_at_rest() -> None:
+    """Of two blocks in a row that rub on each other, the pulled one slides on the second, which the ground holds."""
+    blocks = MassSpringSystem(
+        masses=np.array([1.0, 1.0]),
+        friction=[
+            FrictionContact(0, 1, normal_force=10.0, coefficient=0.2, static_coefficient=0.3),
+            FrictionContact(1, normal_force=40.0, coefficient=0.1, static_coefficient=0.12),
+        ],
+        forces={0: 3.1},
+    )
+    step = blocks.step(0.0, np.zeros(2), np.zeros(2), DT)
+    impulses = solve_step(step)
+    _, velocity = advanced(step, impulses, np.zeros(2))
+    assert velocity == pytest.approx([1.1 * DT, 0.0], abs=1e-16)
+    assert impulses.tangential / DT == pytest.approx([-2.0, -2.0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("static", "slip"), [(0.4, 0.0), (0.3, 0.5 * DT)])
+def test_a_static_coefficient_also_holds_where_the_normal_force_is_resolved(static, slip) -> None:
+    """A block of 1 kg on the ground, y up: normal force 10 N from its weight."""
     step = FrictionalStep(
-        mass_matrix=np.eye(1), force=np.zeros(1), velocity=np.zeros(1), time_step=DT,
-        normal_directions=np.array([[1.0, -1.0]]), tangential_directions=np.zeros((1, 2)),
-        normal_motion=np.array([-1.0, -1.0]),
-        normal_gap=np.zeros(2), relative_velocity=np.zeros(2),
-        friction_coefficient=np.zeros(2),
+        mass_matrix=np.eye(2), force=np.array([3.5, -10.0]), velocity=np.zeros(2), time_step=DT,
+        normal_directions=np.array([[0.0], [1.0]]), tangential_directions=np.array([[1.0], [0.0]]),
+        normal_gap=np.zeros(1), relative_velocity=np.zeros(1), friction_coefficient=np.array([0.3]),
+        static_friction_coefficient=np.array([static]),
     )  # fmt: skip
-    with pytest.raises(StepFailed, match="ray termination"):
-        solve_step(step)
+    assert solve_step(step).relative_velocity == pytest.approx([slip], abs=1e-15)
+
+
+def test_a_force_switches_at_its_time_however_that_was_rounded() -> None:
+    signal = Piecewise({0.0: 1.0, 0.3: Harmonic(2.0, 1.0, 1.0, -0.3)})
+    assert signal.value(3 * 0.1) == signal.value(0.3) == pytest.approx(2.0)
+    assert signal.value(0.3 - 1e-12) == 1.0
+    assert signal.value(-1.0) == 1.0
+
+
+def moved_block(system=None, **wrong):
+    given = {"position": [0.0], "velocity": [1.0], "time_step": 0.1, "steps": 10} | wrong
+    return simulate_system(held_block() if system is None else system, **given)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: moved_block(time_step=0.0), "time_step = 0"),
+        (lambda: moved_block(position=[0.0, 0.0]), "position has shape (2,); allowed: (1,)"),
+        (lambda: moved_block(held_block(normal_force=Piecewise({0: 1, 0.5: -1}))), "normal_force = -1 is outside"),
+        (lambda: MassSpringSystem(masses=np.array([0.0])), "masses = 0 is outside"),
+        (lambda: dataclasses.replace(held_block(), springs=[Spring(1)]), "body = 1 of a spring does not exist"),
+        (lambda: dataclasses.replace(held_block(), friction=[FrictionContact(0)] * 2), "join bodies in a ring"),
+        (lambda: held_block(static_coefficient=0.2), "static_coefficient = 0.2"),
+        (lambda: dataclasses.replace(held_block(), forces={3: 1.0}), "body = 3 of a force does not exist"),
+        (lambda: Piecewise({1.0: 0.0, 0.0: 1.0}), "starts of pieces = [1.0, 0.0]"),
+        (lambda: dataclasses.replace(random_step(), friction_coefficient=np.ones(3)), "shape (3,); allowed: (2,)"),
+        (
+            lambda: dataclasses.replace(random_step(), static_friction_coefficient=np.array([0.2, 0.7])),
+            "static_friction_coefficient = [0.2 0.7]; allowed: >= [0.3 0.7]",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_no_system_or_no_motion_is_refused_with_its_value(make, message) -> None:
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        make()

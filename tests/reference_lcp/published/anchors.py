@@ -72,7 +72,7 @@ CLUTCH_PEAK = 1.1
 """Static over kinetic friction of every clutch."""
 
 
-def coupled_clutches(order=(0, 1, 2), peak: float = CLUTCH_PEAK) -> MassSpringSystem:
+def coupled_clutches(order=(0, 1, 2), peak: float = CLUTCH_PEAK, coefficient: float = 0.5) -> MassSpringSystem:
     """Four inertias in a row and three clutches, given by their normal forces in the published order."""
     forces = (
         Piecewise({0.0: Harmonic(amplitude=20.0, angular_frequency=0.4 * math.pi, phase=math.pi / 2), 1.25: 0.0}),
@@ -80,7 +80,7 @@ def coupled_clutches(order=(0, 1, 2), peak: float = CLUTCH_PEAK) -> MassSpringSy
         Piecewise({0.0: 0.0, 0.9: 20.0}),
     )
     clutches = [
-        FrictionContact(k + 1, k, normal_force=forces[pressed], coefficient=0.5, static_coefficient=0.5 * peak)
+        FrictionContact(k + 1, k, normal_force=forces[pressed], coefficient=coefficient, static_coefficient=0.5 * peak)
         for k, pressed in enumerate(order)
     ]
     torque = Harmonic(amplitude=10.0, angular_frequency=10 * math.pi)

@@ -26,63 +26,42 @@ from reference_lcp.schemes.vectors import (
 
 A, B = np.random.default_rng(0).normal(size=(2, WIDTH))
 EXACT = np.arange(1.0, 1 + WIDTH)  # products and sums of small integers are not rounded
+ROWS, PLACES = np.random.default_rng(1).normal(size=(4, 4)), np.array([8, 0, 0, 4, 12, 8, 4, 0])
+
+EXPECTED = {
+    "sum": A + B,
+    "difference": A - B,
+    "product": A * B,
+    "opposite": -A,
+    "product and sum": 2 * EXACT**2 + EXACT,
+    "clipped": np.clip(A, -np.abs(B), np.abs(B)),
+    "chosen": np.where(B > 0, A, EXACT),
+    "before": np.roll(A, 1),
+    "after": np.roll(A, -1),
+    "gathered": ROWS[PLACES // 4, 3],
+}
 
 
-def compiled(operation, *numbers):
-    """Give what an operation makes of vectors."""
-    operation = numba.njit(operation)
-
-    @numba.njit
-    def run(table):
-        set_vector(table, 0, operation(vector_at(table, 0), vector_at(table, 8), vector_at(table, 16)))
-
-    table = np.concatenate([*numbers, np.zeros((4 - len(numbers)) * WIDTH)])
-    run(table)
-    assert_array_equal(table[WIDTH:], np.concatenate([*numbers, np.zeros((4 - len(numbers)) * WIDTH)])[WIDTH:])
-    return table[:WIDTH]
-
-
-@pytest.mark.parametrize(
-    ("operation", "numbers", "expected"),
-    [
-        (lambda a, b, _: a + b, (A, B), A + B),
-        (lambda a, b, _: a - b, (A, B), A - B),
-        (lambda a, b, _: a * b, (A, B), A * B),
-        (lambda a, _, __: -a, (A,), -A),
-        (lambda a, b, c: multiply_add(c, b, a), (EXACT, 2 * EXACT, EXACT), 2 * EXACT**2 + EXACT),
-        (lambda a, b, _: clipped(a, b), (A, np.abs(B)), np.clip(A, -np.abs(B), np.abs(B))),
-        (lambda a, b, c: chosen(b, a, c), (A, B, EXACT), np.where(B > 0, A, EXACT)),
-        (lambda a, _, __: before(a), (A,), np.roll(A, 1)),
-        (lambda a, _, __: after(a), (A,), np.roll(A, -1)),
-    ],
-)
-def test_an_operation_acts_on_every_number(operation, numbers, expected) -> None:
-    assert_array_equal(compiled(operation, *numbers), expected)
-    with pytest.raises(AssertionError):
-        assert_array_equal(compiled(operation, *numbers[:-1], numbers[-1][::-1].copy()), expected)
+@numba.njit
+def operations(numbers, rows, places, given):
+    a, b, size, c = vector_at(numbers, 0), vector_at(numbers, 8), vector_at(numbers, 16), vector_at(numbers, 24)
+    set_vector(given, 0, a + b)
+    set_vector(given, 8, a - b)
+    set_vector(given, 16, a * b)
+    set_vector(given, 24, -a)
+    set_vector(given, 32, multiply_add(c, c + c, c))
+    set_vector(given, 40, clipped(a, size))
+    set_vector(given, 48, chosen(b, a, c))
+    set_vector(given, 56, before(a))
+    set_vector(given, 64, after(a))
+    set_vector(given, 72, gathered(rows, places, 3))
 
 
-def test_numbers_are_gathered_from_their_places_and_an_index() -> None:
-    places, rows = np.array([8, 0, 0, 4, 12, 8, 4, 0]), np.random.default_rng(1).normal(size=(4, 4))
-
-    @numba.njit
-    def run(rows, places, index, given):
-        set_vector(given, 0, gathered(rows, places, index))
-
-    given = np.zeros(WIDTH)
-    run(rows, places, 3, given)
-    assert_array_equal(given, rows[places // 4, 3])
-    assert not np.array_equal(given, rows[places // 4, 2])
-
-
-def test_vectors_begin_anywhere() -> None:
-    @numba.njit
-    def run(table):
-        set_vector(table, 11, vector_at(table, 3))
-
-    table = np.arange(20.0)
-    run(table)
-    assert_array_equal(table, [*range(11), *range(3, 11), 19])
+def test_an_operation_acts_on_every_number_as_numpy_does() -> None:
+    given = np.zeros((len(EXPECTED), WIDTH))
+    operations(np.concatenate([A, B, np.abs(B), EXACT]), ROWS, PLACES, given.reshape(-1))
+    for name, row in zip(EXPECTED, given, strict=True):
+        assert_array_equal(row, EXPECTED[name], err_msg=name)
 
 
 ROUND_OFF = 1e-11

@@ -1,18 +1,14 @@
 """Error bars against the exact solver, and the order of the scheme that they rest on."""
 
-import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from multibody_xval.reports.cli.reference_numbers import numbers_of
 from reference_lcp import (
     Chain,
     CompiledSimulation,
     HarmonicBase,
-    Mode,
-    ParameterError,
     exact_steady_state,
     periodic_orbits,
     steady_state,
@@ -21,26 +17,15 @@ from reference_lcp.chain.simulation import PeriodicOrbit, steps_per_period_for
 from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
 from reference_lcp.observables.stick_slip import match_transitions, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel, transmittance
-from reference_lcp.steady.error_bar import (
-    REFINEMENTS,
-    ErrorBar,
-    measured_error_bar,
-    measured_error_bars,
-)
-from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
+from reference_lcp.steady.error_bar import REFINEMENTS, ErrorBar, measured_error_bar, measured_error_bars
 from reference_lcp.steady.richardson import SAFETY
-from tests.reference_lcp.cases import canonical_lane, driven, error_bar, euler_orbit
+from tests.reference_lcp.cases import canonical_lane, driven, error_bar, euler_orbit, fitted_order
 
 COVERED = 0.97
 """Part of the exact values that bars must cover."""
 
-DEEP = {"cells": 10, "mass_ratio": 3.0, "stiffness_ratio": 3.0, "friction_ratio": 0.3}
-"""Ratios of a chain whose transmittance is −213 dB at η_r = 2.5."""
 
-
-@pytest.mark.parametrize(
-    ("friction", "ratio"), [(0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9)]
-)
+@pytest.mark.parametrize(("friction", "ratio"), [(0.1, 0.6), (0.3, 0.9), (0.6, 1.3), (1.0, 0.9)])
 def test_scheme_is_of_first_order_in_transmittance_and_in_transition_times(friction, ratio) -> None:
     """Slopes of straight lines through seven steps, both axes logarithmic."""
     chain, drive = driven(ratio, friction_ratio=friction)
@@ -49,16 +34,7 @@ def test_scheme_is_of_first_order_in_transmittance_and_in_transition_times(frict
     levels = [abs(decibel(transmittance(orbit)) - decibel(exact.transmittance)) for orbit in orbits]
     matches = [match_transitions(transitions(orbit), exact.transitions, drive.period) for orbit in orbits]
     times = [np.mean(np.abs(list(match.errors.values()))) for match in matches]
-    orders = -np.polyfit(np.arange(7), np.log2([levels, times]).T, 1)[0]
-    assert orders == pytest.approx([1.0, 1.0], abs=0.15)
-
-
-def test_error_bar_halves_with_the_step() -> None:
-    chain, drive = driven(0.9, friction_ratio=0.3)
-    bars = [measured_error_bar(euler_orbit(chain, drive, steps)) for steps in (800, 1600, 3200)]
-    ratios = [bars[k].transmittance_db / bars[k + 1].transmittance_db for k in range(2)]
-    assert ratios == pytest.approx([2.0, 2.0], rel=0.3)
-    assert bars[-1].steps_per_period == (3200, 6400, 12800)
+    assert [fitted_order(levels), fitted_order(times)] == pytest.approx([1.0, 1.0], abs=0.15)
 
 
 def test_extrapolated_value_is_closer_than_the_computed_one() -> None:
@@ -70,30 +46,12 @@ def test_extrapolated_value_is_closer_than_the_computed_one() -> None:
     assert plain <= steady.error_bar.transmittance_db <= 4 * SAFETY * plain
 
 
-def test_stuck_fraction_has_an_error_bar_too() -> None:
-    chain, drive = driven(0.9, friction_ratio=0.3)
-    steady, exact = steady_state(chain, drive), exact_steady_state(chain, drive)
-    assert np.all(np.abs(steady.stuck_fraction - exact.stuck_fraction) <= steady.error_bar.stuck_fraction)
-
-
-def test_error_bar_that_was_not_requested_is_absent() -> None:
-    chain, drive = driven(0.9, friction_ratio=0.3)
-    assert steady_state(chain, drive, with_error_bar=False).error_bar is None
-    answer = steady_state(chain, drive, solver="exact", with_exact_value=True)
-    assert answer.exact_db == answer.transmittance_db
-
-
-def test_transmittance_below_the_residual_has_a_floor_in_place_of_a_bar() -> None:
-    chain = Chain.from_ratios(**DEEP)
-    steady = steady_state(chain, HarmonicBase.from_ratio(chain, 2.5), with_exact_value=True)
-    bar = steady.error_bar
-    assert not bar.resolved
-    assert math.isinf(bar.transmittance_db)
-    assert steady.exact_db < bar.floor_db < -140
-    assert steady.transmittance_db < bar.floor_db
-    numbers = numbers_of(steady)
-    assert (numbers["error_bar_db"], numbers["extrapolated_db"]) == (None, None)
-    assert numbers["floor_db"] == bar.floor_db
+def test_error_bar_that_was_not_requested_is_absent_and_the_exact_solver_has_none() -> None:
+    case = driven(0.9, friction_ratio=0.3)
+    assert steady_state(*case, with_error_bar=False).error_bar is None
+    exact = steady_state(*case, solver="exact", with_exact_value=True)
+    assert exact.error_bar is None
+    assert exact.exact_db == exact.transmittance_db
 
 
 def test_a_residual_that_is_loose_widens_the_bar() -> None:
@@ -104,37 +62,16 @@ def test_a_residual_that_is_loose_widens_the_bar() -> None:
     assert abs(loose.transmittance_db - sharp.exact_db) < loose.error_bar.transmittance_db
 
 
-def test_times_of_transitions_have_error_bars() -> None:
+def test_stuck_fractions_and_times_of_transitions_have_error_bars() -> None:
     """Of the canonical chain at (0.3, 0.9): fourteen transitions within a step and a half of the exact ones."""
     chain, drive = driven(0.9, friction_ratio=0.3)
     steady, exact = steady_state(chain, drive), exact_steady_state(chain, drive)
+    assert np.all(np.abs(steady.stuck_fraction - exact.stuck_fraction) <= steady.error_bar.stuck_fraction)
     pairs = list(zip(steady.transitions, exact.transitions, strict=True))
     assert [(a.cell, a.kind) for a, _ in pairs] == [(b.cell, b.kind) for _, b in pairs]
-    errors = np.array([abs(a.time - b.time) for a, b in pairs])
-    assert np.all(errors <= steady.error_bar.transition_time)
-    assert np.all(steady.error_bar.transition_time >= steady.orbit.lane.time_step)
-    assert np.all(steady.error_bar.transition_time <= 8 * steady.orbit.lane.time_step)
-    printed = [change["error_bar_s"] for change in numbers_of(steady)["transitions"]]
-    assert printed == steady.error_bar.transition_time.tolist()
-
-
-def test_what_the_steps_do_not_agree_on_is_inconclusive() -> None:
-    """The first of three orbits is made to slide in cell 1, which sticks twice a period with the other steps."""
-    chain, drive = driven(0.9, friction_ratio=0.3)
-    orbits = [euler_orbit(chain, drive, steps) for steps in (400, 800, 1600)]
-    friction = orbits[0].trajectory.friction.copy()
-    friction[:, 0] = np.where(friction[:, 0] > 0, 1, -1) * chain.friction_bound[0]
-    trajectory = dataclasses.replace(orbits[0].trajectory, friction=friction)
-    orbits[0] = dataclasses.replace(orbits[0], trajectory=trajectory)
-    missing = error_bar(orbits).missing_transitions
-    assert {change.cell for change in missing} == {1}
-    assert [change.kind for change in missing].count(Mode.STICK) == 2
-    inconclusive = np.isnan(error_bar(orbits, 1).transition_time)
-    changes = transitions(orbits[1])
-    assert {change.cell for change, flag in zip(changes, inconclusive, strict=True) if flag} == {1}
-    assert all(
-        flag for change, flag in zip(changes, inconclusive, strict=True) if (change.cell, change.kind) == (1, "stick")
-    )
+    bars, step = steady.error_bar.transition_time, steady.orbit.lane.time_step
+    assert np.all([abs(a.time - b.time) for a, b in pairs] <= bars)
+    assert np.all((bars >= step) & (bars <= 8 * step))
 
 
 def bars_are_equal(one: ErrorBar, other: ErrorBar) -> None:
@@ -155,34 +92,15 @@ def test_points_of_a_batch_have_the_bars_that_they_have_alone() -> None:
         bars_are_equal(bar, measured_error_bar(orbit))
 
 
-@pytest.mark.parametrize(("friction", "ratio"), [(0.1, 0.5), (0.3, 0.9), (1.0, 0.7), (3.0, 1.1)])
+@pytest.mark.parametrize(("friction", "ratio"), [(0.1, 0.5), (3.0, 1.1)])
 def test_finer_steps_from_coarser_ones_end_where_those_from_harmonic_balance_do(friction, ratio) -> None:
     lane = canonical_lane(friction, ratio)
     orbits = [euler_orbit(lane.chain, lane.drive, 400 * factor) for factor in REFINEMENTS]
     bars_are_equal(measured_error_bar(orbits[0]), error_bar(orbits))
 
 
-def test_finer_steps_take_a_third_of_the_periods_from_coarser_ones() -> None:
-    lanes = [canonical_lane(0.3, ratio) for ratio in (0.5, 0.7, 0.9, 1.1, 1.4)]
-    orbits = periodic_orbits(CompiledSimulation(lanes), 400)
-    finer = refined_orbits(orbits, (2, 4), PeriodInverse.of(orbits), tolerance=1e-8, max_periods=400)
-    for found in finer:
-        assert all(orbit.converged for orbit in found)
-        assert 3 * sum(orbit.periods for orbit in found) <= sum(orbit.periods for orbit in orbits)
-
-
-def test_a_batch_has_one_number_of_steps() -> None:
-    lane = canonical_lane(0.3, 0.9)
-    orbits = [euler_orbit(lane.chain, lane.drive, steps) for steps in (400, 500)]
-    with pytest.raises(ParameterError, match=r"periods of \[400, 500\] steps; allowed: one number of steps"):
-        measured_error_bars(orbits)
-    assert measured_error_bars([]) == []
-
-
 def test_finer_steps_without_a_steady_state_leave_every_bar_unknown() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.3)
-    orbit = euler_orbit(chain, HarmonicBase.from_ratio(chain, 0.9), 400)
-    bar = measured_error_bar(orbit, max_periods=2)
+    bar = measured_error_bar(euler_orbit(*driven(0.9, friction_ratio=0.3), 400), max_periods=2)
     assert math.isnan(bar.transmittance_db)
     assert np.all(np.isnan(bar.stuck_fraction))
     assert np.all(np.isnan(bar.transition_time))
@@ -221,11 +139,6 @@ def covers(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> bool:
     return abs(decibel(transmittance(orbit)) - level) <= bar.transmittance_db
 
 
-def covers_phase(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> bool:
-    """Whether a bar covers the exact phase."""
-    return abs(float(np.angle(complex_transmittance(orbit) / exact.complex_transmittance))) <= bar.phase
-
-
 @pytest.mark.parametrize(("chains", "of_phases"), [(8, 0.9), pytest.param(100, COVERED, marks=pytest.mark.slow)])
 def test_bars_cover_the_exact_values_of_random_chains(chains: int, of_phases: float) -> None:
     covered, phases, times = [], [], []
@@ -233,7 +146,8 @@ def test_bars_cover_the_exact_values_of_random_chains(chains: int, of_phases: fl
         orbits, bars, exact = bars_beside_the_exact_motion(2, number)
         for orbit, bar in zip(orbits, bars, strict=True):
             covered.append(covers(orbit, bar, exact))
-            phases += [covers_phase(orbit, bar, exact)] * bar.resolved
+            phase = np.angle(complex_transmittance(orbit) / exact.complex_transmittance)
+            phases += [abs(float(phase)) <= bar.phase] * bar.resolved
             match = match_transitions(exact.transitions, transitions(orbit), exact.period)
             known = dict(zip(transitions(orbit), bar.transition_time, strict=True))
             times += [not abs(error) * exact.period > known[change] for change, error in match.errors.items()]
@@ -247,23 +161,20 @@ def flagged(bar: ErrorBar) -> int:
     return int(np.sum(np.isnan(bar.transition_time))) + len(bar.missing_transitions)
 
 
-def test_floor_holds_the_exact_transmittance_of_a_deep_chain(monkeypatch) -> None:
+def test_transmittance_below_the_residual_has_a_floor_that_holds_it_in_place_of_a_bar(monkeypatch) -> None:
     """A chain of nine cells at −187 dB by the scheme, −192 dB in truth; its three steps differ by 1 dB only."""
     (orbit, *_), (bar, *_), exact = bars_beside_the_exact_motion(0, 33)
     assert not bar.resolved
-    assert covers(orbit, bar, exact)
+    assert math.isinf(bar.transmittance_db)
+    assert decibel(exact.transmittance) < bar.floor_db < -120
     monkeypatch.setattr("reference_lcp.steady.error_bar.unresolved_amplitude", lambda *_: 0.0)
     (orbit, *_), (bar, *_), exact = bars_beside_the_exact_motion(0, 33)
     assert not covers(orbit, bar, exact)
 
 
-def test_sticks_that_finer_steps_show_only_are_flagged() -> None:
-    """A chain of three cells with two sticks that are shorter than the coarsest step."""
-    assert [flagged(bar) for bar in bars_beside_the_exact_motion(0, 189)[1]] == [4, 4, 4]
-
-
-def test_stick_that_no_step_shows_is_flagged(monkeypatch) -> None:
-    """One cell of nine sticks for 0.0014 periods at a reversal; no step of the three shows it."""
-    assert [flagged(bar) for bar in bars_beside_the_exact_motion(611, 221)[1]] == [4, 4, 4]
+@pytest.mark.parametrize("chain", [(0, 189), (611, 221)])
+def test_sticks_that_finer_steps_show_only_or_none_are_flagged(chain, monkeypatch) -> None:
+    """Three cells with two sticks that are shorter than the coarsest step; nine, of which one sticks for 0.0014."""
+    assert [flagged(bar) for bar in bars_beside_the_exact_motion(*chain)[1]] == [4, 4, 4]
     monkeypatch.setattr("reference_lcp.steady.error_bar.MARGINAL_STEPS", 0)
-    assert flagged(bars_beside_the_exact_motion(611, 221)[1][0]) < 4
+    assert chain == (0, 189) or flagged(bars_beside_the_exact_motion(*chain)[1][0]) < 4

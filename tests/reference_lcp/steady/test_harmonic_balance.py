@@ -6,11 +6,10 @@ import pytest
 from reference_lcp import Chain, HarmonicBase, HarmonicForce
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.harmonic_balance import LEAST_SLIP, LOSS_FACTOR, harmonic_balance_start
 from reference_lcp.steady.orbits import periodic_orbits
-from tests.reference_lcp.cases import driven
+from tests.reference_lcp.cases import canonical_lane
 
 STEPS = 400
 
@@ -20,11 +19,6 @@ def start(chain, drive):
     state = harmonic_balance_start([Lane.periodic(chain, drive, STEPS)], STEPS)
     scale = drive.displacement_scale(chain)
     return state.positions[0] / scale, state.velocities[0] / (scale * drive.angular_frequency)
-
-
-def drives(chain):
-    frequency = 0.7 * chain.resonator_frequency
-    return [HarmonicBase(0.01, frequency), HarmonicForce(30.0, frequency)]
 
 
 def linear_response(chain, drive, basis):
@@ -39,36 +33,18 @@ def linear_response(chain, drive, basis):
     return amplitudes / drive.displacement_scale(chain)
 
 
-@pytest.mark.parametrize("kind", [0, 1], ids=["moving base", "force"])
-def test_without_friction_it_is_the_linear_response(kind) -> None:
-    chain = Chain.from_ratios(friction_ratio=0.0)
-    drive = drives(chain)[kind]
-    exact = linear_response(chain, drive, np.eye(14))
+@pytest.mark.parametrize("make", [HarmonicBase, HarmonicForce])
+@pytest.mark.parametrize(
+    ("friction", "basis", "tolerance"),
+    [(0.0, np.eye(14), 1e-12), (1e4, np.vstack([np.eye(7), np.eye(7)]), 10 * LEAST_SLIP)],
+    ids=["free", "stuck but for the least slip"],
+)
+def test_without_slip_or_friction_it_is_the_linear_response(friction, basis, tolerance, make) -> None:
+    chain = Chain.from_ratios(friction_ratio=friction)
+    drive = make(0.01 if make is HarmonicBase else 30.0, 0.7 * chain.resonator_frequency)
     positions, velocities = start(chain, drive)
-    assert np.allclose(positions, exact.imag, rtol=0, atol=1e-12)
-    assert np.allclose(velocities, exact.real, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("kind", [0, 1], ids=["moving base", "force"])
-def test_under_strong_friction_it_is_the_response_of_single_masses_but_for_the_least_slip(kind) -> None:
-    chain = Chain.from_ratios(friction_ratio=1e4)
-    drive = drives(chain)[kind]
-    exact = linear_response(chain, drive, np.vstack([np.eye(7), np.eye(7)]))
-    positions, velocities = start(chain, drive)
-    assert np.allclose(positions, exact.imag, rtol=0, atol=10 * LEAST_SLIP)
-    assert np.allclose(velocities, exact.real, rtol=0, atol=10 * LEAST_SLIP)
-
-
-@pytest.mark.parametrize("frequency_ratio", [0.45, 0.7, 0.9, 1.6])
-def test_first_harmonic_of_a_sliding_cell_is_that_of_its_exact_motion_within_a_ninth(frequency_ratio) -> None:
-    """What is left out: friction's third harmonic, a third of the first, and as much less again by acting back."""
-    chain, drive = driven(frequency_ratio, cells=1, friction_ratio=0.1)
-    (orbit,) = periodic_orbits(EventDrivenSimulation([Lane.periodic(chain, drive, STEPS)]), STEPS)
-    positions, velocities = start(chain, drive)
-    phases = np.exp(-2j * np.pi * (np.arange(STEPS) + 1) / STEPS)
-    first = 2j * np.mean(orbit.trajectory.positions * phases[:, None], axis=0) / drive.amplitude
-    amplitudes = velocities + 1j * positions
-    assert np.max(np.abs(amplitudes - first)) < np.max(np.abs(first)) / 9
+    expected = linear_response(chain, drive, basis)
+    assert np.allclose(velocities + 1j * positions, expected, rtol=0, atol=tolerance)
 
 
 def test_undamped_resonance_is_finite() -> None:
@@ -79,21 +55,9 @@ def test_undamped_resonance_is_finite() -> None:
     assert np.max(np.abs([positions, velocities])) == pytest.approx(1 / LOSS_FACTOR, rel=0.5)
 
 
-def test_lane_starts_the_same_whoever_is_beside_it() -> None:
-    chains = [Chain.from_ratios(friction_ratio=ratio) for ratio in (0.0, 0.3, 5.0)]
-    lanes = [Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6), STEPS) for chain in chains]
-    together = harmonic_balance_start(lanes, STEPS)
-    for k, lane in enumerate(lanes):
-        alone = harmonic_balance_start([lane], STEPS)
-        assert np.array_equal(alone.positions[0], together.positions[k])
-        assert np.array_equal(alone.velocities[0], together.velocities[k])
-
-
 def test_resonance_that_takes_long_to_ring_up_is_found_in_half_the_periods() -> None:
     """Friction ratio 1 at the chain's lowest resonance: the motion grows to tens of the base's, and slides there."""
-    chain = Chain.from_ratios(friction_ratio=1.0)
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1478), STEPS)
-    simulation = CompiledSimulation([lane])
+    simulation = CompiledSimulation([canonical_lane(1.0, 0.1478)])
     (from_rest,) = periodic_orbits(simulation, STEPS, start=State.at_rest(1, 7))
     (balanced,) = periodic_orbits(simulation, STEPS)
     assert balanced.converged

@@ -34,7 +34,7 @@ def test_first_order_error_is_found_whatever_the_steps(steps) -> None:
         assert estimate.extrapolated == pytest.approx(LIMIT)
 
 
-@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.1), (0.1, -0.2), (-0.1, 0.3)])
+@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.2), (-0.1, 0.3)])
 @pytest.mark.parametrize("at", [1, 2, 4])
 def test_three_steps_cover_the_error_of_each_of_them(first, second, at) -> None:
     """For (0.1, −0.2) the two middle values are both off by nothing or by little."""
@@ -47,13 +47,6 @@ def test_one_difference_that_vanishes_by_chance_is_not_believed() -> None:
     assert richardson((400, 800, 1600), [1.0, 1.1, 1.1]).error == pytest.approx(SAFETY * 0.05)
 
 
-def test_error_of_the_finest_of_three_steps() -> None:
-    """Errors 4e, 2e, e: the estimate is 2 e times the safety; of an array, every entry has its own."""
-    assert richardson((1, 2, 4), [1.4, 1.2, 1.1]).error == pytest.approx(SAFETY * 0.2)
-    series = [np.array([0.0, 4.0]), np.array([0.0, 2.0]), np.array([0.0, 1.0])]
-    assert richardson((1, 2, 4), series).error == pytest.approx([0.0, 2 * SAFETY])
-
-
 def test_order_is_read_from_steps_that_grow_by_one_factor() -> None:
     assert richardson((100, 200, 400), values(0.1, 0.0, (100, 200, 400))).order == pytest.approx(1)
     assert richardson((10, 30, 90), values(0.0, 5.0, (10, 30, 90))).order == pytest.approx(2)
@@ -61,14 +54,9 @@ def test_order_is_read_from_steps_that_grow_by_one_factor() -> None:
     assert math.isnan(richardson((1, 2, 4), [1.0, 1.0, 1.0]).order)
 
 
-def test_a_value_that_is_not_known_leaves_the_error_unknown() -> None:
-    assert math.isnan(richardson((1, 2, 4), [1.0, math.nan, 1.0]).error)
-
-
 @pytest.mark.parametrize(
     ("steps", "numbers", "at", "message"),
     [
-        ((400,), [1.0], None, r"steps = \[400\]"),
         ((800, 400), [1.0, 2.0], None, "ascending"),
         ((400, 800), [1.0], None, "with 1 values"),
         ((400, 800), [1.0, 2.0], 600, "at = 600"),
@@ -79,24 +67,21 @@ def test_what_tells_nothing_of_an_error_is_refused(steps, numbers, at, message) 
         richardson(steps, numbers, at)
 
 
-@pytest.mark.parametrize("steps", [(100, 200), (100, 200, 400), (10, 30, 90, 91), (1, 2, 3, 4, 8)])
+@pytest.mark.parametrize("steps", [(100, 200), (100, 200, 400), (10, 30, 90, 91)])
 def test_the_error_of_a_number_is_that_of_an_array_of_one(steps) -> None:
-    draw = np.random.default_rng(5)
+    numbers = np.random.default_rng(5).normal(size=(len(steps), 20))
     for at in (None, *steps):
-        numbers = draw.normal(size=(len(steps), 20))
         each = [richardson_error(steps, tuple(column), at) for column in numbers.T.tolist()]
         assert each == pytest.approx(richardson(steps, numbers, at).error, rel=1e-12)
-    assert math.isnan(richardson_error(steps, (math.nan, *[1.0] * (len(steps) - 1)), steps[-1]))
-    with pytest.raises(ParameterError, match="at = 7"):
-        richardson_error(steps, (1.0,) * len(steps), 7)
+    unknown = (math.nan, *[1.0] * (len(steps) - 1))
+    assert math.isnan(richardson_error(steps, unknown, steps[-1]))
+    assert math.isnan(richardson(steps, unknown, steps[-1]).error)
 
 
-def test_residual_is_amplified_and_round_off_grows_as_the_root_of_the_steps() -> None:
+def test_what_is_not_resolved_is_the_residual_amplified_and_round_off() -> None:
+    """Round-off grows as the root of the steps, and is that of the largest motion."""
     assert unresolved_amplitude(1e-8, 50.0, 16_000, -200.0) == pytest.approx(5e-7 + ROUND_OFF, rel=1e-12)
     assert unresolved_amplitude(0.0, 50.0, 4 * 16_000, -200.0) == pytest.approx(2 * ROUND_OFF)
-
-
-def test_round_off_is_that_of_the_largest_motion() -> None:
     assert unresolved_amplitude(0.0, 1.0, 16_000, 40.0) == pytest.approx(100 * ROUND_OFF)
     assert unresolved_amplitude(0.0, 1.0, 16_000, -math.inf) == pytest.approx(ROUND_OFF)
 

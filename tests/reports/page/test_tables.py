@@ -6,7 +6,7 @@ import pytest
 from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
-from multibody_xval.scenarios.model import Config, Result, Run
+from multibody_xval.scenarios.model import Case, Config, Result, Run
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from tests.reports.conftest import spoilt
@@ -33,6 +33,27 @@ def parts(results: dict[Run, Result]) -> tuple[pd.DataFrame, pd.DataFrame]:
 )
 def test_an_error_says_how_many_points_have_one(row, text) -> None:
     assert tables.error_text(*row) == text
+
+
+@pytest.mark.parametrize(("part", "text"), [(0.0, "0"), (1.5, "0.25"), (3.0, "0.50; no cure known")])
+def test_a_recipe_that_leaves_more_than_twice_what_is_allowed_is_called_no_cure(part, text) -> None:
+    row = {
+        "title": "Exudyn", "status": "periodic", "error_percent": 2.0 * part, "error_db": part / 6, "error_deg": 0.0,
+        "distance": part, "allowed": 1.0, "case": Case(friction_ratio=0.3, frequency_ratio=1.0),
+    }  # fmt: skip
+    rows = [row | {"options": name, "configuration": name} for name in ("default options", "recipe")]
+    shown = tables.headline(tables.largest_errors(pd.DataFrame(rows)))
+    assert shown[["default options", "recipe"]].to_numpy().tolist() == [[text.partition(";")[0], text]]
+
+
+def test_a_recipe_that_reaches_no_steady_state_is_called_no_cure() -> None:
+    row = {
+        "title": "Exudyn", "options": "recipe", "configuration": "recipe", "status": "not periodic",
+        "case": Case(friction_ratio=0.3, frequency_ratio=1.0),
+    }  # fmt: skip
+    none = dict.fromkeys(("error_percent", "error_db", "error_deg", "distance", "allowed"), float("nan"))
+    (text,) = tables.headline(tables.largest_errors(pd.DataFrame([row | none]))).recipe
+    assert text == "no steady state; no cure known"
 
 
 def test_the_last_phase_of_a_period_goes_on_in_the_next() -> None:

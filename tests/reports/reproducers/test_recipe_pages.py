@@ -12,11 +12,12 @@ from multibody_xval.engines.interface.presets import Formulation, OfStep
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.recipe import app
+from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
-from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+from multibody_xval.scenarios.catalogue.worst_numbers import printed_number, with_recipe
 from multibody_xval.scenarios.running.evaluate import Means
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -78,10 +79,23 @@ def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
     worst, _ = recipes.recipe_results("mujoco", Means(workers=1))
     assert len(worst) == 7
     for number, own in worst.iterrows():
-        row = " | ".join([number, printed_number(own.default), printed_number(own.recommended)])
+        row = " | ".join([number, printed_number(own.default), with_recipe(own.recommended, cured=own.cured)])
         assert f"| {row} |" in recipe_text("mujoco")
 
 
 def test_the_page_is_printed_as_it_is(capsys) -> None:
     assert run_command(app, ["mujoco", "--no-run"]) == 0
     assert capsys.readouterr().out == recipe_text("mujoco")
+
+
+def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
+    cells = {
+        tuple(own[1:4]): own
+        for line in (DOCS / "accuracy.md").read_text(encoding="utf-8").splitlines()
+        if len(own := [cell.strip() for cell in line.split("|")]) > 16
+    }
+    text = " ".join(recipe_text("mujoco").split())
+    joint = [significant(float(cells["mujoco", "joint", preset][6])) for preset in ("default", "recommended")]
+    assert f"off by {joint[0]} dB as installed and by {joint[1]} with this" in text
+    periodic = [cells["mujoco", "contact", preset][15].partition("/") for preset in ("default", "recommended")]
+    assert f"{periodic[0][0]} and {periodic[1][0]} of {periodic[0][2]} motions repeat" in text

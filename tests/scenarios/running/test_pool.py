@@ -20,7 +20,7 @@ DEADLY, OTHERS = 0.5, (0.6, 0.9)
 """Frequency ratio at which the engines of this family fail, and some at which they do not."""
 
 STEPS = 100
-LIMIT = 5.0
+LIMIT = 3.0
 """Time limit of a run that hangs [s]."""
 
 PATIENT = 60.0
@@ -60,10 +60,8 @@ def ran(name: str, pool: LocalPool, store: Store | None = None, limit: float = P
         ("faulty-killed", "its process has ended by signal SIGKILL"),
         ("faulty-unspeakable", "UnspeakableError"),
         ("faulty-mumbles", "no file"),
-        ("faulty-disarms", "no result within the time limit"),
         ("faulty-leaves", "its process has ended with exit code 0"),
         ("faulty-interrupts", "KeyboardInterrupt"),
-        ("faulty-hungry", "MemoryError"),
     ],
 )
 def test_a_run_that_ends_its_process_fails_alone(pool, name, reason) -> None:
@@ -73,7 +71,7 @@ def test_a_run_that_ends_its_process_fails_alone(pool, name, reason) -> None:
     assert {results[eta].status for eta in OTHERS} == {Status.PERIODIC}
 
 
-@pytest.mark.parametrize("name", ["faulty-flood", "faulty-changes", "faulty-forks", "faulty-thread", "faulty-sound"])
+@pytest.mark.parametrize("name", ["faulty-flood", "faulty-forks", "faulty-thread", "faulty-sound"])
 def test_what_an_engine_prints_or_changes_does_no_harm(pool, name, capfd) -> None:
     assert {own.status for own in ran(name, pool).values()} == {Status.PERIODIC}
     assert not any(capfd.readouterr())
@@ -89,10 +87,9 @@ def test_a_copy_that_an_engine_has_forked_of_its_process_takes_no_other_run(pool
 
 
 @pytest.mark.slow  # waits until the pool is given up
-@pytest.mark.parametrize("name", ["faulty-sending", "faulty-garbles"])
-def test_garbage_in_the_pipe_of_a_pool_ends_its_run_alone(pool, monkeypatch, name: str) -> None:
+def test_half_a_result_in_the_pipe_of_a_pool_ends_its_run_alone(pool, monkeypatch) -> None:
     monkeypatch.setattr("multibody_xval.scenarios.running.pool.GRACE", 2.0)
-    results = ran(name, pool, limit=2.0)
+    results = ran("faulty-sending", pool, limit=2.0)
     assert results[DEADLY].status is Status.FAILED
     assert {results[eta].status for eta in OTHERS} == {Status.PERIODIC}
     assert {own.status for own in ran("faulty-sound", pool).values()} == {Status.PERIODIC}
@@ -103,19 +100,6 @@ def test_a_worker_that_was_killed_is_not_stored_and_tried_again(pool, tmp_path: 
     first, again = ran("faulty-killed", pool, store), list(store.rows())
     assert first[DEADLY].circumstance
     assert sorted(row.run.case.frequency_ratio for row in again) == sorted(OTHERS)
-
-
-def test_what_an_engine_failed_at_is_kept_until_it_is_asked_for_again(pool, tmp_path: Path) -> None:
-    store, ended = Store(tmp_path / "results.sqlite"), []
-    ran("faulty-crash", pool, store)
-    runs = [row.run for row in store.rows()]
-    run_missing(runs, store, pool, known=lambda results: ended.append(dict(results)))
-    assert [len(results) for results in ended] == [len(runs)]
-    found = run_missing(
-        runs, store, pool, lambda own: ended.append(dict(own)), seconds_a_run=PATIENT, retry_failed=True
-    )
-    assert [len(results) for results in ended[1:] if results] == [1]
-    assert len(found) == len(runs)
 
 
 @pytest.mark.slow

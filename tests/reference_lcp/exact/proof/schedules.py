@@ -1,18 +1,23 @@
 """Orders of events that are wrong on purpose, and proofs of them without repair."""
 
 import dataclasses
+from collections.abc import Iterable
 from functools import cache
 
 from flint import ctx
 
-from reference_lcp.errors import NotProven
+from reference_lcp import NotProven
 from reference_lcp.exact.proof.candidate import Candidate, candidate
 from reference_lcp.exact.proof.coulomb import Observed, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.krawczyk import Solution, solve
+from reference_lcp.exact.proof.repair import listed
 
 BITS = 128
+Event = tuple[float, int, int]
+"""Time, cell and new mode."""
+
 POINTS = (("0.3", "0.6"), ("0.1", "0.95"), ("1", "0.95"))
 
 
@@ -39,16 +44,9 @@ def point(friction: str, frequency: str) -> tuple[ExactChain, Candidate]:
     return exact, candidate(exact)
 
 
-def with_events(
-    guess: Candidate, kept: list[tuple[float, int, int]], first: tuple[int, ...] | None = None
-) -> Candidate:
-    events = tuple((cell, new) for _, cell, new in kept)
-    times = tuple(time for time, _, _ in kept)
+def with_events(guess: Candidate, kept: list[Event], first: tuple[int, ...] | None = None) -> Candidate:
+    events, times = tuple((cell, new) for _, cell, new in kept), tuple(time for time, _, _ in kept)
     return dataclasses.replace(guess, events=events, times=times, first=first or guess.first)
-
-
-def listed(guess: Candidate) -> list[tuple[float, int, int]]:
-    return [(time, cell, new) for time, (cell, new) in zip(guess.times, guess.events, strict=True)]
 
 
 def swapped(guess: Candidate) -> list[Candidate]:
@@ -70,20 +68,16 @@ def without_sticks(guess: Candidate) -> list[Candidate]:
     return wrong
 
 
-def slipping_declared_stuck(guess: Candidate) -> list[Candidate]:
-    wrong = []
-    for cell in sorted({cell for cell, _ in guess.events}):
-        first = tuple(0 if k == cell else mode for k, mode in enumerate(guess.first))
-        wrong.append(with_events(guess, [event for event in listed(guess) if event[1] != cell], first))
-    return wrong
-
-
-def stuck_declared_slipping(guess: Candidate) -> list[Candidate]:
-    wrong = []
-    for cell in sorted(guess.always_stuck):
-        first = tuple(1 if k == cell else mode for k, mode in enumerate(guess.first))
-        wrong.append(with_events(guess, listed(guess), first))
-    return wrong
+def always(mode: int, guess: Candidate, cells: Iterable[int]) -> list[Candidate]:
+    """Each of these cells in one mode all the time."""
+    return [
+        with_events(
+            guess,
+            [event for event in listed(guess) if event[1] != cell],
+            tuple(mode if k == cell else other for k, other in enumerate(guess.first)),
+        )
+        for cell in sorted(cells)
+    ]
 
 
 def wrong_orders(kind: str) -> list[tuple[ExactChain, Candidate]]:
@@ -94,6 +88,6 @@ def wrong_orders(kind: str) -> list[tuple[ExactChain, Candidate]]:
 WRONG = {
     "events swapped": swapped,
     "a stick left out, or a reversal instead of it": without_sticks,
-    "a slipping cell declared stuck": slipping_declared_stuck,
-    "a stuck cell declared slipping": stuck_declared_slipping,
+    "a slipping cell declared stuck": lambda guess: always(0, guess, {cell for cell, _ in guess.events}),
+    "a stuck cell declared slipping": lambda guess: always(1, guess, guess.always_stuck),
 }

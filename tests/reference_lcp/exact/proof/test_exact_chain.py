@@ -5,40 +5,16 @@ from fractions import Fraction
 
 import pytest
 
-from reference_lcp import Chain, ExactChain, HarmonicBase, HarmonicForce, ParameterError, Preload, StillBase
+from reference_lcp import Chain, ExactChain, HarmonicForce, ParameterError, Preload, StillBase
 from reference_lcp.exact.proof.exact_chain import MOST_CELLS
 
 
-def test_ratios_are_the_decimals_that_are_typed() -> None:
+def test_ratios_are_the_decimals_that_are_typed_and_a_float_stands_for_its_shortest_one() -> None:
     exact = ExactChain.from_ratios(friction_ratio="0.3", frequency_ratio="0.6", damping_ratio=Decimal("0.01"))
     assert exact.friction == (Fraction(3, 10),) * 7
     assert exact.frequency_squared == Fraction(36, 100)
     assert exact.chain_damping_squared[0] == Fraction(4, 10**4)
-
-
-def test_float_stands_for_its_shortest_decimal() -> None:
-    assert ExactChain.from_ratios(friction_ratio=0.3, frequency_ratio=0.6) == ExactChain.from_ratios(
-        friction_ratio="0.3", frequency_ratio="0.6"
-    )
-
-
-def test_a_chain_in_doubles_is_that_of_its_ratios_to_round_off() -> None:
-    ratios = {"cells": 3, "friction_ratio": 0.3, "mass_ratio": 0.7, "stiffness_ratio": 0.4, "inner_damping_ratio": 0.02}
-    chain = Chain.from_ratios(**ratios)
-    doubles = ExactChain.of(chain, HarmonicBase.from_ratio(chain, 0.8))
-    decimals = ExactChain.from_ratios(**ratios, frequency_ratio="0.8")
-    for name in ("inner_mass", "inner_stiffness", "chain_damping_squared", "inner_damping_squared", "friction"):
-        pairs = zip(getattr(doubles, name), getattr(decimals, name), strict=True)
-        assert all(abs(a - b) < Fraction(1, 10**14) for a, b in pairs)
-    assert float(doubles.frequency_squared) == pytest.approx(float(decimals.frequency_squared), rel=1e-14)
-
-
-def test_force_refers_friction_to_its_amplitude() -> None:
-    chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
-    force = HarmonicForce(float(chain.chain_stiffness[0]) * 0.01, 20.0)
-    exact = ExactChain.of(chain, force)
-    assert not exact.moving_base
-    assert float(exact.friction[0]) == pytest.approx(0.3, rel=1e-14)
+    assert exact == ExactChain.from_ratios(friction_ratio=0.3, frequency_ratio=0.6, damping_ratio=0.01)
 
 
 @pytest.mark.parametrize(
@@ -49,24 +25,21 @@ def test_modulation_says_after_what_time_the_drive_repeats(multiple, half, cycle
     assert (exact.half, exact.cycle) == (half, cycle)
 
 
-def test_modulation_of_doubles_is_at_the_fraction_that_is_meant() -> None:
-    chain = Chain.from_ratios(cells=1, friction_ratio=0.3)
-    drive = HarmonicBase.from_ratio(chain, 0.77)
-    exact = ExactChain.of(chain, drive, Preload.at_multiple(drive, 0.5, 3.0))
-    assert exact.modulation is not None
-    assert exact.modulation.multiple == 3
+def test_force_and_modulation_of_doubles_are_over_the_amplitude_and_at_the_fraction_that_is_meant() -> None:
+    chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
+    force = HarmonicForce(float(chain.chain_stiffness[0]) * 0.01, 20.0)
+    exact = ExactChain.of(chain, force, Preload.at_multiple(force, 0.5, 3.0))
+    assert (exact.moving_base, exact.modulation.multiple) == (False, 3)
+    assert float(exact.friction[0]) == pytest.approx(0.3, rel=1e-14)
 
 
 @pytest.mark.parametrize(
     ("ratios", "message"),
     [
         ({"friction_ratio": "lots"}, r"friction_ratio = 'lots' is no decimal number; allowed: >= 0"),
-        ({"friction_ratio": "-0.1"}, r"friction_ratio = '-0.1' is outside its range; allowed: >= 0"),
-        ({"friction_ratio": "1e999999999"}, r"friction_ratio = '1e999999999' is outside its range"),
         ({"friction_ratio": "nan"}, r"friction_ratio = 'nan' is outside its range"),
         ({"friction_ratio": "1e13"}, r"friction_ratio = '1e13' is outside its range; allowed: 1e-12 to 1e\+12"),
         ({"frequency_ratio": "0"}, r"frequency_ratio = '0' is outside its range; allowed: > 0"),
-        ({"cells": 0}, r"cells = 0 is outside its range; allowed: whole numbers >= 1"),
         ({"cells": MOST_CELLS + 1}, rf"cells = {MOST_CELLS + 1} is outside its range"),
         ({"mass_ratio": ("1", "2")}, r"mass_ratio has 2 numbers; allowed: one, or 7"),
         ({"modulation": "1.5"}, r"modulation = 1.5 in a proof; allowed: 0 to 1"),

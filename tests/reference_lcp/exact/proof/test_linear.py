@@ -38,18 +38,16 @@ def unmatched(places, changes) -> list[tuple[float, float]]:
     return [(low, high) for low, high in changes if not any(low <= place <= high for place in places)]
 
 
-def test_all_crossings_without_friction_are_found() -> None:
-    (whole,) = ranges()
-    places = [float(place) for place in whole.crossings]
-    changes = sign_changes(frictionless_transmittance)
-    assert len(changes) == len(places) == 21
+@pytest.mark.parametrize(
+    ("friction_ratio", "transmittance", "crossings"),
+    [("0", frictionless_transmittance, 21), ("1000000", stuck_transmittance, 9)],
+)
+def test_all_crossings_without_slip_are_found(friction_ratio, transmittance, crossings) -> None:
+    (whole,) = ranges(friction_ratio)
+    places, changes = [float(place) for place in whole.crossings], sign_changes(transmittance)
+    assert len(changes) == len(places) == crossings
     assert unmatched(places, changes) == []
     assert unmatched(places[1:], changes) == changes[:1], "a crossing that is left out is noticed"
-
-
-def test_crossings_of_locked_cells_are_found() -> None:
-    (whole,) = ranges("1000000")
-    assert unmatched([float(place) for place in whole.crossings], sign_changes(stuck_transmittance)) == []
 
 
 @pytest.mark.parametrize(("friction_ratio", "place"), [("1", 2), ("5", 3), ("0.3", 1)])
