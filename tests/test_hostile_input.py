@@ -11,8 +11,8 @@ import typer
 import reference_lcp.one_call
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.sweeps.file import EXAMPLE
-from reference_lcp.errors import ExitCode
 
 NESTED = "[" * 3000 + "]" * 3000
 

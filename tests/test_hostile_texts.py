@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config, Result, Status, failed
 from multibody_xval.scenarios.store import opened
-from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import visible
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 FORGED = "\n## Engine regression: passes\n"

@@ -12,10 +12,10 @@ import pytest
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE
 from multibody_xval.scenarios.model import REFERENCE, Run
 from multibody_xval.scenarios.store import Store, opened
-from reference_lcp.errors import ExitCode
 from tests.scenarios.stores import CASE, STEPS, with_bound, write_store
 
 COMMAND_LINES = [

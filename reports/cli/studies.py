@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import (
     CHART_ENDINGS,
     TABLE_ENDINGS,
@@ -21,7 +22,7 @@ from multibody_xval.reports.cli.options import (
     keeping,
 )
 from multibody_xval.reports.cli.shown import Shown
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     import pandas as pd

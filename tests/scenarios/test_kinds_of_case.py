@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.scene import ArmScene, Box, ContactScene, JointScene, Shaker, SteppedWorld
+from multibody_xval.scenarios.cases.carrier_drives import Vibration
 from multibody_xval.scenarios.cases.motions import Block, BlockMotion, ChainMotion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion, Tone
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.compute.scenes import followed
 from multibody_xval.scenarios.model import REFERENCE, Case, Run, Status
-from reference_lcp.chain.drives import HarmonicForce, ShakingForce, StillBase, Vibration
+from reference_lcp.chain.drives import HarmonicForce, StillBase
 from reference_lcp.chain.transient import RecordedBase, SweptSine
 from reference_lcp.errors import ParameterError
 
@@ -24,7 +25,7 @@ DECAY = ChainMotion(
     friction_ratio=(0.1, 0.2), cells=2, drive=StillBase(0.01), time=1.0, rows=50, recorded="decay", shape="stretched"
 )
 BLOCK = Block(mass=1.0, normal_force=9.8, stiffness=3.0)
-SHAKING = ShakingForce(1.0, 2.0, 0.1)
+SHAKING = HarmonicForce(1.0, 2.0, 0.1)
 SHAKEN = ContactScene(boxes=(Box(), Box(mass=2.0)), shaker=Shaker())
 
 CASES = [

@@ -9,8 +9,9 @@ import pytest
 
 from multibody_xval.scenarios import store as stores
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.output_files import RunError
 from multibody_xval.scenarios.store import opened
-from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.errors import ParameterError
 
 CASE = Case(friction_ratio=0.3, frequency_ratio=0.9, cells=2, mass_ratio=(1.0, 0.5), modulation=0.25)
 RUN = Run(REFERENCE, CASE, 400)

@@ -11,9 +11,9 @@ import pytest
 from multibody_xval.reports.changes import Comparison, markdown
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.compare.stores import compare
 from multibody_xval.scenarios.model import failed
-from reference_lcp.errors import ExitCode
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 BEFORE = {CASE: with_bound(1.01), OTHER: with_bound(1.05, OTHER)}

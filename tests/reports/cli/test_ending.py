@@ -12,8 +12,8 @@ import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from reference_lcp.environment import ONE_THREAD
-from reference_lcp.errors import ExitCode
 
 END_SECONDS = 2.0
 """Within which a command has to end."""

@@ -9,9 +9,9 @@ import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.truth import history as study
 from multibody_xval.scenarios.truth.problem import problem_of
-from reference_lcp.errors import ExitCode
 
 LISTED = "mujoco (4.0.0)\nAvailable versions: 4.0.0, 3.10.0, 3.3.7, 3.3.6, 3.2.0\n  INSTALLED: 3.3.6\n"
 LOCK = "sdist = { upload-time = 2025-10-14T17:34:40Z }\nwheels = [{ upload-time = 2025-10-13T17:34:00Z }]\n"

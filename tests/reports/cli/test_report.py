@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.report import app
 from multibody_xval.scenarios.model import Config
-from reference_lcp.errors import ExitCode
 from tests.reports.conftest import kept, spoilt
 
 TOML = """\

@@ -10,11 +10,11 @@ import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.model import Config, Run, failed
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps.dataset import read_dataset
 from multibody_xval.scenarios.sweeps.file import EXAMPLE, read_sweep
-from reference_lcp.errors import ExitCode
 
 pytestmark = pytest.mark.usefixtures("here")
 

@@ -9,6 +9,7 @@ import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.catalogue import edge_proofs, proofs
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import EXACT, Case, linear_limits
@@ -16,7 +17,6 @@ from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.ruler.exact_values import exact_values, ruler
 from multibody_xval.scenarios.ruler.proven import proven, proven_levels
 from multibody_xval.scenarios.store import Stored
-from reference_lcp.errors import ExitCode
 
 FLOATS = 1e-9
 """Largest distance of the event-driven motion from what is proven in amplitude, over that of the drive."""

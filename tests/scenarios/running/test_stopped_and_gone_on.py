@@ -30,7 +30,7 @@ import sys
 from pathlib import Path
 from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE, Case, Run
-from reference_lcp.errors import RunError
+from multibody_xval.scenarios.output_files import RunError
 cases = [Case(friction_ratio=0.3, frequency_ratio=0.3 + number / {RUNS}, cells=2) for number in range({RUNS})]
 try:
     found = computed([Run(REFERENCE, case, 100) for case in cases], Means(store=Path(sys.argv[1]), workers=2))

@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
+from multibody_xval.scenarios.output_files import RunError
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.sweeps import dataset as module
@@ -25,7 +26,7 @@ from multibody_xval.scenarios.sweeps.dataset import (
     write_dataset,
 )
 from multibody_xval.scenarios.sweeps.file import sweep_of
-from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.errors import ParameterError
 from tests.scenarios.in_this_process import result_of
 
 SWEEP = sweep_of({
