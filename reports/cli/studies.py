@@ -199,9 +199,9 @@ def friction_map(engines: ScenarioEngines, *, store: Store = None, out: Outs = N
     """
     outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
     from multibody_xval.reports.figures.studies import frictions
+    from multibody_xval.scenarios.catalogue import friction_map as study
     from multibody_xval.scenarios.catalogue.scenes.pushed_box import PUSHED_FROM_REST
     from multibody_xval.scenarios.running.evaluate import computed
-    from multibody_xval.scenarios.studies import friction_map as study
 
     configs = PUSHED_FROM_REST.configs(engines.names)
     if not configs:

@@ -16,7 +16,7 @@ from multibody_xval.reports.figures.style import PALETTE
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_reference
-from multibody_xval.scenarios.studies.claims import RANGE, TITLES, claim_cases
+from multibody_xval.scenarios.studies.claims import RANGE, claim_cases
 
 SHAPES = "os^Dv<>p*hX"
 FRICTION_TICKS, SPEED_TICKS = (-100, -10, -1, 0, 1, 10, 100), (1e-5, 1e-3, 0.1)
@@ -100,7 +100,7 @@ def frictions(table: pd.DataFrame) -> Figure:
 
 
 def _draw_frictions(axes: Axes, rows: pd.DataFrame) -> None:
-    preset = TITLES.get(rows.preset.iloc[0], rows.preset.iloc[0])
+    preset = rows.preset.iloc[0].replace("recommended", "recipe")
     axes.set_title(f"{engine(rows.engine.iloc[0]).capabilities.title}, {preset}", fontsize=8, loc="left")
     axes.axhline(0.0, color="0.6", lw=0.6, zorder=0)
     for number, (angle, line) in enumerate(rows.groupby("angle")):
@@ -109,7 +109,7 @@ def _draw_frictions(axes: Axes, rows: pd.DataFrame) -> None:
     axes.set(xscale="log", xticks=SPEED_TICKS, xticklabels=[f"{tick:g}" for tick in SPEED_TICKS])
     axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
     axes.set(ylim=(-150, 300), yticks=FRICTION_TICKS, yticklabels=map(str, FRICTION_TICKS))
-    axes.tick_params(labelsize=7)
+    axes.tick_params(labelsize=7, labelbottom=True)
     axes.minorticks_off()
 
 

@@ -105,7 +105,6 @@ def test_a_full_disk_ends_in_a_line_and_loses_nothing_and_a_failure_by_circumsta
 HOSTILE_ROWS = [
     ("run", "[" * 3_000),
     ("run", '{"config": "mujoco", "case": {"friction_ratio": -1, "frequency_ratio": 1}, "steps": 400}'),
-    ("result", "no JSON"),
     ("result", "[" * 5000),
     ("result", '{"status": "periodic", "transmittance": [1, 2, 3]}'),
     ("result", '{"status": "periodic", "transmittance": [1, 0], "__class__": "os.system"}'),

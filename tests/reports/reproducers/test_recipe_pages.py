@@ -12,6 +12,7 @@ from multibody_xval.engines.interface.presets import Formulation, OfStep
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.recipe import app
+from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -85,3 +86,16 @@ def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
 def test_the_page_is_printed_as_it_is(capsys) -> None:
     assert run_command(app, ["mujoco", "--no-run"]) == 0
     assert capsys.readouterr().out == recipe_text("mujoco")
+
+
+def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
+    cells = {
+        tuple(own[1:4]): own
+        for line in (DOCS / "accuracy.md").read_text(encoding="utf-8").splitlines()
+        if len(own := [cell.strip() for cell in line.split("|")]) > 16
+    }
+    text = " ".join(recipe_text("mujoco").split())
+    joint = [significant(float(cells["mujoco", "joint", preset][6])) for preset in ("default", "recommended")]
+    assert f"off by {joint[0]} dB as installed and by {joint[1]} with this" in text
+    periodic = [cells["mujoco", "contact", preset][15].partition("/") for preset in ("default", "recommended")]
+    assert f"{periodic[0][0]} and {periodic[1][0]} of {periodic[0][2]} motions repeat" in text

@@ -9,11 +9,11 @@ import pytest
 
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.scene import GRAVITY, SteppedWorld
+from multibody_xval.scenarios.catalogue.friction_map import SPEEDS, STEPS, driven_box, friction_map, map_runs
 from multibody_xval.scenarios.catalogue.scenes.pushed_box import ANGLES
 from multibody_xval.scenarios.compute.driven import driven
 from multibody_xval.scenarios.model import Config, Run
 from multibody_xval.scenarios.running.evaluate import Means, computed
-from multibody_xval.scenarios.studies.friction_map import SPEEDS, STEPS, driven_box, friction_map, map_runs
 
 STEP = 2e-3
 """[s]."""
