@@ -77,16 +77,18 @@ def test_scripts_alone_print_how_far_a_pushed_box_goes(name, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", ["rapier", "dart", *IN_THE_PLANE])
-def test_scripts_alone_print_the_drift_of_a_grip_and_the_turning_of_joints_that_the_suite_has(name, tmp_path) -> None:
-    joints = [(f"{name}:joint:recommended", scenario) for scenario in ("joint-hold", "arm-hold")]
+def test_scripts_alone_print_the_drift_of_a_grip_and_what_joints_do_that_the_suite_has(name, tmp_path) -> None:
+    joints = [(f"{name}:joint:recommended", scenario) for scenario in ("joint-hold", "arm-hold", "joint-stop")]
     check_numbers([(f"{name}:contact:recommended", "grip"), *joints], tmp_path)
 
 
 @pytest.mark.parametrize("places", [
-    [("ode:contact:recommended", "grip"), ("ode:contact:recommended", "spin"), ("ode:joint:default", "arm-hold")],
+    [("ode:contact:recommended", "grip"), ("ode:contact:recommended", "spin")],
+    [("ode:joint:default", "arm-hold"), ("ode:joint:default", "joint-stop")],
     [("siconos:contact:default", "grip"), ("siconos:contact:default", "conveyor")],
     [(f"exudyn-{name}:joint:{preset}", "arm-hold") for name in ("bristle", "regularised") for preset in GENERAL],
-], ids=["ode", "siconos", "exudyn"])  # fmt: skip
+    [(f"exudyn-{name}:joint:default", "joint-stop") for name in ("bristle", "regularised")],
+], ids=["ode", "ode's joints", "siconos", "exudyn", "exudyn, thrown"])  # fmt: skip
 def test_scripts_of_servers_and_of_solvers_alone_print_the_numbers_that_the_suite_has(places, tmp_path) -> None:
     check_numbers(places, tmp_path)
 
@@ -95,6 +97,14 @@ def test_scripts_of_servers_and_of_solvers_alone_print_the_numbers_that_the_suit
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_script_alone_prints_the_drift_that_the_suite_has(name, preset, tmp_path) -> None:
     check_numbers([(f"{name}:contact:{preset}", "slope-hold")], tmp_path)
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet", "sapien"])
+def test_scripts_alone_print_when_a_joint_stops_as_the_suite_has_it(name, tmp_path) -> None:
+    places = [(f"{name}:joint:{preset}", "joint-stop") for preset in GENERAL]
+    check_numbers(places, tmp_path)
+    with pytest.raises(AssertionError, match="comparison failed"):
+        check_numbers(places, tmp_path, ("20.0", "40.0"))
 
 
 @pytest.mark.slow
