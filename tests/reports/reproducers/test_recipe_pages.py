@@ -1,8 +1,11 @@
 """Recipes are pages beside the adapters: their options are those of the presets, their numbers those of a command."""
 
 import importlib.util
+import json
+import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -81,6 +84,44 @@ def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
     for number, own in worst.iterrows():
         row = " | ".join([number, printed_number(own.default), with_recipe(own.recommended, cured=own.cured)])
         assert f"| {row} |" in recipe_text("mujoco")
+
+
+WORST = {
+    "cured [mm]": (2.0, 0.0, True), "not [mm]": (2.0, 1.0, False), "neither [ms]": (math.inf, math.nan, True),
+    "wrong [mm]": (1.0, -math.inf, False),
+}  # fmt: skip
+
+
+@pytest.mark.needs("mujoco")
+def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cured(monkeypatch, capsys) -> None:
+    table = pd.DataFrame.from_dict(WORST, orient="index", columns=["default", "recommended", "cured"])
+    monkeypatch.setattr(recipes, "recipe_results", lambda *_: (table, {}))
+    assert run_command(app, ["mujoco"]) == 0
+    printed = [line.split() for line in capsys.readouterr().out.splitlines()]
+    rows = [["cured", "[mm]", "2", "0"], ["not", "[mm]", "2", "1", "(not", "cured)"], ["neither", "[ms]", "never", "–"]]
+    assert [row for row in printed if row in rows] == rows
+    assert run_command(app, ["mujoco", "--json"]) == 0
+    scenes = json.loads(capsys.readouterr().out)["scenes"]
+    assert [tuple(own.values()) for own in scenes.values()] == [
+        (2.0, 0.0, True), (2.0, 1.0, False), ("never", None, True), (1.0, "failed", False),
+    ]  # fmt: skip
+
+
+@pytest.mark.needs("pybullet")
+def test_a_recipe_cures_a_joint_and_no_arm(monkeypatch) -> None:
+    """By what is left over what is allowed."""
+    few = {name: SCENARIOS[name] for name in ("joint-hold", "arm-hold")}
+    cases = {"arm-hold": {"2 hinges": SCENARIOS["arm-hold"].cases["2 hinges, load 0.9"]}}
+    scenes = [replace(own, cases=cases.get(name, own.cases)) for name, own in few.items()]
+    monkeypatch.setattr(recipes, "scenes_of", lambda kind: scenes if kind == Formulation.JOINT else [])
+    monkeypatch.setattr(recipes, "step_ratio", lambda *_: 1.0)
+    worst, _ = recipes.recipe_results("pybullet", Means(workers=1))
+    assert worst.cured.to_dict() == {
+        "joint-hold, turning [µrad/s]": True, "joint-hold, drift [µm/s]": True,
+        "arm-hold, turning [µrad/s]": False, "arm-hold, turned [mrad]": False,
+    }  # fmt: skip
+    assert worst.recommended.iloc[0] == 0
+    assert worst.default.iloc[0] == pytest.approx(1.6355e6, rel=1e-4)
 
 
 def test_the_page_is_printed_as_it_is(capsys) -> None:

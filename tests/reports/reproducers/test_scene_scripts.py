@@ -69,6 +69,14 @@ def test_scripts_alone_print_how_far_a_pushed_box_goes(name, tmp_path) -> None:
     check_numbers(places, tmp_path)
 
 
+@pytest.mark.parametrize("name", each_engine(["mujoco", "pybullet"]))
+def test_scripts_alone_print_when_a_joint_stops_as_the_suite_has_it(name, tmp_path) -> None:
+    places = [(f"{name}:joint:{preset}", "joint-stop") for preset in GENERAL]
+    check_numbers(places, tmp_path)
+    with pytest.raises(AssertionError, match="comparison failed"):
+        check_numbers(places, tmp_path, ("20.0", "40.0"))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("formulation", dict.fromkeys(name.rpartition(":")[0] for name, _ in WRITTEN))
 def test_scripts_alone_print_the_numbers_that_the_suite_has(formulation, tmp_path) -> None:
