@@ -58,9 +58,9 @@ def is_modelled(variant: Variant) -> bool:
 
 def marked(variant: Variant, named: tuple[str, ...]) -> Any:
     """Let other presets than the tuned ones be slow, unless their engine is named; mark engines beyond the suite."""
-    slow = [] if named or is_tuned(variant) else [pytest.mark.slow]
-    needs = [pytest.mark.needs(variant.engine)] if engine(variant.engine).capabilities.optional else []
-    return pytest.param(variant, marks=[*slow, *needs])
+    marks = [] if named or is_tuned(variant) else [pytest.mark.slow]
+    marks += [pytest.mark.needs(variant.engine)] if engine(variant.engine).capabilities.optional else []
+    return pytest.param(variant, marks=marks) if marks else variant
 
 
 def label(variant: Variant) -> str:
