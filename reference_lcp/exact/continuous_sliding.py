@@ -29,11 +29,12 @@ from scipy.optimize import minimize_scalar
 
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
-from reference_lcp.exact.event_driven_system import system_of
-from reference_lcp.exact.mode_dynamics import harmonic_load
+from reference_lcp.exact.event_driven_system import system_of_lane
 from reference_lcp.exact.one_contact import OneContact
-from reference_lcp.lcp.systems import Harmonic, MassSpringSystem
+from reference_lcp.lcp.systems import MassSpringSystem
 from reference_lcp.validation import FloatArray, checked_array
 
 SAMPLES_PER_MODE = 64
@@ -148,8 +149,7 @@ class SlidingMotion:
     @classmethod
     def of_chain(cls, chain: Chain, drive: PeriodicDrive) -> Self:
         """Find the motion of a chain with friction in one cell, outer masses first; errors as of `of`."""
-        omega, (sine, cosine) = harmonic_load(chain, drive)
-        return cls.of(system_of(chain, Harmonic(0.0, math.hypot(sine, cosine), omega, math.atan2(cosine, sine))))
+        return cls.of(system_of_lane(Lane.periodic(chain, drive, MINIMUM_STEPS_PER_PERIOD)))
 
     def positions(self, times: ArrayLike) -> FloatArray:
         """Give x [m] at times [s], shape (times, f)."""

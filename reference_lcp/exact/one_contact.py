@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.errors import ParameterError
-from reference_lcp.lcp.systems import MassSpringSystem, Piecewise
+from reference_lcp.lcp.systems import Harmonic, MassSpringSystem, Piecewise
 from reference_lcp.validation import FloatArray
 
 
@@ -40,7 +40,8 @@ class OneContact:
         ------
         ParameterError
             If it has no or several contacts with friction, more friction at rest than in motion, a normal force that
-            changes, forces that are no sines of one frequency, or a body that is tied to nothing.
+            changes, forces that are no sines of one frequency, a contact with moving ground, or a body that is tied to
+            nothing.
         """
         rubs = [k for k, contact in enumerate(system.friction) if contact.coefficient and contact.normal_force]
         which = rubs or list(range(system.contacts))
@@ -51,8 +52,13 @@ class OneContact:
             raise ParameterError(
                 f"static_coefficient = {contact.static_coefficient:g}; allowed: coefficient, {contact.coefficient:g}"
             )
-        if len(normal.pieces) > 1 or normal.piece(0.0).amplitude:
+        if len(normal.pieces) > 1 or normal.piece(0.0).amplitude or normal.piece(0.0).rate:
             raise ParameterError(f"normal_force = {contact.normal_force}; allowed: a constant, for a closed form")
+        if system.surface_speeds[which[0]] != Harmonic():
+            raise ParameterError(
+                f"second = {contact.second} of the contact; allowed: a body or still ground, "
+                "with displacements relative to it"
+            )
         omega, force = _harmonic_forces(system)
         weakest = np.linalg.eigvalsh(system.stiffness_matrix)[0]
         if weakest <= 1e-12 * np.max(np.abs(system.stiffness_matrix), initial=0.0):
@@ -99,9 +105,9 @@ class OneContact:
 def _harmonic_forces(system: MassSpringSystem) -> tuple[float, NDArray[np.complex128]]:
     """Give ω and f of forces that are sines of one frequency, A sin(ωt + φ)."""
     force, frequencies = np.zeros(system.freedoms, dtype=np.complex128), set()
-    for body, signal in system.force_signals.items():
+    for body, signal in system.loads:
         piece = signal.piece(0.0)
-        if len(signal.pieces) > 1 or piece.mean:
+        if len(signal.pieces) > 1 or piece.mean or piece.rate:
             raise ParameterError(f"force on body {body} = {_shown(signal)}; allowed: A sin(ωt + φ), for a closed form")
         if piece.amplitude:
             frequencies.add(piece.angular_frequency)
