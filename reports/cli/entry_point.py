@@ -43,6 +43,7 @@ def main() -> None:
         from multibody_xval.reports.cli.ending import run_command
 
         code = run_command(app)
+        _pressed.append(0)  # Ctrl-C ends the process at once from here: Python, as it ends, would print and forget it
     except BaseException:  # a module that was being imported may turn Ctrl-C into an error of its own
         if not interrupted():
             raise

@@ -83,6 +83,20 @@ def test_interrupt_that_a_module_turns_into_its_own_error_is_one() -> None:
     assert interrupted(started("-c", COMMAND, "swallows", "1000")) == (130, "error: interrupted\n")
 
 
+ENDING = """
+import atexit, time
+from multibody_xval.reports.cli import ending, entry_point
+ending.run_command = lambda app: 0
+atexit.register(lambda: (print("ready", flush=True), time.sleep(1000)))
+entry_point.main()
+"""
+
+
+def test_interrupt_of_a_command_that_is_done_ends_it_without_a_word() -> None:
+    """As Python ends, which takes a third of a second, it prints exceptions and forgets them: the code would be 0."""
+    assert interrupted(started("-c", ENDING)) == (130, "")
+
+
 @pytest.mark.slow
 def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
     own = started("-c", COMMAND, "closes", "1", handler=signal.SIG_IGN)
