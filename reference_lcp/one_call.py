@@ -7,10 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import Drive, PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response
@@ -18,15 +17,17 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation, steps_per_period_for
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shown
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import exact_orbit
-from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
+from reference_lcp.lcp.systems import MassSpringSystem
+from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, contact_modes, transitions_between
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
 from reference_lcp.steady.attraction import attracts_all
 from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.system_state import SystemSteadyState, system_steady_state
 from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count, checked_scalar
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
@@ -40,9 +41,6 @@ motion minutes, both grow at least with the square of the cells; error bars have
 
 WHOLE_PERIOD = 1 - 1e-9
 """Stuck fraction from which on a contact sticks all the time: sums of durations have an error of round-off."""
-
-MOST_RANGES = 3
-"""Ranges of cells that one line names; where there are more, cells are counted."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,15 +67,18 @@ class SteadyState:
     @classmethod
     def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":
         """Read the observables of an orbit; for `stick_margin` see `contact_modes`."""
-        stuck, changes = stuck_fraction(orbit, stick_margin), transitions(orbit, stick_margin)
-        ratio = complex_transmittance(orbit)
-        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), stuck, changes)
+        modes, ratio = contact_modes(orbit, stick_margin), complex_transmittance(orbit)
+        reading = np.mean(modes == 0, axis=0), transitions_between(modes, orbit)
+        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), *reading)
 
     def __repr__(self) -> str:
         """Say in one line what the last mass does, with its error bar, and which contacts stick."""
         status = "" if self.orbit.converged else f"not certified ({self.orbit.status}): "
         numbers = f"{status}{self._level} dB, phase {self.phase:.3f} rad, {self.orbit.periods} periods"
-        return f"<SteadyState {numbers}{self._sticking}>".replace("-", "−")
+        whole = np.count_nonzero(self.stuck_fraction >= WHOLE_PERIOD)
+        some = np.count_nonzero(self.stuck_fraction) - whole
+        sticking = f"of {self.stuck_fraction.size} contacts {whole} stick, {some} stick and slip"
+        return f"<SteadyState {numbers}; {sticking}>".replace("-", "−")
 
     @property
     def _level(self) -> str:
@@ -91,66 +92,44 @@ class SteadyState:
         error = math.ceil(bar.transmittance_db * 10**digits) / 10**digits
         return f"{self.transmittance_db:.{digits}f} ± {error:.{digits}f}"
 
-    @property
-    def _sticking(self) -> str:
-        whole = self.stuck_fraction >= WHOLE_PERIOD
-        modes = {"stick": whole, "stick and slip": ~whole & (self.stuck_fraction > 0)}
-        named = [f"{_ranges(own)} {mode}" for mode, own in modes.items() if own.any()]
-        return f"; cells {'; '.join(named)}" if named else "; no contact sticks"
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON; those of the error bar if there is one."""
-        bar = {} if self.error_bar is None else self.error_bar.as_dict()
-        exact = {} if self.exact_db is None else {"exact_db": self.exact_db}
-        changes = [change.as_dict() for change in self.transitions]
-        if self.error_bar is not None:
-            for change, error in zip(changes, self.error_bar.transition_time.tolist(), strict=True):
-                change["error_bar_s"] = None if math.isnan(error) else error
-        return {
-            "transmittance_db": self.transmittance_db,
-            "phase_rad": self.phase,
-            "residual": self.orbit.residual,
-            "status": str(self.orbit.status),
-            **({"reason": self.orbit.reason} if self.orbit.reason else {}),
-            "periods": self.orbit.periods,
-            "steps_per_period": self.orbit.trajectory.steps,
-            "stuck_fraction": self.stuck_fraction.tolist(),
-            "transitions": changes,
-            **bar,
-            **exact,
-        }
+@overload
+def steady_state(
+    chain: Chain, drive: PeriodicDrive, *, steps_per_period: int = ..., solver: str | None = ...,
+    tolerance: float | None = ..., max_periods: int = ..., with_error_bar: bool = ..., with_exact_value: bool = ...,
+) -> SteadyState: ...  # fmt: skip
 
 
-def _ranges(chosen: NDArray[np.bool_]) -> str:
-    """Name cells, shape (n,), such as ``1–4, 7``; count them where that takes more than `MOST_RANGES`."""
-    starts = np.flatnonzero(chosen & ~np.append(False, chosen[:-1])) + 1
-    ends = np.flatnonzero(chosen & ~np.append(chosen[1:], False)) + 1
-    if starts.size > MOST_RANGES:
-        return f"{np.count_nonzero(chosen)} of {chosen.size}"
-    return ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in zip(starts.tolist(), ends.tolist(), strict=True))
+@overload
+def steady_state(
+    chain: MassSpringSystem, drive: float | None = None, *, steps_per_period: int = ..., solver: str | None = ...,
+    tolerance: float | None = ..., max_periods: int = ..., with_error_bar: bool = ...,
+) -> SystemSteadyState: ...  # fmt: skip
 
 
 def steady_state(
-    chain: Chain,
-    drive: PeriodicDrive,
+    chain: Chain | MassSpringSystem,
+    drive: PeriodicDrive | float | None = None,
     *,
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
-    solver: str = "compiled",
+    solver: str | None = None,
     tolerance: float | None = None,
     max_periods: int = DEFAULT_PERIODS,
     with_error_bar: bool = True,
     with_exact_value: bool = False,
-) -> SteadyState:
-    """Find the steady state of `chain` under `drive`, by the Euler scheme unless the exact solver is chosen.
+) -> SteadyState | SystemSteadyState:
+    """Find the steady state of a chain under a drive, or of a system, whose forces and motions repeat.
 
     Parameters
     ----------
     chain, drive
-        What moves, and what moves it.
+        What moves, and what moves it; of a `MassSpringSystem` in place of the drive the time [s] after which all of it
+        repeats, which need not be given if that is the longest of its periods.
     steps_per_period
         Fewest steps a period, >= 16; more are taken where dt ω_max <= 0.4 requires them.
     solver
-        ``"compiled"``, ``"lemke"`` or ``"exact"``; for the last see `exact_steady_state`.
+        ``"compiled"``, the Euler scheme, as without a word of a chain; ``"lemke"``, the same by Lemke's method, of a
+        chain only; or ``"exact"``, the motion from event to event, as without a word of a system.
     tolerance
         Periodicity residual to reach; `DEFAULT_RESIDUAL`, or `EXACT_RESIDUAL` for the exact
         solver, unless given.
@@ -164,8 +143,18 @@ def steady_state(
     Raises
     ------
     ParameterError
-        If an argument is outside its range.
+        If an argument is outside its range; of a system, if a body floats, nothing repeats, or motions grow for ever.
     """
+    if isinstance(chain, MassSpringSystem):
+        if with_exact_value or not isinstance(drive, int | float | None):
+            raise ParameterError(f"drive = {shown(drive)} of a system; allowed: a period [s] or None, no exact value")
+        return system_steady_state(
+            chain, drive, steps_per_period=steps_per_period, solver=solver or "exact", tolerance=tolerance,
+            max_periods=max_periods, with_error_bar=with_error_bar,
+        )  # fmt: skip
+    if not isinstance(drive, PeriodicDrive):
+        raise ParameterError(f"drive = {shown(drive)} does not repeat; allowed: HarmonicBase, HarmonicForce")
+    solver = solver or "compiled"
     build = _solver(solver, chain)
     extras = {"an error bar": with_error_bar and solver != "exact", "an exact value": with_exact_value}
     for name in [name for name, asked in extras.items() if asked]:
@@ -291,4 +280,5 @@ def simulate(
         if array.shape != rest.shape:
             raise ParameterError(f"initial {name} have shape {array.shape}; allowed: {rest.shape}")
     simulation = build([Lane(chain, drive, time_step)])
-    return simulation.run(State(start[0][None, :], start[1][None, :]), 0, steps)[0]
+    motion = simulation.run(State(start[0][None, :], start[1][None, :]), 0, steps)[0]
+    return dataclasses.replace(motion, friction_coefficient=chain.friction_coefficient)

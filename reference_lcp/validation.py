@@ -31,14 +31,8 @@ MOST_STEPS = 1_000_000
 MOST_CELL_STEPS = 100_000_000
 """Most cells times steps that one record holds: six numbers each, 5 GB."""
 
-LARGEST_DECIBEL = 1000.0
-"""Largest difference of levels [dB] that is understood: 50 orders of magnitude in amplitude."""
-
 LONGEST_TIME_LIMIT = 1e6
 """Longest time limit [s], eleven days: timers of some systems count milliseconds in 31 bits, 24 days."""
-
-MOST_WORKERS = 1024
-"""Most worker processes on a machine; more processors than that are in no machine so far."""
 
 
 def checked_array(
@@ -69,17 +63,6 @@ def checked_array(
     return array
 
 
-def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str = "finite") -> FloatArray:
-    """Give one number a cell, read-only, of a number or an array of them; as `checked_array`."""
-    array = checked_array(name, value, requirement)
-    if array.shape not in ((), (1,), (cells,)):
-        raise ParameterError(f"{name} has shape {array.shape}; allowed: one number or ({cells},)")
-    per_cell = np.empty(cells)
-    per_cell[:] = array
-    per_cell.flags.writeable = False
-    return per_cell
-
-
 def checked_scalar(name: str, value: float, requirement: str = "finite", largest: float = LARGEST_NUMBER) -> float:
     """Give one number as a float; as `checked_array`, but arrays are refused."""
     array = checked_array(name, value, requirement, largest=largest)
@@ -107,12 +90,3 @@ def check_record_size(cells: int, steps: int) -> None:
     if cells * steps > MOST_CELL_STEPS:
         problem = f"{cells} cells x {steps} steps are {cells * steps:.3g}"
         raise ParameterError(f"{problem}; allowed: cells times steps <= {MOST_CELL_STEPS:g}")
-
-
-def is_number(text: str) -> bool:
-    """Tell whether a text, as of a table, is a number: finite or not."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -1,7 +1,7 @@
 """From results to what people read: pages, figures and tables."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 # A checkout has the folder of this name too: nothing is to be imported twice.
 if __name__ != "multibody_xval.reports":
@@ -77,26 +77,31 @@ def band_edges(
     return edge_table(data, Means(store=file, workers=workers, seconds_a_run=seconds))
 
 
-def plot(data: "xr.Dataset", file: str | Path | None = None) -> "Figure":
-    """Draw the transmittance of a sweep over frequency, for print: a panel a case, or a curve a case of one engine.
+def plot(data: Any, file: str | Path | None = None) -> "Figure":
+    """Draw a motion, or the transmittance of a sweep over frequency: a panel a case, or a curve a case of one engine.
 
     Parameters
     ----------
     data
-        The dataset of a sweep, or a part of one with 24 cases at most.
+        The dataset of a sweep, or a part of one with 24 cases at most; or a motion: a steady state, an orbit, or the
+        trajectory of `simulate`, `simulate_system` or `EventDrivenSystem.motion`.
     file
         Where the figure is written too: ``.pdf``, ``.svg``, ``.png``, ``.eps``, ``.jpg`` or ``.tif``.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As wide as one column of a journal, or two; [dB] over η_r, the threshold of the band as a grey line.
+        Of a sweep as wide as one column of a journal, or two; [dB] over η_r, the threshold of the band as a grey line.
+        Of a motion displacement, relative velocity and friction over time, grey where a contact sticks.
 
     Raises
     ------
     ParameterError
         If the data are none of a sweep or too many, or the file cannot be written.
     """
-    from multibody_xval.reports.curves import drawn_curves
+    from multibody_xval.reports.curves import drawn_curves, drawn_motion
 
+    motion = getattr(data, "orbit", data)
+    if hasattr(motion, "trajectory") or hasattr(motion, "relative_velocity"):
+        return drawn_motion(motion, file)
     return drawn_curves(data, file)

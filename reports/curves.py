@@ -12,13 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from multibody_xval.reports.figures.limits import level_limits
-from multibody_xval.reports.figures.picture_file import checked_picture
+from multibody_xval.reports.figures.motion import plot_motion
+from multibody_xval.reports.figures.picture_file import checked_picture, save_picture
 from multibody_xval.reports.figures.style import COLUMN, INK, PALETTE, PRINT_STYLE
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.output_files import replacing
 from multibody_xval.scenarios.sweeps.dataset import judged_table, sweep_in
 from multibody_xval.scenarios.sweeps.plan import FREQUENCY
+from reference_lcp.chain.simulation import PeriodicOrbit
+from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.errors import ParameterError
 
 PAGE_WIDTH, PANEL_HEIGHT = 7.2, 2.0
@@ -48,6 +51,15 @@ def drawn_curves(data: xr.Dataset, file: str | Path | None) -> Figure:
         if picture is not None:
             with replacing(picture) as part:
                 figure.savefig(part)
+    return _shown_in_notebooks(figure)
+
+
+def drawn_motion(motion: PeriodicOrbit | Trajectory, file: str | Path | None) -> Figure:
+    """Draw a motion; see `multibody_xval.plot`."""
+    picture = None if file is None else checked_picture("file", file)
+    figure = plot_motion(motion)
+    if picture is not None:
+        save_picture(figure, picture)
     return _shown_in_notebooks(figure)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from reference_lcp.terminal import visible
+from multibody_xval.engines.interface.texts import visible
 
 MISSING = "–"
 """Stands where there is no number."""

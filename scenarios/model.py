@@ -39,6 +39,9 @@ EXACT = Config("reference", preset_name="exact")
 
 DRIVES = ("base", "force")
 
+LARGEST_DECIBEL = 1000.0
+"""Largest difference of levels [dB] that is understood: 50 orders of magnitude in amplitude."""
+
 SINGLE = {
     "frequency_ratio": ("> 0", LARGEST_PARAMETER),
     "friction_coefficient": ("> 0", LARGEST_PARAMETER),

@@ -7,7 +7,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from reference_lcp.errors import ParameterError, RunError, checked_path
+from multibody_xval.engines.interface.texts import checked_path
+from reference_lcp.errors import ParameterError
+
+
+class RunError(RuntimeError):
+    """A run cannot go on, and what it has computed so far is kept; the message is one line."""
+
 
 DATABASE = b"SQLite format 3\0"
 """What every SQLite file begins with, so every store."""

@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import Config, Result, Run, Status
-from reference_lcp.errors import ParameterError, RunError, checked_path, shown
+from multibody_xval.scenarios.output_files import RunError
+from reference_lcp.errors import ParameterError, shown
 
 SCHEMA = """CREATE TABLE IF NOT EXISTS results (
     key TEXT PRIMARY KEY, run TEXT NOT NULL, version TEXT NOT NULL, options TEXT NOT NULL, result TEXT NOT NULL)"""

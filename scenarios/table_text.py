@@ -8,8 +8,8 @@ import pandas as pd
 from pydantic_core import to_json
 from rich.markup import escape
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.scenarios.terminal_table import print_table as print_rows
-from reference_lcp.terminal import visible
 
 FORMULAS = ("=", "+", "-", "@")
 """How texts begin that spreadsheets take for formulas; a tab or a carriage return is made visible before."""

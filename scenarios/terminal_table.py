@@ -1,13 +1,15 @@
 """Tables on a terminal: no number is cut off, and no line is wider than the terminal."""
 
 import textwrap
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
-from reference_lcp.terminal import visible
+from multibody_xval.engines.interface.texts import visible
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+_Item = TypeVar("_Item")
 
 READABLE = 24
 """Columns that a column of texts has at least, if its texts are that long: narrower ones are hard to read."""
@@ -17,6 +19,15 @@ SHORT_HEADING = 8
 
 LONGEST_NAME = 44
 """Columns of a name in the first column; a longer one, with many options, is wrapped."""
+
+
+def tracked(items: Sequence[_Item], unit: str) -> Iterable[_Item]:
+    """Give items one after the other, with a bar on a terminal."""
+    from rich.console import Console
+    from rich.progress import track
+
+    console = Console(stderr=True)
+    return track(items, unit, console=console, transient=True, disable=not console.is_terminal)
 
 
 def print_table(

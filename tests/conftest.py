@@ -8,13 +8,20 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import settings
 
-from tests.installed import skip_absent
+from tests.installed import is_extra, skip_absent
 from tests.site import Site
 
 # A run of CI repeats bit for bit; elsewhere every run looks at new examples.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what needs an engine that does not come with the suite."""
+    for item in filter(is_extra, items):
+        item.add_marker("extra")
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

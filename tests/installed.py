@@ -31,6 +31,11 @@ def skip_absent(item: pytest.Item) -> None:
                 (pytest.fail if required else pytest.skip)(reason)
 
 
+def is_extra(item: pytest.Item) -> bool:
+    """Whether a test needs an engine that does not come with the suite."""
+    return any(engine(name).capabilities.optional for mark in item.iter_markers("needs") for name in mark.args)
+
+
 def each_variant(variants: Iterable[Variant]) -> list:
     """Give parameters of a test: variants, each of which needs its engine."""
     return [pytest.param(one, id=str(one), marks=pytest.mark.needs(one.engine)) for one in variants]

@@ -36,41 +36,34 @@ for function in {functions}:
         delattr(os, function)
 sys.platform = {system!r}
 sys.argv = ["multibody-xval", *sys.argv[1:]]
+from multibody_xval.reports.cli.entry_point import main
+main()
 """
 
-MAIN = "from multibody_xval.reports.cli.entry_point import main; main()"
 
-
-def elsewhere(system: str, code: str, *arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Run Python as if on another system."""
-    begin = AS_IF.format(gone=GONE[system], functions=FUNCTIONS[system], system=system)
-    return subprocess.run(
-        [sys.executable, "-c", begin + code, *arguments],
+def elsewhere(system: str, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run a command as if on another system."""
+    code = AS_IF.format(gone=GONE[system], functions=FUNCTIONS[system], system=system)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
         cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
-
-
-systems = pytest.mark.parametrize("system", GONE)
-
-
-@systems
-def test_one_chain_is_simulated_and_engines_are_listed(system) -> None:
-    done = elsewhere(system, MAIN, "reference", "--friction-ratio", "0.3", "--frequency-ratio", "0.9")
     assert done.returncode == 0, done.stderr
+    return done
+
+
+@pytest.mark.parametrize("system", GONE)
+def test_one_chain_is_simulated_and_a_sweep_runs_in_the_process_of_the_command_and_says_so(system, tmp_path) -> None:
+    done = elsewhere(system, tmp_path, "reference", "--friction-ratio", "0.3", "--frequency-ratio", "0.9")
     assert "-9.56" in done.stdout
-    listed = elsewhere(system, MAIN, "engines")
-    assert (listed.returncode, "reference" in listed.stdout) == (0, True), listed.stderr
-    assert ("siconos: another Python needs a POSIX system, and this is win32" in listed.stdout) == (system == "win32")
-    assert "halted" not in listed.stdout
-
-
-@systems
-def test_a_sweep_runs_in_the_process_of_the_command_and_says_so(system, tmp_path) -> None:
+    listed = elsewhere(system, tmp_path, "engines").stdout
+    assert "reference" in listed
+    assert ("siconos: another Python needs a POSIX system, and this is win32" in listed) == (system == "win32")
+    assert "halted" not in listed
     (tmp_path / "sweep.toml").write_text(
         'engines = ["reference:joint", "mujoco:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n'
     )
-    done = elsewhere(system, MAIN, "sweep", "sweep.toml", "--out", "sweep.csv", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = elsewhere(system, tmp_path, "sweep", "sweep.toml", "--out", "sweep.csv")
     assert f"worker processes need Linux, and this is {system}; engines run in the process" in done.stderr
     table = pd.read_csv(tmp_path / "sweep.csv")
     assert list(table.status) == 2 * ["periodic"]

@@ -38,7 +38,7 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "lifting": [own for own, preset in presets if is_tuned(own) and preset.represents(NormalForce.LIFTING)],
         "holding": [own for own, preset in presets if is_tuned(own) and preset.static_friction],
     }
-    return {name: [later_if_optional(own, named) for own in own] for name, own in chosen.items()} | {
+    return {name: [marked(own, named) for own in own] for name, own in chosen.items()} | {
         "installed": list(dict.fromkeys(name_parts(name)[0][0] for name in names))
     }
 
@@ -56,9 +56,11 @@ def is_modelled(variant: Variant) -> bool:
         return True
 
 
-def later_if_optional(variant: Variant, named: tuple[str, ...]) -> Any:
-    """Let presets that take part where they are named be slow, unless their engine is named."""
-    return pytest.param(variant, marks=pytest.mark.slow) if variant.preset.optional and not named else variant
+def marked(variant: Variant, named: tuple[str, ...]) -> Any:
+    """Let other presets than the tuned ones be slow, unless their engine is named; mark engines beyond the suite."""
+    marks = [] if named or is_tuned(variant) else [pytest.mark.slow]
+    marks += [pytest.mark.needs(variant.engine)] if engine(variant.engine).capabilities.optional else []
+    return pytest.param(variant, marks=marks) if marks else variant
 
 
 def label(variant: Variant) -> str:

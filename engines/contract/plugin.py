@@ -45,7 +45,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
-    config.addinivalue_line("markers", "slow: takes seconds, or is of presets that nobody has named")
+    config.addinivalue_line("markers", "slow: takes seconds, or is of presets, other than tuned, that nobody has named")
+    config.addinivalue_line("markers", "needs(engine): is of this engine")
     names: list[str] = config.getoption(OPTION)
     for name in names:
         from multibody_xval.engines.interface.variant import variants_begun

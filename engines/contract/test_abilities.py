@@ -8,7 +8,7 @@ import pytest
 
 from multibody_xval.engines.contract.lanes import lane_of, run_of
 from multibody_xval.engines.interface.variant import Variant, variants_of
-from reference_lcp.chain.drives import ShakingForce
+from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -52,7 +52,7 @@ def pulled(variant: Variant, load: float) -> Trajectory:
     }
     chain = Chain(cells=1, **{name: np.asarray(value) for name, value in numbers.items()})
     amplitude = (1 + CARRIER / BLOCK) * load * STATIC_RATIO * BOUND
-    force = ShakingForce(amplitude, np.pi / 2 / (STEPS_PULLED * TIME_STEP), JUMP)
+    force = HarmonicForce(amplitude, np.pi / 2 / (STEPS_PULLED * TIME_STEP), JUMP)
     lane = Lane(chain, force, TIME_STEP, static_ratio=STATIC_RATIO)
     return run_of(variant, lane, State.at_rest(1, 1), STEPS_PULLED)
 

@@ -105,7 +105,7 @@ class GenesisSimulation(LanesOfJoints, ABC):
     ) -> Iterator[tuple[FloatArray, FloatArray, NDArray[np.bool_]]]:
         """Set the state, and take steps; gives the motions after each, the forces in it, and which lanes moved."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.freedoms)
         motion, live = np.hstack(self._coordinates(state)), np.ones(len(self.lanes), dtype=np.bool_)
         self._scene.set_motion(*np.split(motion, 2, axis=1))
         bounds = self._bounds(start, steps) if self._modulated else ()

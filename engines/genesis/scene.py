@@ -92,7 +92,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
     hardness = setting.changed("solimplimit")
     for joint in model.iter("joint") if hardness else ():
         joint.set("solimplimit", _text(hardness))
-    arm = world.add_entity(import_genesis().morphs.MJCF(file=model))
+    arm = world.add_entity(import_genesis().morphs.MJCF(file=model, **setting.changes("default_armature")))
     world.build()
     if isinstance(scene, JointScene):
         arm.control_dofs_force([scene.load])

@@ -8,8 +8,8 @@ from typing import Any
 
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Capabilities, Option, Preset
-from reference_lcp.errors import ParameterError, checked_choice, text_of
-from reference_lcp.terminal import visible
+from multibody_xval.engines.interface.texts import text_of, visible
+from reference_lcp.errors import ParameterError, checked_choice
 
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""

@@ -12,13 +12,13 @@ import numpy as np
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation, Preset
 from multibody_xval.engines.interface.scene import Vector, not_pushed
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
 from multibody_xval.engines.isolated.worker import Message
 from multibody_xval.engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
-from reference_lcp.terminal import visible
 from reference_lcp.validation import FloatArray, checked_array, checked_count
 
 START_LIMIT = 60.0

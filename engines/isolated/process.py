@@ -17,9 +17,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.engines.isolated.worker import Message, NotAMessage, read_message, write_message
 from reference_lcp.environment import ONE_THREAD
-from reference_lcp.terminal import visible
 
 WORKER = Path(__file__).with_name("worker.py")
 

@@ -59,7 +59,7 @@ class MuJoCoSimulation(LanesOfJoints):
     def _rollout(self, state: State, start: int, steps: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Set the state and take `steps` steps, with the load of each step as its control."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.freedoms)
         self._check("positions", state.positions, self._length)
         self._check("velocities", state.velocities, self._velocity)
         self._batch.set_motion(*self._coordinates(state))

@@ -212,7 +212,7 @@ class PymunkSimulation(LanesInUnits):
     def _begun(self, state: State, steps: int) -> tuple[World, FloatArray]:
         """Give a space without impulses of an earlier run, and the motion of `state` in it."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self._cells)
+        state.check_fits(len(self.lanes), 2 * self._cells)
         motion = np.hstack([state.positions / self._length, state.velocities / self._velocity])
         return self._new_world(), self._moved(motion, -1.0)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.event_driven_system import StickSlipLane
+from reference_lcp.exact.event_driven_system import EventDrivenBodies
 from reference_lcp.one_call import SteadyState, exact_steady_state
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -25,5 +25,5 @@ class ExactSimulation(EventDrivenSimulation):
 def exact_simulation(lanes: Sequence[Lane]) -> Simulation:
     """Give the event-driven motion; with static friction above kinetic friction, without steady states."""
     if any(lane.static_ratio > 1 for lane in lanes):
-        return SequentialSimulation([StickSlipLane(lane) for lane in lanes])
+        return SequentialSimulation([EventDrivenBodies(lane) for lane in lanes])
     return ExactSimulation(lanes)

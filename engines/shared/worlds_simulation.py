@@ -164,7 +164,7 @@ class WorldsSimulation(LanesOfJoints, ABC):
     def _chunks(self, state: State, start: int, steps: int) -> Iterator[Rows]:
         """Set the state, and give the rows of `steps` steps, some at a time."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.freedoms)
         self._worlds.set(*self._coordinates(state))
         for first in range(start, start + steps, CHUNK):
             length = min(CHUNK, start + steps - first)

@@ -10,7 +10,8 @@ from reference_lcp.chain.mass_in_mass import Chain
 def frictionless_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]:
     """Complex amplitudes [m] of all masses with friction left out, shape (2n,), outer masses first.
 
-    Solves (K + iωC − ω²M) x = f; a displacement is Im(x exp(iωt)), as the base's is U0 sin ωt.
+    Solves (K + iωC − ω²M) x = f; a displacement is Im(x exp(iωt)), as the base's is U0 sin ωt. To round-off of the
+    largest amplitude: deep inside a band gap `reference_lcp.chain.poles_and_zeros` alone gives the last mass.
     """
     return _response(chain, drive, np.eye(2 * chain.cells))
 

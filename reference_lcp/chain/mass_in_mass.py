@@ -4,12 +4,13 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from reference_lcp import defaults
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
     LARGEST_UNIT,
@@ -17,7 +18,6 @@ from reference_lcp.validation import (
     FloatArray,
     checked_array,
     checked_count,
-    checked_per_cell,
     checked_scalar,
 )
 
@@ -64,7 +64,12 @@ class Chain:
     def __post_init__(self) -> None:
         checked_count("cells", self.cells, 1, MOST_CELLS)
         for name, requirement in _REQUIREMENTS.items():
-            object.__setattr__(self, name, checked_per_cell(name, getattr(self, name), self.cells, requirement))
+            given = checked_array(name, getattr(self, name), requirement)
+            if given.shape not in ((), (1,), (self.cells,)):
+                raise ParameterError(f"{name} has shape {given.shape}; allowed: one number or ({self.cells},)")
+            own = np.broadcast_to(given, (self.cells,)).copy()
+            own.flags.writeable = False
+            object.__setattr__(self, name, own)
 
     @classmethod
     def from_ratios(
@@ -137,6 +142,26 @@ class Chain:
             f"friction bound {_span(self.friction_bound)} N",
         ]
         return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
+
+    part: ClassVar[str] = "cell"
+    """What messages call a part of it."""
+    one_coefficient: ClassVar[bool] = True
+    """Friction at rest is that of motion, unless the lane says otherwise."""
+
+    @property
+    def freedoms(self) -> int:
+        """Number of masses, 2n."""
+        return 2 * self.cells
+
+    @property
+    def damped(self) -> bool:
+        """Whether every cell has a chain dashpot."""
+        return bool(np.all(self.chain_damping > 0))
+
+    @property
+    def contact_mass(self) -> FloatArray:
+        """Mass that a contact has to move where no other holds, m_i m_o / (m_i + m_o) [kg], shape (n,)."""
+        return self.inner_mass * self.outer_mass / (self.inner_mass + self.outer_mass)
 
     @property
     def friction_bound(self) -> FloatArray:

@@ -49,6 +49,11 @@ class Lane:
         return cls(chain, drive, drive.period / steps_per_period, preload)
 
     @property
+    def one_coefficient(self) -> bool:
+        """Whether friction at rest is that of motion: then friction is monotone."""
+        return self.static_ratio == 1 and self.chain.one_coefficient
+
+    @property
     def opens(self) -> bool:
         """Whether contacts can open; then a state carries the gaps, see `State.normal_state`."""
         return self.preload is not None and self.preload.opens
@@ -83,7 +88,7 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
         other = f"as with a frequency {stable / MOST_STEPS:.3g} times as high, or masses and springs that differ less"
         raise ParameterError(f"{slow} needs {stable:.3g} steps; allowed: <= {MOST_STEPS}, {other}")
     steps = max(minimum, math.ceil(stable))
-    check_record_size(chain.cells, steps)
+    check_record_size(chain.freedoms // 2, steps)
     return steps
 
 
@@ -123,7 +128,7 @@ class Simulation(Protocol):
 
 def common_cells(lanes: Sequence[Lane]) -> int:
     """Give the number of cells that all lanes, one at least, share."""
-    lengths = {lane.chain.cells for lane in lanes}
+    lengths = {lane.chain.freedoms // 2 for lane in lanes}
     if len(lengths) != 1:
         raise ParameterError(f"a batch holds chains of {sorted(lengths)} cells; allowed: one length, at least one lane")
     return lengths.pop()

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,10 +62,10 @@ class State:
             np.concatenate(joined) if joined else None,
         )
 
-    def check_fits(self, lanes: int, cells: int) -> None:
-        """Raise a `ParameterError` unless this is a state of so many lanes, of chains of so many cells."""
-        if self.positions.shape != (lanes, 2 * cells):
-            raise ParameterError(f"the state has the shape {self.positions.shape}; allowed: {(lanes, 2 * cells)}")
+    def check_fits(self, lanes: int, freedoms: int) -> None:
+        """Raise a `ParameterError` unless this is a state of so many lanes, of chains of half as many cells."""
+        if self.positions.shape != (lanes, freedoms):
+            raise ParameterError(f"the state has the shape {self.positions.shape}; allowed: {(lanes, freedoms)}")
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "State":
         """Give the lanes of these indices."""
@@ -95,6 +95,10 @@ class Trajectory:
     """Internal state of the friction law at the end, shape (k,), or ``None``."""
     normal_gap: FloatArray | None = None
     """g_N [m] at the end of each step, shape (steps, n); ``None`` where contacts cannot open."""
+    friction_coefficient: FloatArray | None = None
+    """μ of every contact, shape (n,), by which stick and slip are read; ``None`` of an engine, whose lane has it."""
+    changes: Sequence[Any] | None = None
+    """Transitions at their exact times, of a motion that was followed from event to event."""
 
     @property
     def cells(self) -> int:

@@ -1,9 +1,8 @@
 """Base motions that are not harmonic, from rest: a Ricker pulse, a swept sine, filtered noise, a record."""
 
-import hashlib
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +22,6 @@ BLOCK = 4096
 
 FEWEST_SAMPLES = 4
 """What a cubic spline needs."""
-
-SAMPLES_PER_PERIOD = 2
-"""Nyquist: a record holds no frequencies with fewer samples a period."""
 
 
 @dataclass(frozen=True)
@@ -255,34 +251,6 @@ class RecordedBase(MovingBase):
         """Time from the first sample to the last one [s]."""
         return self.times[-1] - self.times[0]
 
-    @property
-    def spacing(self) -> float:
-        """Longest time between neighbouring samples [s]."""
-        return float(np.max(np.diff(self.times)))
-
-    @property
-    def shortest_spacing(self) -> float:
-        """Shortest time between neighbouring samples [s]."""
-        return float(np.min(np.diff(self.times)))
-
-    def check_resolves(self, angular_frequency: float) -> None:
-        """Raise a `ParameterError` unless motions of this frequency [rad/s] are in the record: Nyquist's limit."""
-        longest = 2 * np.pi / (SAMPLES_PER_PERIOD * checked_scalar("angular_frequency", angular_frequency, "> 0"))
-        if self.spacing > longest * (1 + 1e-9):
-            raise ParameterError(
-                f"the record is too coarse: samples are up to {self.spacing:g} s apart; allowed: <= {longest:.4g} s, "
-                f"half a period of {angular_frequency:g} rad/s"
-            )
-
-    def check_time_step(self, time_step: float) -> None:
-        """Raise a `ParameterError` unless every sample is met: no step [s] is longer than the shortest spacing."""
-        shortest = self.shortest_spacing
-        if checked_scalar("time_step", time_step, "> 0") > shortest * (1 + 1e-9):
-            raise ParameterError(
-                f"time_step = {time_step:g} s would leave out samples of the record; allowed: <= {shortest:g} s, "
-                "the shortest time between two of them"
-            )
-
     def displacement(self, time: FloatArray) -> FloatArray:
         """Displacement of the base [m]."""
         return self._spline(self._inside(time))
@@ -290,17 +258,6 @@ class RecordedBase(MovingBase):
     def velocity(self, time: FloatArray) -> FloatArray:
         """Velocity of the base [m/s]."""
         return self._spline(self._inside(time), 1)
-
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind, how many samples there are, and their hash, ready for JSON."""
-        samples = np.array([self.times, self.displacements])
-        return {
-            "kind": self.kind,
-            "amplitude": self.amplitude,
-            "duration": self.duration,
-            "samples": len(self.times),
-            "sha256": hashlib.sha256(samples.astype("<f8").tobytes()).hexdigest(),
-        }
 
     @cached_property
     def _spline(self) -> "CubicSpline":

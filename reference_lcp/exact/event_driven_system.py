@@ -3,7 +3,7 @@
 As `reference_lcp.exact.event_driven` for the chain, with contacts between any two bodies, forces and normal forces
 that change in time, and static friction above kinetic friction. While every contact keeps its mode,
 
-    z = (u, u̇, 1, sin ω_1 t, cos ω_1 t, …),        ż = A z,
+    z = (u, u̇, 1, t, sin ω_1 t, cos ω_1 t, …),        ż = A z,
 
 is linear, and solved by its power series over at most one span. A stretch ends where
 
@@ -18,27 +18,31 @@ excess. What slides must then move against its friction, or the motion is ambigu
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
-from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, EventsAccumulate
+from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, EventDrivenModel, EventsAccumulate
 from reference_lcp.exact.event_driven_kernel import FORCE_TOLERANCE
-from reference_lcp.exact.mode_dynamics import SERIES_ORDER, Stretch, harmonic_load
+from reference_lcp.exact.mode_dynamics import SERIES_ORDER, Stretch, harmonic_load, values
 from reference_lcp.exact.polynomial_roots import first_roots
 from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring, SystemTrajectory
 from reference_lcp.lcp.time_step import REST_TOLERANCE, FrictionalStep, solve_step
-from reference_lcp.schemes.sequential import LaneModel
+from reference_lcp.observables.stick_slip import mode_changes
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
+from reference_lcp.watching import tell
 
 Modes = NDArray[np.int8]
+
+AT_EVENT = 1e-9
+"""What the distance of a force from its bound is at its event, over its parts: far above round-off."""
 
 LEADING_ONE = np.eye(SERIES_ORDER + 1)[0]
 """The polynomial 1, which has no root."""
@@ -62,10 +66,28 @@ class SystemStretch(Stretch):
     """ġ_T [m/s], likewise."""
     modes: Modes
     """−1 and 1 for slip, 0 for rest, shape (c,); of a contact without normal force, the direction of its slip."""
+    rates: FloatArray
+    """A times the span, shape (d, d)."""
+    held: FloatArray
+    """Rows that give λ_T from z, shape (c, d)."""
 
     def values(self, series: FloatArray, times: ArrayLike) -> FloatArray:
         """Give one of the series at times [s], shape (times,), as rows."""
         return self.powers(np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) @ series
+
+    @property
+    def coefficients(self) -> FloatArray:
+        """U and u̇, as `motion`."""
+        return self.motion
+
+    @property
+    def slipped(self) -> FloatArray:
+        """Distance that every contact slides [m], shape (c,)."""
+        return self.sliding_distance(self.start, self.end)
+
+    def states(self, elapsed: FloatArray) -> FloatArray:
+        """(u, u̇) at times after the start [s], shape (times,)."""
+        return self.powers(elapsed) @ self.motion
 
     def sliding_distance(self, start: float, end: float) -> FloatArray:
         """∫ |ġ_T| dt of every contact over the part of the stretch between two times [m], shape (c,)."""
@@ -82,16 +104,21 @@ class EventDrivenSystem:
 
     def __init__(self, system: MassSpringSystem):
         self.system = system
-        signals = [*system.force_signals.values(), *system.normal_signals]
-        pieces = [piece for signal in signals for piece in signal.pieces.values() if isinstance(piece, Harmonic)]
+        signals = [*(signal for _, signal in system.loads), *system.normal_signals]
+        pieces = [piece for signal in signals for piece in signal.harmonics] + list(system.surface_speeds)
+        self._first = 1 + any(piece.rate for piece in pieces)
         self._frequencies = sorted({piece.angular_frequency for piece in pieces if piece.amplitude})
         self._switches = sorted({time for signal in signals for time in signal.switches})
-        scales = 1 / np.sqrt(system.masses)
-        matrices = system.stiffness_matrix, system.damping_matrix
-        stiffness, damping = (scales[:, None] * matrix * scales for matrix in matrices)
-        own = np.sqrt(np.linalg.norm(stiffness, 2)) + np.linalg.norm(damping, 2)
-        self._rate = float(max([own, *self._frequencies]))
+        own = system.highest_natural_frequency + np.linalg.norm(system.per_mass(system.damping_matrix), 2)
+        self._rate = max([float(own), *self._frequencies])
         self.inverse_mass = 1 / system.masses
+        f = system.freedoms
+        surfaces = [self.signal_row(speed) for speed in system.surface_speeds]
+        given = np.reshape(surfaces, (system.contacts, self._first + 2 * len(self._frequencies)))
+        self.slip_rows = np.hstack([np.zeros((system.contacts, f)), system.directions.T, -given])
+        """Rows that give ġ_T from z, shape (c, d)."""
+        self.surface_rows = given @ self.rates(np.zeros((f, self.slip_rows.shape[1])))[2 * f :, 2 * f :]
+        """Rows that give the acceleration of the ground under every contact from what is given, shape (c, d − 2f)."""
 
     def motion(self, *, position: ArrayLike, velocity: ArrayLike, times: ArrayLike) -> SystemTrajectory:
         """Give the motion at `times`.
@@ -112,25 +139,35 @@ class EventDrivenSystem:
         if np.any(np.diff(rows) <= 0):
             raise ParameterError("times do not rise; allowed: rising times")
         stretches = list(self.stretches(position=position, velocity=velocity, end=float(rows[-1])))
-        ends = np.array([stretch.end for stretch in stretches[:-1]])
-        which = np.searchsorted(ends, rows)
+        return self.sampled(stretches, rows)
 
-        def read(name: str) -> FloatArray:
-            parts = [stretches[k].values(getattr(stretches[k], name), t) for k, t in zip(which, rows, strict=True)]
-            return np.concatenate(parts)
+    def sampled(self, stretches: Sequence[SystemStretch], times: FloatArray) -> SystemTrajectory:
+        """Read stretches at times [s], with the exact times of all changes of mode."""
+        starts, system, f = np.array([own.start for own in stretches]), self.system, self.system.freedoms
+        which = np.searchsorted([own.end for own in stretches[:-1]], times)
+        s = (times - starts[which]) / stretches[0].span
+        motion, friction, normal, slip = (
+            values(np.array([getattr(own, name) for own in stretches]), which, s)
+            for name in ("motion", "friction", "normal_force", "slip")
+        )
+        modes = np.array([own.modes for own in stretches])
+        return SystemTrajectory(
+            time=times, positions=motion[:, :f], velocities=motion[:, f:], friction=friction, normal_force=normal,
+            slip=slip, friction_coefficient=system.friction_coefficient,
+            changes=mode_changes(modes, starts, system.friction_bound > 0, cyclic=False),
+        )  # fmt: skip
 
-        motion, f, friction = read("motion"), self.system.freedoms, read("friction")
-        normal, gap = read("normal_force"), np.full(friction.shape, np.nan)
-        return SystemTrajectory(rows, motion[:, :f], motion[:, f:], normal, friction, gap, read("slip"))
-
-    def stretches(self, *, position: ArrayLike, velocity: ArrayLike, end: float) -> Iterator[SystemStretch]:
-        """Give the stretches of the motion from t = 0 to `end` [s]; arguments and errors as of `motion`."""
+    def stretches(
+        self, *, position: ArrayLike, velocity: ArrayLike, end: float, start: float = 0.0
+    ) -> Iterator[SystemStretch]:
+        """Give the stretches of the motion from `start` to `end` [s]; arguments and errors as of `motion`."""
         f, limit = self.system.freedoms, checked_scalar("end", end, "> 0")
         state = [checked_array("position", position, shape=(f,)), checked_array("velocity", velocity, shape=(f,))]
-        x, time, events, counted_from = np.concatenate(state), 0.0, 0, 0.0
-        span = 1 / max(self._rate, 1 / limit)
+        x, time, events, counted_from = np.concatenate(state), start, 0, start
+        span = 1 / max(self._rate, 1 / (limit - start))
         while time < limit:
             until = min([limit, *(switch for switch in self._switches if switch > time)])
+            tell()
             stretch = _Start(self, x, time, span).stretch(until)
             yield stretch
             x = stretch.values(stretch.motion, stretch.end)[0]
@@ -144,30 +181,32 @@ class EventDrivenSystem:
     def extended(self, x: FloatArray, time: float) -> FloatArray:
         """Vector z of a state (u, u̇) at a time [s], shape (d,)."""
         phases = [(np.sin(omega * time), np.cos(omega * time)) for omega in self._frequencies]
-        return np.concatenate([x, [1.0], np.ravel(phases)])
+        return np.concatenate([x, [1.0, time][: self._first], np.ravel(phases)])
 
     def signal_row(self, piece: Harmonic) -> FloatArray:
-        """The row that gives a piece of a signal from (1, sin ω_1 t, cos ω_1 t, …), shape (d − 2f,)."""
-        row = np.zeros(1 + 2 * len(self._frequencies))
-        row[0] = piece.mean
+        """The row that gives a piece of a signal from (1, t, sin ω_1 t, cos ω_1 t, …), shape (d − 2f,)."""
+        row = np.zeros(self._first + 2 * len(self._frequencies))
+        row[: self._first] = [piece.mean, piece.rate][: self._first]
         if piece.amplitude:
-            k = 1 + 2 * self._frequencies.index(piece.angular_frequency)
+            k = self._first + 2 * self._frequencies.index(piece.angular_frequency)
             row[k : k + 2] = piece.amplitude * np.cos(piece.phase), piece.amplitude * np.sin(piece.phase)
         return row
 
     def forces(self, time: float) -> FloatArray:
         """Rows that give h [N] from z just behind a time [s], shape (f, d)."""
         system = self.system
-        given = np.zeros((system.freedoms, 1 + 2 * len(self._frequencies)))
-        for body, signal in system.force_signals.items():
-            given[body] = self.signal_row(signal.piece(time))
+        given = np.zeros((system.freedoms, self._first + 2 * len(self._frequencies)))
+        for body, signal in system.loads:
+            given[body] += self.signal_row(signal.piece(time))
         return np.hstack([-system.stiffness_matrix, -system.damping_matrix, given])
 
     def normal_forces(self, time: float) -> FloatArray:
         """Rows that give N [N] from z just behind a time [s], shape (c, d)."""
         rows = [self.signal_row(signal.piece(time)) for signal in self.system.normal_signals]
         f = self.system.freedoms
-        return np.hstack([np.zeros((len(rows), 2 * f)), np.reshape(rows, (len(rows), 1 + 2 * len(self._frequencies)))])
+        return np.hstack(
+            [np.zeros((len(rows), 2 * f)), np.reshape(rows, (len(rows), self._first + 2 * len(self._frequencies)))]
+        )
 
     def rates(self, acceleration: FloatArray) -> FloatArray:
         """A of ż = A z, from the rows that give the acceleration, shape (d, d)."""
@@ -175,8 +214,9 @@ class EventDrivenSystem:
         rates = np.zeros((d, d))
         rates[:f, f : 2 * f] = np.eye(f)
         rates[f : 2 * f] = acceleration
+        rates[2 * f + 1 : 2 * f + self._first, 2 * f] = 1.0
         for k, omega in enumerate(self._frequencies):
-            sine = 2 * f + 1 + 2 * k
+            sine = 2 * f + self._first + 2 * k
             rates[sine, sine + 1], rates[sine + 1, sine] = omega, -omega
         return rates
 
@@ -193,7 +233,7 @@ class _Start:
         self._rubs = np.any(self._normal != 0, axis=1) & (self._static > 0)
         self._z = solver.extended(x, time)
         self._speed, self._size = self._round_off_scales()
-        slip = self._W.T @ self._velocity
+        slip = solver.slip_rows @ self._z
         rest = np.abs(slip) <= REST_TOLERANCE * self._speed
         self._modes: Modes = np.where(self._rubs & rest, 0, np.where(slip < 0, -1, 1)).astype(np.int8)
         self._bring_to_rest()
@@ -209,8 +249,9 @@ class _Start:
         slip[:, self._modes == 0] = 0.0
         normal = self._series @ self._normal.T
         result = SystemStretch(
-            self._time, part * self._span, self._span, motion, normal, self._friction, slip, self._modes
-        )
+            self._time, part * self._span, self._span, motion, normal, self._friction, slip, self._modes,
+            self._rates, self._held,
+        )  # fmt: skip
         ends = result.values(normal, [result.start, result.end])
         negative = np.argwhere(ends < -FORCE_TOLERANCE * np.max(np.abs(normal), axis=0, initial=0.0))
         if negative.size:
@@ -231,13 +272,14 @@ class _Start:
         given = np.abs(self._forces) @ np.abs(self._z)
         bound = self._static * (np.abs(self._normal) @ np.abs(self._z))
         gained = self._span * np.max((given + np.abs(self._W) @ bound) * self._inverse_mass)
-        return float(np.max(np.abs(self._velocity)) + gained), np.abs(self._W.T) @ given + bound
+        moved = np.max(np.abs(self._solver.slip_rows[:, 2 * len(self._W) :] @ self._z[2 * len(self._W) :]), initial=0.0)
+        return float(max(np.max(np.abs(self._velocity)), moved) + gained), np.abs(self._W.T) @ given + bound
 
     def _bring_to_rest(self) -> None:
         """Give the bodies of contacts at rest velocities without slip, in place; momentum is kept."""
-        W = self._W[:, self._modes == 0]
+        W, slip = self._W[:, self._modes == 0], self._solver.slip_rows[self._modes == 0] @ self._z
         response = self._inverse_mass[:, None] * W
-        self._velocity[:] -= response @ np.linalg.solve(W.T @ response, W.T @ self._velocity)
+        self._velocity[:] -= response @ np.linalg.solve(W.T @ response, slip)
 
     def _release(self) -> None:
         """Let those contacts slide that friction at rest cannot hold; see the module."""
@@ -268,6 +310,7 @@ class _Start:
             mass_matrix=self._mass_matrix,
             force=force,
             time_step=1.0,
+            tangential_motion=-self._solver.surface_rows[rest] @ self._z[2 * len(self._W) :],
             friction_coefficient=self._kinetic[rest],
             static_friction_coefficient=self._static[rest],
             # Where a contact is at its bound, round-off would decide; there its series does.
@@ -283,8 +326,12 @@ class _Start:
         friction[moving] = -(self._modes * self._kinetic)[moving, None] * self._normal[moving]
         held = W[:, ~moving]
         free = self._inverse_mass[:, None] * (self._forces + W @ friction)
-        friction[~moving] = -np.linalg.solve(held.T @ (self._inverse_mass[:, None] * held), held.T @ free)
+        needed = held.T @ free
+        needed[:, 2 * len(W) :] -= self._solver.surface_rows[~moving]
+        friction[~moving] = -np.linalg.solve(held.T @ (self._inverse_mass[:, None] * held), needed)
+        self._held = friction
         rates = self._solver.rates(self._inverse_mass[:, None] * (self._forces + W @ friction)) * self._span
+        self._rates: FloatArray = rates
         series = [self._z]
         for k in range(1, SERIES_ORDER + 1):
             series.append(rates @ series[-1] / k)
@@ -292,8 +339,8 @@ class _Start:
         self._friction: FloatArray = self._series @ friction.T
 
     def _slip(self) -> FloatArray:
-        f = self._W.shape[0]
-        return self._series[:, f : 2 * f] @ self._W
+        slip: FloatArray = self._series @ self._solver.slip_rows.T
+        return slip
 
     def _distance_from_bound(self, side: FloatArray) -> FloatArray:
         """μ_s N less friction at rest on one side, ±1 a contact, in powers of s, shape (SERIES_ORDER + 1, c)."""
@@ -339,38 +386,61 @@ class _Start:
         return np.concatenate([column[order:], np.zeros(order)])
 
 
-class StickSlipLane(LaneModel):
-    """A lane with a harmonic or still drive, advanced from event to event and read at the ends of its time steps."""
+class EventDrivenBodies(EventDrivenModel):
+    """A lane of bodies, or a chain as such: with static friction, and with normal forces that change in time."""
 
     def __init__(self, lane: Lane):
-        if lane.preload is not None:
-            raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
         self.lane = lane
-        self._frequency, (sine, cosine) = harmonic_load(lane.chain, lane.drive)
-        self._amplitude, self._phase = math.hypot(sine, cosine), math.atan2(cosine, sine)
+        system = lane.chain if isinstance(lane.chain, MassSpringSystem) else system_of_lane(lane)
+        self.solver = EventDrivenSystem(system)
 
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state` at step index `start`; λ_T is that of the instant of each row."""
-        lane = self.lane
-        phase = self._phase + self._frequency * start * lane.time_step
-        load = Harmonic(amplitude=self._amplitude, angular_frequency=self._frequency, phase=phase)
-        system = system_of(lane.chain, load, lane.static_ratio)
-        motion = EventDrivenSystem(system).motion(
-            position=state.positions[0], velocity=state.velocities[0], times=lane.times(0, steps)
-        )
-        record = motion.positions, motion.velocities, motion.friction, motion.normal_force
-        return Trajectory(lane.times(start, steps), *record)
+    def segments(self, state: State, start: float, end: float) -> Iterator[SystemStretch]:
+        """Stretches of the motion from `state`, a batch of one lane, between two times [s]."""
+        return self.solver.stretches(position=state.positions[0], velocity=state.velocities[0], start=start, end=end)
+
+    def sampled(self, segments: Sequence[Any], times: FloatArray) -> Trajectory:
+        """Read stretches at times [s]; λ_T is that of the instant of each row."""
+        return self.solver.sampled(segments, times)
+
+    def monodromy(self, segments: Sequence[Any]) -> FloatArray:
+        """Jacobian of the end of a row of stretches to its start, in (u, u̇), shape (2f, 2f)."""
+        system, f = self.solver.system, self.solver.system.freedoms
+        W, total = system.directions[:, segments[0].modes == 0], np.eye(2 * f)
+        response = W / system.masses[:, None]
+        total[f:, f:] -= response @ np.linalg.solve(W.T @ response, W.T)
+        for before, after in zip([None, *segments], segments, strict=False):
+            if before is not None:
+                total = self._jump(before, after) @ total
+            term, rates = total, after.rates[: 2 * f, : 2 * f] * (after.duration / after.span)
+            for k in range(1, SERIES_ORDER + 1):
+                term = rates @ term / k
+                total = total + term
+        return total
+
+    def _jump(self, before: SystemStretch, after: SystemStretch) -> FloatArray:
+        """Saltation matrix where contacts stop, turn round or leave their rest by themselves, shape (2f, 2f)."""
+        width, total = before.motion.shape[1], np.eye(before.motion.shape[1])
+        z = self.solver.extended(before.values(before.motion, before.end)[0], before.end)
+        rate, jump = before.rates @ z, (after.rates @ z - before.rates @ z)[:width]
+        bound = self.solver.system.static_friction_coefficient[:, None] * self.solver.normal_forces(before.start)
+        distance = bound - np.sign(before.held @ z)[:, None] * before.held
+        for contact in np.flatnonzero(before.modes != after.modes):
+            row = (self.solver.slip_rows if before.modes[contact] else distance)[contact]
+            # one that leaves its rest may do so because another stops, away from its own bound
+            if row @ rate and (before.modes[contact] or abs(row @ z) <= AT_EVENT * (abs(row) @ abs(z))):
+                total = total + np.outer(jump, row[:width]) / (row @ rate)
+        return total
 
 
-def system_of(
-    chain: Chain, load: Signal, static_ratio: float = 1.0, preload: Preload | None = None
-) -> MassSpringSystem:
-    """Give a chain body by body, outer masses first, with a `load` [N] on the first one and μ_s / μ_k of contacts."""
-    n = chain.cells
+def system_of_lane(lane: Lane) -> MassSpringSystem:
+    """Give a chain under a harmonic or still drive body by body, outer masses first."""
+    chain, n = lane.chain, lane.chain.cells
+    omega, (sine, cosine) = harmonic_load(chain, lane.drive)
+    load = Harmonic(amplitude=math.hypot(sine, cosine), angular_frequency=omega, phase=math.atan2(cosine, sine))
     outer = [Spring(k, k - 1 if k else None, chain.chain_stiffness[k], chain.chain_damping[k]) for k in range(n)]
     inner = [Spring(n + k, k, chain.inner_stiffness[k], chain.inner_damping[k]) for k in range(n)]
     friction = [
-        FrictionContact(n + k, k, _pressing(float(chain.normal_force[k]), preload), mu, static_ratio * mu)
+        FrictionContact(n + k, k, _pressing(float(chain.normal_force[k]), lane.preload), mu, lane.static_ratio * mu)
         for k, mu in enumerate(chain.friction_coefficient.tolist())
     ]
     masses = np.concatenate([chain.outer_mass, chain.inner_mass])

@@ -11,8 +11,8 @@ where a slipping one stops or turns round, h is its relative velocity.
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
-from typing import cast
+from functools import cached_property, partial
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +21,23 @@ from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, steps_per_period_for
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation
-from reference_lcp.exact.mode_dynamics import Segment, monodromy, values
-from reference_lcp.observables.stick_slip import MODE_OF_SIGN, Transition
-from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenModel
+from reference_lcp.exact.event_driven_system import EventDrivenBodies
+from reference_lcp.exact.mode_dynamics import values
+from reference_lcp.observables.stick_slip import Transition, mode_changes
+from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 from reference_lcp.steady.attraction import attracts_all, largest_moving, without_dashpots
 from reference_lcp.steady.orbits import orbit_status, periodic_orbits
 from reference_lcp.validation import FloatArray
+from reference_lcp.watching import tell
 
-QUADRATURE_POINTS = 16
-"""Gauss points on each segment: exact up to degree 31, of polynomials whose coefficients fall as 1 / k!."""
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(16)
+"""On each segment: exact up to degree 31, of polynomials whose coefficients fall as 1 / k!."""
+
+REAL = 1e-6
+"""Imaginary part of a root, over the span, up to which it is a turn; one that is none only reads a place on the way."""
 
 SHORTEST_SEGMENT = 1e-12
 """Segments shorter than this part of the period are none: events that coincide but for round-off."""
@@ -66,23 +71,18 @@ ROUND_OFF = 1e-14
 resolved so far ends it too, with a residual that falls no more."""
 
 
-@cache
-def _gauss() -> tuple[FloatArray, FloatArray]:
-    points, weights = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
-    return points, weights
-
-
 @dataclass(frozen=True)
 class ExactPeriod:
     """The segments of one period of a steady state, from phase zero of the drive."""
 
     lane: Lane
-    segments: list[Segment]
+    segments: list[Any]
+    """`Segment`, or `SystemStretch` of bodies."""
 
     @classmethod
-    def following(cls, orbit: PeriodicOrbit, period: float, deadline: Deadline = UNLIMITED) -> "ExactPeriod":
+    def following(cls, orbit: PeriodicOrbit, period: float) -> "ExactPeriod":
         """Go through the period [s] that follows the recorded one, at whose end sticking contacts are at rest."""
-        return cls(orbit.lane, list(EventDrivenChain(orbit.lane, deadline).segments(orbit.trajectory.end, 0.0, period)))
+        return cls(orbit.lane, list(event_driven_model(orbit.lane).segments(orbit.trajectory.end, 0.0, period)))
 
     @property
     def period(self) -> float:
@@ -92,11 +92,8 @@ class ExactPeriod:
     @property
     def transitions(self) -> list[Transition]:
         """Changes of mode by cell and then by time, at their exact times; as `stick_slip.transitions`."""
-        modes = self.modes[self.lasting]
-        return [
-            Transition(int(cell) + 1, self.segments[self.lasting[row]].start, MODE_OF_SIGN[int(modes[row, cell])])
-            for cell, row in self._changes
-        ]
+        starts = np.array([self.segments[row].start for row in self.lasting])
+        return mode_changes(self.modes[self.lasting], starts, self.lane.chain.friction_bound > 0, cyclic=True)
 
     @property
     def travels(self) -> list[float]:
@@ -119,22 +116,37 @@ class ExactPeriod:
         return np.sum(durations * sticks, axis=0) / np.sum(durations * np.ones_like(sticks), axis=0)
 
     def harmonic(self, order: int = 1) -> NDArray[np.complex128]:
-        """Complex amplitudes A exp(iφ) [m] of the displacements A sin(kωt + φ), shape (2n,), outer masses first."""
+        """Complex amplitudes A exp(iφ) [m] of the displacements A sin(kωt + φ), shape (f,)."""
         times, weights, states = self.quadrature
         phases = 2 * np.pi * order / self.period * times
-        parts = (weights * np.array([np.sin(phases), np.cos(phases)])) @ states[:, : 2 * self.lane.chain.cells]
+        parts = (weights * np.array([np.sin(phases), np.cos(phases)])) @ states[:, : self.lane.chain.freedoms]
         return 2 / self.period * (parts[0] + 1j * parts[1])
 
     @cached_property
     def quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gauss points of all segments [s], their weights [s], and the states (u, v, u̇, v̇) there."""
-        points, weights = _gauss()
-        elapsed = np.outer(self._durations, (points + 1) / 2)
-        rows = np.repeat(np.arange(len(self.segments)), points.size)
+        """Gauss points of all segments [s], their weights [s], and positions and velocities there."""
+        elapsed = np.outer(self._durations, (GAUSS_POINTS + 1) / 2)
+        rows = np.repeat(np.arange(len(self.segments)), GAUSS_POINTS.size)
         starts = np.array([segment.start for segment in self.segments])
         states = values(self._series, rows, elapsed.ravel() / self.segments[0].span)
         times = (starts[:, None] + elapsed).ravel()
-        return times, np.outer(self._durations, weights / 2).ravel(), states[:, : 4 * self.lane.chain.cells]
+        return times, np.outer(self._durations, GAUSS_WEIGHTS / 2).ravel(), states[:, : 2 * self.lane.chain.freedoms]
+
+    def state(self, time: float) -> FloatArray:
+        """Positions and velocities at a time [s] of the period, shape (2f,)."""
+        ends = [segment.end for segment in self.segments[:-1]]
+        segment = self.segments[int(np.searchsorted(ends, time))]
+        return np.asarray(segment.states(np.array([time - segment.start]))[0])
+
+    @property
+    def amplitude(self) -> FloatArray:
+        """Half of the distance between the ends of the way of every mass [m], shape (f,)."""
+        f, reached = self.lane.chain.freedoms, []
+        for part, series in zip(self._durations / self.segments[0].span, self._series, strict=True):
+            turns = np.concatenate([np.roots(series[::-1, k]) for k in range(f, 2 * f)])
+            inside = turns.real[(abs(turns.imag) < REAL) & (turns.real > 0) & (turns.real < part)]
+            reached.append(np.polynomial.polynomial.polyval(np.array([0.0, part, *inside]), series[:, :f]))
+        return np.ptp(np.hstack(reached), axis=1) / 2
 
     @property
     def complex_transmittance(self) -> complex:
@@ -171,11 +183,8 @@ class ExactPeriod:
     @cached_property
     def _slips(self) -> FloatArray:
         """Change of the relative displacement of every contact in every segment [m], shape (segments, n)."""
-        n, rows = self.lane.chain.cells, np.arange(len(self.segments))
-        ends = values(self._series, rows, self._durations / self.segments[0].span)
-        changes = ends - self._series[:, 0]
         slipping = np.array([segment.modes for segment in self.segments]) != 0
-        return np.where(slipping, changes[:, n : 2 * n] - changes[:, :n], 0.0)
+        return np.where(slipping, np.array([segment.slipped for segment in self.segments]), 0.0)
 
     @cached_property
     def modes(self) -> NDArray[np.int8]:
@@ -187,27 +196,26 @@ class ExactPeriod:
         return modes
 
 
-def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatArray:
-    """Jacobian of the end of a row of segments to its start, in (u, v, u̇, v̇), shape (4n, 4n).
-
-    Contacts that stick at the start have one velocity for both masses; a change of it that parts them
-    counts for its common part.
-    """
-    coefficients = np.array([segment.coefficients for segment in segments])
-    durations = np.array([segment.duration for segment in segments])
-    transposed: FloatArray = monodromy(chain.system, durations, coefficients, np.array([s.modes for s in segments]))
-    return transposed.T
+def event_driven_model(lane: Lane) -> EventDrivenModel:
+    """Give what advances a lane from event to event: the compiled chain where that suffices."""
+    if isinstance(lane.chain, Chain) and lane.one_coefficient and lane.preload is None:
+        return EventDrivenChain(lane)
+    return EventDrivenBodies(lane)
 
 
-def polished(
-    lane: Lane, start: State, tolerance: float, deadline: Deadline = UNLIMITED, thorough: bool = True
-) -> PeriodicOrbit:
+def monodromy_matrix(model: EventDrivenModel, segments: list[Any], frequency: float) -> FloatArray:
+    """Jacobian of the end of a row of segments to its start, in positions and velocities over ω, shape (2f, 2f)."""
+    scale = np.repeat([1.0, frequency], model.lane.chain.freedoms)
+    return model.monodromy(segments) * scale / scale[:, None]
+
+
+def polished(lane: Lane, start: State, tolerance: float, thorough: bool = True) -> PeriodicOrbit:
     """Find an orbit by Newton's method, while its residual falls; `tolerance` decides the status."""
-    chain, drive, width = EventDrivenChain(lane, deadline), cast(PeriodicDrive, lane.drive), 2 * lane.chain.cells
+    model, drive, width = event_driven_model(lane), cast(PeriodicDrive, lane.drive), lane.chain.freedoms
     scale = drive.displacement_scale(lane.chain) * np.repeat([1.0, drive.angular_frequency], width)
     x, best, residual, periods = np.concatenate([start.positions[0], start.velocities[0]]), [], np.inf, 0
     while periods <= NEWTON_STEPS:
-        segments = list(chain.segments(State(x[None, :width], x[None, width:]), 0.0, drive.period))
+        segments = list(model.segments(State(x[None, :width], x[None, width:]), 0.0, drive.period))
         change = (segments[-1].states(np.array([segments[-1].duration]))[0] - x) / scale
         periods += 1
         tell(POLISHING, periods, NEWTON_STEPS)
@@ -217,16 +225,10 @@ def polished(
         if residual <= (ROUND_OFF if thorough else tolerance):
             break
         # X + (I − J)⁺ (g(x) − x) with g the period map; offsets of stuck cells stay as they are.
-        matrix = np.eye(2 * width) - _scaled_monodromy(chain, segments, drive.period)
+        matrix = np.eye(2 * width) - monodromy_matrix(model, segments, 2 * np.pi / drive.period)
         x = x + scale * np.linalg.lstsq(matrix, change, rcond=NULL_DIRECTION)[0]
-    trajectory = chain.sampled(best, lane.times(0, round(drive.period / lane.time_step)))
+    trajectory = model.sampled(best, lane.times(0, round(drive.period / lane.time_step)))
     return PeriodicOrbit(lane, trajectory, residual, periods, orbit_status(residual, tolerance))
-
-
-def _scaled_monodromy(chain: EventDrivenChain, segments: list[Segment], period: float) -> FloatArray:
-    """`monodromy_matrix` of a period [s], of positions and of velocities over ω."""
-    scale = np.repeat([1.0, 2 * np.pi / period], 2 * chain.lane.chain.cells)
-    return monodromy_matrix(chain, segments) * scale / scale[:, None]
 
 
 def exact_orbit(
@@ -236,26 +238,24 @@ def exact_orbit(
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
     tolerance: float = EXACT_RESIDUAL,
     max_periods: int = DEFAULT_PERIODS,
-    deadline: Deadline = UNLIMITED,
     thorough: bool = True,
 ) -> tuple[PeriodicOrbit, ExactPeriod]:
     """Find the periodic orbit, and its segments between events; arguments are those of `exact_steady_state`.
 
-    Newton's method ends where the residual falls no more; one that is not `thorough`, at the tolerance. A search that
-    passes its deadline raises `NotProven`.
+    Newton's method ends where the residual falls no more; one that is not `thorough`, at the tolerance.
     """
     lane = Lane.periodic(chain, drive, steps_per_period)
-    simulation = EventDrivenSimulation([lane], deadline)
-    polish = partial(polished, lane, tolerance=tolerance, deadline=deadline, thorough=thorough)
+    simulation = SequentialSimulation([event_driven_model(lane)])
+    polish = partial(polished, lane, tolerance=tolerance, thorough=thorough)
     search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
     steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
-    if steps <= MOST_SCHEME_STEPS:
-        euler = CompiledSimulation([Lane.periodic(chain, drive, steps)])
-        scheme = periodic_orbits(euler, steps, tolerance=SCHEME_RESIDUAL, longest_multiple=1, deadline=deadline)[0]
+    if steps <= MOST_SCHEME_STEPS and lane.one_coefficient:
+        euler = euler_simulation([Lane.periodic(chain, drive, steps)])
+        scheme = periodic_orbits(euler, steps, tolerance=SCHEME_RESIDUAL, longest_multiple=1)[0]
         if scheme.converged:
             orbit = polish(scheme.trajectory.end)
             if orbit.converged:
-                return _judged(orbit, drive.period, deadline)
+                return _judged(orbit, drive.period)
     orbit = search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0]
     if orbit.status is not OrbitStatus.DIVERGED:
         other = polish(orbit.trajectory.end)
@@ -264,13 +264,13 @@ def exact_orbit(
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
-    return _judged(orbit, drive.period, deadline)
+    return _judged(orbit, drive.period)
 
 
-def _judged(orbit: PeriodicOrbit, period: float, deadline: Deadline) -> tuple[PeriodicOrbit, ExactPeriod]:
+def _judged(orbit: PeriodicOrbit, period: float) -> tuple[PeriodicOrbit, ExactPeriod]:
     """Give an orbit with the period [s] that follows; without dashpots, its multipliers say whether it is reached."""
-    exact, chain = ExactPeriod.following(orbit, period, deadline), orbit.lane.chain
-    if not orbit.converged or attracts_all(orbit.lane):
+    exact = ExactPeriod.following(orbit, period)
+    if not (orbit.converged and orbit.lane.one_coefficient) or attracts_all(orbit.lane):
         return orbit, exact
-    jacobian = _scaled_monodromy(EventDrivenChain(orbit.lane, deadline), exact.segments, period)
-    return without_dashpots(orbit, largest_moving(jacobian, chain.cells)), exact
+    jacobian = monodromy_matrix(event_driven_model(orbit.lane), exact.segments, 2 * np.pi / period)
+    return without_dashpots(orbit, largest_moving(jacobian)), exact

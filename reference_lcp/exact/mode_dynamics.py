@@ -264,6 +264,13 @@ class Segment(Stretch):
         """Number of cells n."""
         return self.friction.shape[1]
 
+    @property
+    def slipped(self) -> FloatArray:
+        """Change of the relative displacement of every contact [m], shape (n,)."""
+        n, s = self.cells, np.array([self.duration / self.span])
+        change = values(self.coefficients[None], np.zeros(1, dtype=np.intp), s)[0] - self.coefficients[0]
+        return change[n : 2 * n] - change[:n]
+
     def states(self, elapsed: FloatArray) -> FloatArray:
         """(u, v, u̇, v̇) at times after the start [s], shape (times,); the result has (times, 4n)."""
         n = self.cells

@@ -21,7 +21,8 @@ class LemkeStatus(StrEnum):
     """How Lemke's method ended."""
 
     SOLVED = "solved"
-    RAY_TERMINATION = "ray termination: no solution on this path"
+    NO_SOLUTION = "no solution: a checked certificate excludes every one"
+    RAY_TERMINATION = "ray termination: no solution on this path, others may have one"
     PIVOT_LIMIT = "pivot limit reached"
     NUMERICAL_BREAKDOWN = "numerical breakdown: the final basis fails the independent check"
     BASIS_REPEATED = "a basis came back: round-off has decided a pivot"
@@ -39,10 +40,10 @@ class LemkeResult:
     """Shape (n,), as `w`; NaN unless solved."""
     w: FloatArray
     pivots: int
-    """Of all paths together."""
+    """Of both paths together."""
     status: LemkeStatus
     residual: float
-    """‖min(z, w)‖∞, z scaled as in the pivoting, w_i over the size of its terms; NaN unless a basis was reached."""
+    """Largest of |w_i − (M z + q)_i| over the size of the row's terms; NaN unless a basis was reached."""
     basic: NDArray[np.bool_]
     """Which z the final basis holds, shape (n,); it warm-starts a similar problem."""
 
@@ -59,14 +60,14 @@ def lemke(
     covering: ArrayLike | None = None,
     max_pivots: int | None = None,
     warm_start: NDArray[np.bool_] | None = None,
-    paths: int = 1,
 ) -> LemkeResult:
     """Solve w = M z + q, w >= 0, z >= 0, wᵀ z = 0.
 
-    Rows and columns are scaled by powers of two first. The lexicographic ratio test excludes cycling;
-    ties that involve the artificial variable end the path. The solution is computed anew from the final
-    basis with the unscaled data, and checked apart from the pivoting: what fails that check is never
-    returned as solved.
+    Rows and columns are scaled by powers of two first. Where that path ends without a solution, one in the given
+    units follows: among entries of round-off, which ought to be zero, no scaling of units shows what is small. The
+    lexicographic ratio test excludes cycling; ties that involve the artificial variable end the path. The solution is
+    computed anew from the final basis with the unscaled data, and checked apart from the pivoting: what fails that
+    check is never returned as solved.
 
     Parameters
     ----------
@@ -75,28 +76,27 @@ def lemke(
     q
         Shape (n,).
     covering
-        Column d > 0 of the artificial variable, shape (n,): which path is followed depends on it. One
-        in every row of the scaled problem without it.
+        Column d > 0 of the artificial variable, shape (n,): which path is followed depends on it. Ones
+        in the units of the path without it.
     max_pivots
         Pivots after which a path is given up; 50 n + 100 without it.
     warm_start
         `LemkeResult.basic` of a similar problem, of the step before, say. Where that basis still gives
         a checked solution no pivot is made; else the path is followed from the start.
-    paths
-        How many paths are tried until one ends with a solution: `covering`'s first, then those of a fixed
-        sequence of covering vectors. If none does, the status is that of the first.
 
     Returns
     -------
     LemkeResult
-        For copositive-plus M, among them the friction matrices of equation (7) with a given normal
-        force, ray termination proves that there is no solution; for others that this path has none.
+        `NO_SOLUTION` is proven by y >= 0 with Mᵀ y <= 0 and qᵀ y < 0, from a ray: no z, at least below 1e8 times q
+        in scaled units, has M z + q >= 0. For copositive-plus M, among them the friction matrices of equation (7) with
+        a given normal force, a ray is such a y but for round-off. Any other status but `SOLVED` leaves it open
+        whether there is a solution; it is that of the first path.
 
     Raises
     ------
     ParameterError
-        If shapes do not fit, a value is not finite, `covering` is not > 0, `max_pivots` or `paths` is below
-        1 or `warm_start` does not have shape (n,).
+        If shapes do not fit, a value is not finite, `covering` is not > 0, `max_pivots` is below 1 or `warm_start`
+        does not have shape (n,).
     """
     matrix, vector = checked_array("M", M), checked_array("q", q)
     size = vector.size
@@ -108,7 +108,7 @@ def lemke(
     start = np.asarray(() if warm_start is None else warm_start, dtype=np.bool_)
     if warm_start is not None and start.shape != (size,):
         raise ParameterError(f"warm_start has shape {start.shape}; allowed: ({size},)")
-    matrix, paths = np.ascontiguousarray(matrix), checked_count("paths", paths)
+    matrix = np.ascontiguousarray(matrix)
     factors = power_of_two_scaling(matrix)
-    z, w, pivots, code, residual, basic = solve_scaled_lcp(matrix, vector, *factors, cover, limit, start, paths)
+    z, w, pivots, code, residual, basic = solve_scaled_lcp(matrix, vector, *factors, cover, limit, start)
     return LemkeResult(z, w, pivots, STATUSES[code], residual, basic)

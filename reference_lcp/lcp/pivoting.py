@@ -28,19 +28,22 @@ CLOSE = 2.0**-20
 LARGEST_GROWTH = 1e12
 """Largest scaled z over q of a solution that counts: beyond, q is lost in the round-off of M z."""
 
+ROUND_OFF = 2.0**-53
+"""Relative error of an operation."""
+
+EXCLUDED_GROWTH = 1e8
+"""Scaled z over q up to which a certificate has to exclude solutions: beyond, half the digits of q are lost in M z."""
+
 RESIDUAL_TOLERANCE = 1e-10
-"""Largest natural residual ‖min(z, w)‖∞ of a solution that counts, in scaled variables."""
+"""Largest residual of a solution that counts: what is missing of w = M z + q over the size of the row's terms."""
 
 VARIABLE_ROUND_OFF = 1e-13
-"""Error that each scaled variable may carry, relative to the largest one: round-off in a basis of condition 1,000.
+"""Largest error of a variable over the largest one, in scaled and given units: round-off in a basis of condition 1,000.
 
 A row made of terms alone that ought to be zero is compared with what they may carry, not with itself.
 """
 
-GOLDEN_RATIO = (5**0.5 - 1) / 2
-"""Its multiples modulo one are spread evenly, no two alike: covering vectors are made of them."""
-
-SOLVED, RAY, LIMIT, BREAKDOWN, REPEATED = range(5)
+SOLVED, NO_SOLUTION, RAY, LIMIT, BREAKDOWN, REPEATED = range(6)
 """Status codes, in the order of `LemkeStatus`."""
 
 
@@ -52,13 +55,12 @@ _inlined = numba.njit(inline="always", error_model="numpy")
 
 
 @numba.njit(cache=True, error_model="numpy")
-def solve_scaled_lcp(
-    M: Any, q: Any, rows: Any, columns: Any, covering: Any, limit: int, warm_start: Any, paths: int
-) -> Any:
-    """Solve one problem, with the row and column factors of `power_of_two_scaling`, which depend on M alone.
+def solve_scaled_lcp(M: Any, q: Any, rows: Any, columns: Any, covering: Any, limit: int, warm_start: Any) -> Any:
+    """Solve one problem: from the warm start, in scaled units, in the given units, until one succeeds.
 
     Gives z, w, pivots, status code, residual, and which z are basic. `M` is C-contiguous float64, shape
-    (n, n); `q` float64, shape (n,); `covering` and `warm_start`, of truth values, have shape (n,) or are empty.
+    (n, n); `q` float64, shape (n,); `rows` and `columns` are the factors of `power_of_two_scaling`, which depend on M
+    alone; `covering` and `warm_start`, of truth values, have shape (n,) or are empty.
     """
     n, solved = q.size, True
     for i in range(n):
@@ -66,37 +68,48 @@ def solve_scaled_lcp(
     if solved:
         return np.zeros(n), q.copy(), 0, SOLVED, 0.0, np.zeros(n, dtype=np.bool_)
     pivots, first = 0, (SOLVED, np.nan, np.zeros(n, dtype=np.bool_))
-    for path in range(-1 if warm_start.size > 0 else 0, paths):  # before the first path, the warm start
+    units = columns
+    for path in range(-1 if warm_start.size > 0 else 0, 2):
         basic, code, made = warm_start, SOLVED, 0
+        if path == 1:
+            rows, columns = np.ones(n), np.ones(n)
         if path >= 0:
-            cover = _covering(n, path)
-            if path == 0:
-                for i in range(covering.size):
-                    cover[i] = rows[i] * covering[i]
+            cover = rows * covering if covering.size > 0 else np.ones(n)
             variables, right = _extended_problem(M, q, rows, columns, cover)
-            basic, code, made = _follow_path(variables, right, limit)
+            basic, code, made, ray = _follow_path(variables, right, limit)
+            if code == RAY and _excludes_solutions(M, q, rows, columns, columns * ray):
+                code = NO_SOLUTION
         pivots, residual = pivots + made, np.nan
         if code == SOLVED:
-            z, w, residual = _solution(M, q, basic, rows, columns)
+            z, w, residual = _solution(M, q, basic, rows, columns, units)
             if residual <= RESIDUAL_TOLERANCE:
                 return z, w, pivots, SOLVED, residual, basic.copy()
             code = BREAKDOWN
-        if path == 0:
+        if path == 0 or code == NO_SOLUTION:
             first = (code, residual, basic)
+        if code == NO_SOLUTION:
+            break
     nothing = np.empty(n)
     for i in range(n):
         nothing[i] = np.nan
     return nothing, nothing, pivots, first[0], first[1], first[2]
 
 
-@_inlined
-def _covering(n: int, path: int) -> Any:
-    """Covering vector of a path: ones, then vectors between one and two."""
-    cover = np.ones(n)
-    if path > 0:
+@_called
+def _excludes_solutions(M: Any, q: Any, rows: Any, columns: Any, y: Any) -> bool:
+    """Whether y >= 0 with Mᵀ y <= 0 and qᵀ y < 0 proves that no w = M z + q, z >= 0 has w >= 0 (Farkas).
+
+    As y w = (Mᵀ y) z + q y >= 0, what round-off leaves of (Mᵀ y) above zero allows for none but large z.
+    """
+    n, against, largest, allowed = q.size, 0.0, 0.0, 0.0
+    for j in range(n):
+        largest = max(largest, abs(rows[j] * q[j]))
+        against -= q[j] * y[j] + n * ROUND_OFF * abs(q[j] * y[j])
+        product = 0.0
         for i in range(n):
-            cover[i] += ((path - 1) * n + i + 1) * GOLDEN_RATIO % 1.0
-    return cover
+            product += M[i, j] * y[i] + n * ROUND_OFF * abs(M[i, j] * y[i])
+        allowed += columns[j] * max(product, 0.0)
+    return against > EXCLUDED_GROWTH * largest * allowed
 
 
 @_inlined
@@ -118,7 +131,7 @@ def _extended_problem(M: Any, q: Any, rows: Any, columns: Any, cover: Any) -> An
 
 @_called
 def _follow_path(variables: Any, q: Any, limit: int) -> Any:
-    """Pivot until z0 leaves; gives which z are basic, the status code and the number of pivots.
+    """Pivot until z0 leaves; gives which z are basic, the status code, the number of pivots and the z of a ray.
 
     Row k of `columns` is the column of B of the variable `basis[k]`; row j of `inverse` is column j of B⁻¹, and its
     last row B⁻¹ q. A basis is compared with that at the last power of two of pivots (Brent 1980).
@@ -132,6 +145,7 @@ def _follow_path(variables: Any, q: Any, limit: int) -> Any:
     _write(inverse, n, q)
     remembered, differences = inside.copy(), 0
     entering, row, x, code, pivots = z0, _first_row(q, variables[z0]), variables[z0].copy(), SOLVED, 0
+    ray = np.zeros(n)
     while True:
         leaving = basis[row]
         basis[row] = entering
@@ -150,8 +164,13 @@ def _follow_path(variables: Any, q: Any, limit: int) -> Any:
         row, x = _leaving_row(columns, inverse, basis, q, variables[entering])
         if row < 0:
             code = RAY
+            if entering >= n:
+                ray[entering - n] = 1.0
+            for k in range(n):
+                if n <= basis[k] < z0:
+                    ray[basis[k] - n] = max(-x[k], 0.0)
             break
-    return inside[n:z0].copy(), code, pivots
+    return inside[n:z0].copy(), code, pivots, ray
 
 
 @_inlined
@@ -310,49 +329,55 @@ def _invert(columns: Any, inverse: Any, q: Any) -> bool:
 
 
 @_called
-def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
-    """Solve a basis with the unscaled data; gives z, w and the scaled residual."""
-    n, size = q.size, 0
-    z, w, inside = np.zeros(n), q.copy(), np.empty(n, dtype=np.int64)
-    for i in range(n):
-        if basic[i]:
-            inside[size] = i
-            size += 1
-    block, right = np.empty((size, size)), np.empty((size, 1))
-    for a in range(size):
-        i = inside[a]
-        right[a, 0] = -q[i] * rows[i]
-        for b in range(size):
-            j = inside[b]
-            block[a, b] = M[i, j] * rows[i] * columns[j]
-    if not _eliminate(block, right):
-        return z, w, np.nan
-    for a in range(size):
-        i = inside[a]
-        z[i] = right[a, 0] * columns[i]
-    residual = _residual(M, q, z, w, rows, columns)
+def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any, units: Any) -> Any:
+    """Solve a basis with the unscaled data, refined once, negative z set to zero; gives z, w and the residual."""
+    n, inside = q.size, np.nonzero(basic)[0]
+    z, w, size = np.zeros(n), q.copy(), 0.0
     for k in range(n):
-        w[k] = 0.0 if basic[k] else max(w[k], 0.0)
-        z[k] = max(z[k], 0.0)
-    return z, w, residual
+        size = max(size, abs(rows[k] * q[k]))
+    block, inverse = np.empty((inside.size, inside.size)), np.eye(inside.size)
+    for a, i in enumerate(inside):
+        for b, j in enumerate(inside):
+            block[a, b] = M[i, j] * rows[i] * columns[j]
+    if not _eliminate(block, inverse):
+        return z, w, np.nan
+    for _ in range(2):
+        for a, i in enumerate(inside):
+            for b, j in enumerate(inside):
+                z[i] -= columns[i] * inverse[a, b] * rows[j] * w[j]
+        _write_product(M, q, z, w)
+    for i in inside:
+        if not z[i] / columns[i] <= LARGEST_GROWTH * size:  # NaN of a singular basis too
+            return z, w, np.inf
+        z[i] = max(z[i], 0.0)
+    return z, w, _residual(M, q, z, w, basic, units)
+
+
+@_inlined
+def _write_product(M: Any, q: Any, z: Any, w: Any) -> None:
+    """Write M z + q into w."""
+    for i in range(q.size):
+        w[i] = q[i]
+        for j in range(q.size):
+            w[i] += M[i, j] * z[j]
 
 
 @_called
-def _residual(M: Any, q: Any, z: Any, w: Any, rows: Any, columns: Any) -> float:
-    """Write M z + q into w; gives its natural residual, each row over the size of its terms; inf if q is lost."""
-    size = largest = 0.0
-    for i in range(q.size):
-        size, largest = max(size, abs(rows[i] * q[i])), max(largest, abs(z[i] / columns[i]))
-    if largest > LARGEST_GROWTH * size:
-        return np.inf
-    residual = 0.0
-    for i in range(q.size):
+def _residual(M: Any, q: Any, z: Any, w: Any, basic: Any, units: Any) -> float:
+    """Write w >= 0; gives the largest part of M z + q that it leaves out, over the size of the row's terms."""
+    n, residual, largest, largest_scaled = q.size, 0.0, 0.0, 0.0
+    _write_product(M, q, z, w)
+    for j in range(n):
+        largest, largest_scaled = max(largest, z[j]), max(largest_scaled, z[j] / units[j])
+    for i in range(n):
         terms = abs(q[i])
-        for j in range(q.size):
-            w[i] += M[i, j] * z[j]
-            terms += abs(M[i, j]) * max(abs(z[j]), columns[j] * largest * (VARIABLE_ROUND_OFF / RESIDUAL_TOLERANCE))
-        scaled_w = w[i] / terms if terms > 0 else 0.0
-        residual = max(residual, abs(min(z[i] / columns[i] / size, scaled_w)))
+        for j in range(n):
+            unsure = min(largest, units[j] * largest_scaled) * (VARIABLE_ROUND_OFF / RESIDUAL_TOLERANCE)
+            terms += abs(M[i, j]) * max(z[j], unsure)
+        missing = abs(w[i]) if basic[i] else max(-w[i], 0.0)
+        if missing > 0:
+            residual = max(residual, missing / terms)
+        w[i] = 0.0 if basic[i] else max(w[i], 0.0)
     return residual
 
 

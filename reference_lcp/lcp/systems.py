@@ -5,22 +5,28 @@ A `MassSpringSystem` is a row of masses on one axis,
     M ü + C u̇ + K u = F(t) + W λ_T,        |λ_T| <= μ_s N(t) at rest,   λ_T = −μ_k N(t) sign ġ_T in motion,
 
 with springs, dashpots and dry friction between any two masses, ġ_T = Wᵀ u̇, and normal forces N(t) and forces F(t) that
-are given: constants, sines, and pieces of both one after the other. Read as moments of inertia, angles and moments, it
-is a drive train with clutches and brakes.
+are given: constants, sines, what grows evenly, and pieces of these one after the other. Instead of a mass or the ground
+there may be a `Motion` at the other end of a spring, or under a contact: a base, a belt. Read as moments of inertia,
+angles and moments, it is a drive train with clutches and brakes.
 """
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reference_lcp.errors import ParameterError
+from reference_lcp.chain.trajectory import Trajectory
+from reference_lcp.errors import ParameterError, shown
 from reference_lcp.lcp.time_step import FrictionalStep, solved_steps
 from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
+
+SINGULAR = 1e-12
+"""Part of the largest eigenvalue below which one is zero but for round-off."""
 
 SAME_TIME = 4 * 2.0**-52
 """Part of a time within which it is that of a switch: k dt and the time that a user wrote differ by roundings."""
@@ -28,7 +34,7 @@ SAME_TIME = 4 * 2.0**-52
 
 @dataclass(frozen=True)
 class Harmonic:
-    """The force F(t) = F_0 + A sin(ωt + φ)."""
+    """The force F(t) = F_0 + r t + A sin(ωt + φ)."""
 
     mean: float = 0.0
     """F_0 [N]."""
@@ -38,15 +44,44 @@ class Harmonic:
     """ω [rad/s], >= 0."""
     phase: float = 0.0
     """φ [rad]."""
+    rate: float = 0.0
+    """r [N/s]."""
 
     def __post_init__(self) -> None:
-        for name in ("mean", "amplitude", "phase"):
+        for name in ("mean", "amplitude", "phase", "rate"):
             checked_scalar(name, getattr(self, name))
         checked_scalar("angular_frequency", self.angular_frequency, ">= 0")
 
     def value(self, time: float) -> float:
         """F(t) [N] at `time` [s]."""
-        return self.mean + self.amplitude * math.sin(self.angular_frequency * time + self.phase)
+        return self.mean + self.rate * time + self.amplitude * math.sin(self.angular_frequency * time + self.phase)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The given motion x(t) = v t + A sin(ωt + φ) of a base, of the end of a spring, or of a belt."""
+
+    velocity: float = 0.0
+    """v [m/s]."""
+    amplitude: float = 0.0
+    """A [m]."""
+    angular_frequency: float = 0.0
+    """ω [rad/s], >= 0."""
+    phase: float = 0.0
+    """φ [rad]."""
+
+    def __post_init__(self) -> None:
+        self.position()
+
+    def position(self, factor: float = 1.0) -> Harmonic:
+        """x(t) times a factor, as that of a spring on the force at its other end."""
+        turning = self.angular_frequency, self.phase
+        return Harmonic(0.0, factor * self.amplitude, *turning, factor * self.velocity)
+
+    def speed(self, factor: float = 1.0) -> Harmonic:
+        """ẋ(t) times a factor."""
+        swing = factor * self.amplitude * self.angular_frequency
+        return Harmonic(factor * self.velocity, swing, self.angular_frequency, self.phase + math.pi / 2)
 
 
 @dataclass(frozen=True)
@@ -76,6 +111,11 @@ class Piecewise:
         """Times from which another piece holds [s], in rising order."""
         return tuple(self.pieces)[1:]
 
+    @property
+    def harmonics(self) -> tuple[Harmonic, ...]:
+        """The pieces, in their order."""
+        return tuple(map(_harmonic, self.pieces.values()))
+
     def piece(self, time: float) -> Harmonic:
         """Give what holds at `time` [s], and just behind it."""
         begun = [piece for start, piece in self.pieces.items() if start <= time + SAME_TIME * abs(time)]
@@ -90,13 +130,19 @@ Signal = Piecewise | Harmonic | float
 """A force as a user may give it [N]."""
 
 
-def piecewise(signal: Signal) -> Piecewise:
-    """Give any signal as pieces."""
-    return signal if isinstance(signal, Piecewise) else Piecewise({0.0: signal})
+def piecewise(signal: Signal, name: str = "force") -> Piecewise:
+    """Give any signal as pieces; what is none is refused by this name."""
+    return signal if isinstance(signal, Piecewise) else Piecewise({0.0: _harmonic(signal, name)})
 
 
-def _harmonic(piece: Harmonic | float) -> Harmonic:
-    return piece if isinstance(piece, Harmonic) else Harmonic(mean=checked_scalar("force", piece))
+def _harmonic(piece: Harmonic | float, name: str = "force") -> Harmonic:
+    if isinstance(piece, Harmonic):
+        return piece
+    if callable(piece):
+        raise ParameterError(
+            f"{name} = {shown(piece)} is any function; allowed: a number, Harmonic, or Piecewise of both"
+        )
+    return Harmonic(mean=checked_scalar(name, piece))
 
 
 class FrictionalSystem(Protocol):
@@ -121,24 +167,17 @@ class FrictionalSystem(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class SystemTrajectory:
-    """The motion of a frictional system over consecutive steps; row k belongs to the end of step k."""
+@dataclass(frozen=True, kw_only=True)
+class SystemTrajectory(Trajectory):
+    """The motion of a frictional system with f freedoms and c contacts; gaps are NaN where normal forces are given."""
 
-    time: FloatArray
-    """Ends of the steps [s], shape (steps,)."""
-    positions: FloatArray
-    """u, shape (steps, f)."""
-    velocities: FloatArray
-    """q, shape (steps, f)."""
-    normal_force: FloatArray
-    """λ_N >= 0 [N] during the step, shape (steps, c)."""
-    friction: FloatArray
-    """λ_T [N] during the step, shape (steps, c)."""
-    normal_gap: FloatArray
-    """g_N [m] as equation (6) gives it, shape (steps, c); NaN where the normal force is given."""
-    relative_velocity: FloatArray
+    slip: FloatArray
     """ġ_T [m/s] as equation (6) gives it, shape (steps, c)."""
+
+    @property
+    def relative_velocity(self) -> FloatArray:
+        """ġ_T [m/s], shape (steps, c)."""
+        return self.slip
 
 
 def simulate_system(
@@ -178,15 +217,23 @@ def simulate_system(
     first = checked_count("start", start, 0)
     ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
     motion, contact = (ends.size, system.freedoms), (ends.size, system.contacts)
-    record = SystemTrajectory(dt * ends, *(np.empty(shape) for shape in (motion, motion, *[contact] * 4)))
-    steps_of_motion = solved_steps(
-        lambda index, u, q: system.step(dt * index, u, q, dt), range(first, first + ends.size), u, q
-    )
+    gaps, coefficient = np.empty(contact), np.zeros(system.contacts)
+    record = SystemTrajectory(
+        time=dt * ends, positions=np.empty(motion), velocities=np.empty(motion), friction=np.empty(contact),
+        normal_force=np.empty(contact), normal_gap=gaps, slip=np.empty(contact), friction_coefficient=coefficient,
+    )  # fmt: skip
+
+    def step_from(index: int, u: FloatArray, q: FloatArray) -> FrictionalStep:
+        step = system.step(dt * index, u, q, dt)
+        coefficient[:] = step.friction_coefficient
+        return step
+
+    steps_of_motion = solved_steps(step_from, range(first, first + ends.size), u, q)
     for row, (position_at_end, velocity_at_end, impulses) in enumerate(steps_of_motion):
         record.positions[row], record.velocities[row] = position_at_end, velocity_at_end
         record.normal_force[row], record.friction[row] = impulses.normal / dt, impulses.tangential / dt
-        record.normal_gap[row] = np.nan if impulses.normal_gap is None else impulses.normal_gap
-        record.relative_velocity[row] = impulses.relative_velocity
+        gaps[row] = np.nan if impulses.normal_gap is None else impulses.normal_gap
+        record.slip[row] = impulses.relative_velocity
     return record
 
 
@@ -196,8 +243,8 @@ class Spring:
 
     first: int
     """Index of a body."""
-    second: int | None = None
-    """Index of the other one; ``None`` is the ground."""
+    second: int | Motion | None = None
+    """Index of the other one; ``None`` is the ground, and a `Motion` ground that moves."""
     stiffness: float = 0.0
     """k [N/m], >= 0."""
     damping: float = 0.0
@@ -210,8 +257,8 @@ class FrictionContact:
 
     first: int
     """Index of the body whose velocity relative to the second one is ġ_T."""
-    second: int | None = None
-    """Index of the other one; ``None`` is the ground."""
+    second: int | Motion | None = None
+    """Index of the other one; ``None`` is the ground, and a `Motion` ground that moves, such as a belt."""
     normal_force: Signal = 0.0
     """N(t) [N], >= 0 at all times of a motion."""
     coefficient: float = 0.0
@@ -231,6 +278,8 @@ class MassSpringSystem:
         at rest would not be determined.
     """
 
+    part: ClassVar[str] = "body"
+    """What messages call a part of it."""
     masses: FloatArray
     """m [kg], > 0, one a body."""
     springs: Sequence[Spring] = ()
@@ -254,14 +303,18 @@ class MassSpringSystem:
                 )
         for body in self.forces:
             self._check_bodies("force", body, None)
+        self.loads, self.normal_signals  # noqa: B018 - forces that are none are refused here
         if self.contacts and np.linalg.matrix_rank(self.directions) < self.contacts:
+            ranks = [np.linalg.matrix_rank(self.directions[:, : k + 1]) for k in range(self.contacts)]
+            last = next(k for k, rank in enumerate(ranks) if rank <= k)
             raise ParameterError(
-                f"{self.contacts} contacts join bodies in a ring; allowed: contacts whose slips are independent"
+                f"{self.contacts} contacts join bodies in a ring, which contact {last} closes at body "
+                f"{self.friction[last].first}; allowed: contacts whose slips are independent"
             )
 
-    def _check_bodies(self, what: str, first: int, second: int | None) -> None:
+    def _check_bodies(self, what: str, first: int, second: int | Motion | None) -> None:
         for body in (first, second):
-            if body is not None and body not in range(self.freedoms):
+            if not (body is None or isinstance(body, Motion) or body in range(self.freedoms)):
                 raise ParameterError(f"body = {body!r} of a {what} does not exist; allowed: 0 to {self.freedoms - 1}")
         if first == second:
             raise ParameterError(f"a {what} joins body {first} to itself; allowed: two bodies, or one and the ground")
@@ -309,23 +362,64 @@ class MassSpringSystem:
     @cached_property
     def normal_signals(self) -> tuple[Piecewise, ...]:
         """N(t) of every contact."""
-        return tuple(piecewise(contact.normal_force) for contact in self.friction)
+        names = (f"normal force of contact {place}" for place in range(self.contacts))
+        return tuple(piecewise(own.normal_force, name) for own, name in zip(self.friction, names, strict=True))
 
     @cached_property
-    def force_signals(self) -> Mapping[int, Piecewise]:
-        """F(t) by body."""
-        return {body: piecewise(force) for body, force in self.forces.items()}
+    def loads(self) -> tuple[tuple[int, Piecewise], ...]:
+        """Bodies and forces on them: those that are given, and those of the springs whose other end moves."""
+        given = [(body, piecewise(force, f"force on body {body}")) for body, force in self.forces.items()]
+        moved = [(own, own.second) for own in self.springs if isinstance(own.second, Motion)]
+        pulled = [(own.first, piecewise(end.position(own.stiffness))) for own, end in moved if own.stiffness]
+        return (*given, *pulled, *[(own.first, piecewise(end.speed(own.damping))) for own, end in moved if own.damping])
+
+    @cached_property
+    def surface_speeds(self) -> tuple[Harmonic, ...]:
+        """Velocity of the ground under every contact [m/s]; zero where it stands, or there is a body."""
+        return tuple(own.second.speed() if isinstance(own.second, Motion) else Harmonic() for own in self.friction)
+
+    @cached_property
+    def friction_bound(self) -> FloatArray:
+        """Largest mean of μ_k N(t) of every contact [N], shape (c,)."""
+        means = [max(piece.mean for piece in signal.harmonics) for signal in self.normal_signals]
+        return self.friction_coefficient * np.array(means, dtype=np.float64)
+
+    @cached_property
+    def contact_mass(self) -> FloatArray:
+        """Mass that a contact has to move where no other holds [kg], shape (c,)."""
+        return 1 / np.sum(self.directions**2 / self.masses[:, None], axis=0)
+
+    @cached_property
+    def highest_natural_frequency(self) -> float:
+        """Of the system without friction [rad/s]."""
+        return float(np.sqrt(np.linalg.norm(self.per_mass(self.stiffness_matrix), 2)))
+
+    @property
+    def damped(self) -> bool:
+        """Whether dashpots resist every motion."""
+        rates = np.linalg.eigvalsh(self.per_mass(self.damping_matrix))
+        return bool(rates[0] > SINGULAR * rates[-1])
+
+    @property
+    def one_coefficient(self) -> bool:
+        """Whether friction at rest is that of motion."""
+        return bool(np.array_equal(self.friction_coefficient, self.static_friction_coefficient))
+
+    def per_mass(self, matrix: FloatArray) -> FloatArray:
+        """M^-½ A M^-½, shape (f, f), whose eigenvalues are those of M⁻¹ A."""
+        scales = 1 / np.sqrt(self.masses)
+        return scales[:, None] * matrix * scales
 
     def force(self, time: float, position: FloatArray, velocity: FloatArray) -> FloatArray:
         """All forces but friction: h = F(t) − K u − C u̇ [N], shape (f,)."""
         force: FloatArray = -self.stiffness_matrix @ position - self.damping_matrix @ velocity
-        for body, signal in self.force_signals.items():
+        for body, signal in self.loads:
             force[body] += signal.value(time)
         return force
 
     def step(self, time: float, position: FloatArray, velocity: FloatArray, time_step: float) -> FrictionalStep:
         """Equation (7)'s data for the step that starts at `time` [s]; N(t) is given, and that of its start."""
-        return FrictionalStep.under_normal_force(
+        step = FrictionalStep.under_normal_force(
             self.directions,
             velocity,
             mass_matrix=self.mass_matrix,
@@ -335,6 +429,11 @@ class MassSpringSystem:
             static_friction_coefficient=self.static_friction_coefficient,
             normal_force=np.array([signal.value(time) for signal in self.normal_signals]),
         )
+        if not any(isinstance(contact.second, Motion) for contact in self.friction):
+            return step
+        now, then = (np.array([own.value(t) for own in self.surface_speeds]) for t in (time, time + time_step))
+        slip = step.relative_velocity - now
+        return dataclasses.replace(step, relative_velocity=slip, tangential_motion=(now - then) / time_step)
 
     def _assembled(self, coefficients: Sequence[float]) -> FloatArray:
         """Matrix of what acts in proportion to each spring's elongation, or its rate."""
@@ -347,7 +446,7 @@ def _incidence(bodies: int, pairs: Sequence[Spring | FrictionContact]) -> FloatA
     matrix = np.zeros((bodies, len(pairs)))
     for column, pair in enumerate(pairs):
         matrix[pair.first, column] = 1.0
-        if pair.second is not None:
+        if not (pair.second is None or isinstance(pair.second, Motion)):
             matrix[pair.second, column] = -1.0
     return matrix
 

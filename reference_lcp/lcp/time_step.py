@@ -37,9 +37,6 @@ from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.lemke import LemkeResult, lemke
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
 
-PATHS = 8
-"""Paths of Lemke's method that a step tries: where the first ends on a ray, another may have a solution."""
-
 REST_TOLERANCE = 1e-12
 """Relative velocity over the largest velocity of the step at which a contact is at rest: roundings of its solution."""
 
@@ -192,7 +189,7 @@ def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = N
         return ContactImpulses(none, none, none, none, np.zeros(0, dtype=bool))
     static, kinetic = step.static_friction_coefficient, step.friction_coefficient
     if static is None or np.array_equal(static, kinetic):
-        return _impulses(step, lemke(*assemble(step), warm_start=warm_start, paths=PATHS))
+        return _impulses(step, lemke(*assemble(step), warm_start=warm_start))
     gained = step.responses[2] * step.time_step
     fastest = float(np.max(np.abs(step.velocity), initial=0.0) + np.max(np.abs(gained), initial=0.0))
     rest = REST_TOLERANCE * fastest
@@ -200,7 +197,7 @@ def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = N
     holds, released = before == 0, np.zeros(step.contacts, dtype=bool)
     while True:
         tried = dataclasses.replace(step, friction_coefficient=np.where(holds, static, kinetic))
-        impulses = _impulses(tried, lemke(*assemble(tried), warm_start=warm_start, paths=PATHS))
+        impulses = _impulses(tried, lemke(*assemble(tried), warm_start=warm_start))
         slips = np.abs(impulses.relative_velocity) > rest
         breaks = holds & slips
         turns = ~holds & ~released & slips & (impulses.relative_velocity * before < 0)

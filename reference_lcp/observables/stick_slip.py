@@ -1,13 +1,14 @@
 """Stick and slip: modes, transitions and stuck fraction of every contact over one period, which is cyclic."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_lcp.chain.trajectory import Trajectory
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_scalar
 
 if TYPE_CHECKING:
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 STICK_MARGIN = 1e-6
 """A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N: far above the round-off with which engines hold the force at
 its bound, far below any stick that matters. A law that only tends to the bound is read with a wider margin."""
+
+SHORTEST_STICK = 2
+"""Steps that a stick lasts at least: where the slip turns round, the scheme ends the step in between at rest."""
 
 UNREPEATED_SLIP = 4
 """A slip travels farther than this many residuals of its orbit; a shorter one, which need not come again, is a stick.
@@ -61,58 +65,125 @@ class Transition(NamedTuple):
     kind: Mode
     """The new mode."""
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON."""
-        return {"cell": self.cell, "time_s": self.time, "kind": str(self.kind)}
 
-
-def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
+def contact_modes(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
     The force decides (equation 1): a stick leaves `stick_margin`, in (0, 1), of the bound at least. A contact without
-    friction, or an open one, never sticks; the sign of its relative velocity gives its direction.
+    friction, or an open one, never sticks; the sign of its relative velocity gives its direction. Of bodies, which
+    may have static friction, a contact sticks too where its relative velocity is zero.
     """
-    from reference_lcp.observables.stick_slip_kernel import read_modes, resolve  # numba is imported on first use
-
-    trajectory, chain = orbit.trajectory, orbit.lane.chain
-    rows = np.empty((trajectory.cells, trajectory.steps), dtype=np.int8)
-    forces = trajectory.friction, trajectory.normal_force, chain.friction_coefficient
-    read_modes(*forces, trajectory.velocities, 1 - stick_margin, rows)
-    if orbit.lane.preload is not None:
+    orbit, trajectory = (None, motion) if isinstance(motion, Trajectory) else (motion, motion.trajectory)
+    coefficient, rubbing = _friction_of(motion)
+    bound, slip = (coefficient * trajectory.normal_force).T, trajectory.relative_velocity.T
+    direction = np.where(bound > 0, -trajectory.friction.T, slip)
+    rows = (direction > 0).astype(np.int8) - (direction < 0)
+    rows[np.abs(trajectory.friction.T) < (1 - stick_margin) * bound] = 0
+    if hasattr(trajectory, "slip"):
+        rows[(slip == 0) & (bound > 0)] = 0
+    if orbit is not None and orbit.lane.preload is not None:
         for row, opened in zip(rows, _open(orbit).T, strict=True):
             for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
                 impact = np.arange(landing, landing + IMPACT_STEPS) % row.size
                 row[impact] = row[(landing + IMPACT_STEPS) % row.size]
-    shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(chain)
-    resolve(rows, trajectory.velocities, orbit.lane.time_step, chain.friction_bound > 0, shortest)
+    for row in rows:
+        _drop_short_sticks(row, cyclic=orbit is not None)
+    if orbit is not None:
+        shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
+        for row, own in zip(rows[rubbing], slip[rubbing] * orbit.lane.time_step, strict=True):
+            _drop_short_slips(row, own, shortest)
     return rows.T
 
 
-def transitions(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> list[Transition]:
-    """Changes of mode over one period, by cell and then by time.
+def _friction_of(motion: "PeriodicOrbit | Trajectory") -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Coefficients of friction, and which contacts have any."""
+    if not isinstance(motion, Trajectory):
+        return motion.lane.chain.friction_coefficient, motion.lane.chain.friction_bound > 0
+    coefficient = motion.friction_coefficient
+    if coefficient is None:
+        raise ParameterError(
+            "a trajectory without friction_coefficient has no modes; allowed: one with it, or an orbit"
+        )
+    return coefficient, (coefficient > 0) & np.any(motion.normal_force > 0, axis=0)
 
-    The period is cyclic: a mode that begins with the first step is a transition at time zero if the
-    last step had another one. Contacts without friction have none. Parameters as in `contact_modes`.
+
+def _phases(
+    row: NDArray[np.int8], *, cyclic: bool = True
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int8]]:
+    """First steps of the uninterrupted modes of a motion or a cycle, their numbers of steps, and the modes."""
+    begins = row != np.roll(row, 1)
+    begins[0] |= not cyclic
+    starts = np.flatnonzero(begins)
+    return starts, np.diff(starts, append=starts[:1] + row.size), row[starts]
+
+
+def _drop_short_sticks(row: NDArray[np.int8], *, cyclic: bool) -> None:
+    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
+    starts, lengths, modes = _phases(row, cyclic=cyclic)
+    if starts.size:
+        following = np.append(modes[1:], modes[0] if cyclic else modes[-1])
+        modes = np.where((modes == 0) & (lengths < SHORTEST_STICK), following, modes)
+        row[:] = np.roll(np.repeat(modes, lengths), starts[0])
+
+
+def _drop_short_slips(row: NDArray[np.int8], way: FloatArray, shortest: float) -> None:
+    """Turn slips of a cycle into stick that travel less than `shortest` [m], in place; `way` [m] is of every step."""
+    starts, lengths, modes = _phases(row)
+    if starts.size:
+        travelled = np.add.reduceat(np.roll(way, -starts[0]), starts - starts[0])
+        modes = np.where(np.abs(travelled) < shortest, 0, modes)
+        row[:] = np.roll(np.repeat(modes, lengths), starts[0])
+
+
+def transitions(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STICK_MARGIN) -> list[Transition]:
+    """Changes of mode over a motion, by contact and then by time.
+
+    A motion that was followed from event to event has their exact times; of others they are those of steps. A period
+    is cyclic: a mode that begins with its first step is a transition at time zero if the last step had another one.
+    Contacts without friction have none.
+
+    Parameters
+    ----------
+    motion
+        An orbit, or the trajectory of `simulate`, `simulate_system` or `EventDrivenSystem.motion`.
+    stick_margin
+        As in `contact_modes`.
+
+    Raises
+    ------
+    ParameterError
+        If the trajectory does not say its coefficients of friction.
     """
-    return transitions_between(contact_modes(orbit, stick_margin), orbit)
+    if isinstance(motion, Trajectory) and motion.changes is not None:
+        return list(motion.changes)
+    return transitions_between(contact_modes(motion, stick_margin), motion)
 
 
-def transitions_between(modes: NDArray[np.int8], orbit: "PeriodicOrbit") -> list[Transition]:
-    """Changes between the modes of an orbit, see `transitions` and `contact_modes`."""
+def transitions_between(modes: NDArray[np.int8], motion: "PeriodicOrbit | Trajectory") -> list[Transition]:
+    """Changes between the modes of a motion, see `transitions` and `contact_modes`."""
+    _, rubbing = _friction_of(motion)
+    if isinstance(motion, Trajectory):
+        return mode_changes(modes, np.append(motion.time[:1], motion.time[:-1]), rubbing, cyclic=False)
+    return mode_changes(modes, motion.lane.time_step * np.arange(len(modes)), rubbing, cyclic=True)
+
+
+def mode_changes(
+    modes: NDArray[np.int8], starts: NDArray[np.floating], rubs: NDArray[np.bool_], *, cyclic: bool
+) -> list[Transition]:
+    """Changes from one row of `modes` (rows, n), which begin at `starts` [s], to the next; of contacts that rub."""
     rows = np.ascontiguousarray(modes.T)
-    changed = np.empty(rows.shape, dtype=bool)
-    np.not_equal(rows[:, 1:], rows[:, :-1], out=changed[:, 1:])
-    np.not_equal(rows[:, 0], rows[:, -1], out=changed[:, 0])
-    changed[orbit.lane.chain.friction_bound == 0] = False
-    cells, steps = np.divmod(np.flatnonzero(changed), rows.shape[1])
-    times, kinds = steps * orbit.lane.time_step, rows[cells, steps]
-    changes = zip((cells + 1).tolist(), times.tolist(), kinds.tolist(), strict=True)
+    changed = rows != np.roll(rows, 1, axis=1)
+    changed[~rubs] = False
+    if not cyclic:
+        changed[:, 0] = False
+    cells, steps = np.nonzero(changed)
+    changes = zip((cells + 1).tolist(), starts[steps].tolist(), rows[cells, steps].tolist(), strict=True)
     return [Transition(cell, time, MODE_OF_SIGN[sign]) for cell, time, sign in changes]
 
 
-def stuck_fraction(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:
-    """Part of the period that each contact sticks, shape (n,). Parameters as in `contact_modes`."""
-    return np.mean(contact_modes(orbit, stick_margin) == 0, axis=0)
+def stuck_fraction(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STICK_MARGIN) -> FloatArray:
+    """Part of the steps in which each contact sticks, shape (n,). Parameters as in `contact_modes`."""
+    return np.mean(contact_modes(motion, stick_margin) == 0, axis=0)
 
 
 def open_fraction(orbit: "PeriodicOrbit") -> FloatArray:
@@ -145,23 +216,14 @@ def _open(orbit: "PeriodicOrbit") -> NDArray[np.bool_]:
     return (orbit.trajectory.normal_force <= OPEN * mean) & (mean > 0)
 
 
-@dataclass(frozen=True)
-class TransitionMatch:
+class TransitionMatch(NamedTuple):
     """How the transitions of one simulation fit to those of another."""
 
-    pairs: tuple[tuple[TimedTransition, TimedTransition], ...]
-    """(observed, expected) transitions that match, by cell and then by time of the expected one."""
-    missed: tuple[TimedTransition, ...]
-    """Expected transitions that were not observed."""
-    spurious: tuple[TimedTransition, ...]
+    errors: dict[TimedTransition, float]
+    """Time of the observed transition less that of the expected one, over the period, in [−window, window], by the
+    expected one; those that were not observed are left out."""
+    spurious: list[TimedTransition]
     """Observed transitions that were not expected."""
-    time_errors: tuple[float, ...]
-    """Time of each pair's observed transition less the expected one's, over the period, in [−window, window]."""
-
-    @property
-    def errors(self) -> dict[TimedTransition, float]:
-        """Time errors by the expected transition."""
-        return {expected: error for (_, expected), error in zip(self.pairs, self.time_errors, strict=True)}
 
 
 def match_transitions(
@@ -181,18 +243,13 @@ def match_transitions(
         for e, (cell, time, kind) in enumerate(expected)
         for other_time, f in of_kind.get((cell, kind), ())
     ]
-    partner: dict[int, tuple[int, float]] = {}
+    partner: dict[int, float] = {}
     taken: set[int] = set()
     for error, f, e in sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1])):
         if abs(error) > window:
             break
         if e not in partner and f not in taken:
-            partner[e] = (f, error)
+            partner[e] = error
             taken.add(f)
-    order = sorted(partner, key=lambda e: expected[e])
-    return TransitionMatch(
-        pairs=tuple((observed[partner[e][0]], expected[e]) for e in order),
-        missed=tuple(transition for e, transition in enumerate(expected) if e not in partner),
-        spurious=tuple(transition for f, transition in enumerate(observed) if f not in taken),
-        time_errors=tuple(partner[e][1] for e in order),
-    )
+    errors = {expected[e]: partner[e] for e in sorted(partner, key=lambda e: expected[e])}
+    return TransitionMatch(errors, [transition for f, transition in enumerate(observed) if f not in taken])

@@ -20,7 +20,9 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import NormalMotion, normal_motion
 from reference_lcp.chain.simulation import Lane, Simulation, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.lcp.systems import MassSpringSystem
 from reference_lcp.lcp.time_step import FrictionalStep, solved_steps
+from reference_lcp.schemes.bodies import EulerBodies
 from reference_lcp.schemes.euler_kernel import advance
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray, checked_count
@@ -83,7 +85,7 @@ class CompiledSimulation:
         self, state: State, start: int, steps: int, normal: NormalMotion | None, record: FloatArray
     ) -> FloatArray:
         """Run the kernel; gives the final state (lanes, 4n)."""
-        state.check_fits(len(self.lanes), self._cells)
+        state.check_fits(len(self.lanes), 2 * self._cells)
         x = np.hstack([state.positions, state.velocities])
         bounds = np.empty((0, self._cells, len(self.lanes)))
         if normal is not None:
@@ -132,6 +134,8 @@ class CompiledSimulation:
 
 def euler_simulation(lanes: Sequence[Lane]) -> Simulation:
     """Give the compiled scheme of equation (5); with static friction, equation (7) by Lemke's method."""
+    if isinstance(lanes[0].chain, MassSpringSystem):
+        return SequentialSimulation([EulerBodies(lane) for lane in lanes])
     if any(lane.static_ratio > 1 for lane in lanes):
         return LemkeSimulation(tuple(lanes))
     return CompiledSimulation(lanes)

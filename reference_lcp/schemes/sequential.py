@@ -39,13 +39,13 @@ class SequentialSimulation:
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.freedoms)
         return [model.run(state.subset([lane]), start, steps) for lane, model in enumerate(self.models)]
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.freedoms)
         return State.stack(
             [model.advance(state.subset([lane]), start, steps) for lane, model in enumerate(self.models)]
         )

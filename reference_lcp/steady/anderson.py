@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.validation import FloatArray
+from reference_lcp.watching import tell
 
 SEARCH = "search for the steady state"
 """What is told to whoever watches."""
@@ -78,9 +78,8 @@ class StateScales:
     def __init__(self, lanes: Sequence[Lane], steps_per_period: int):
         lengths = np.array([lane.drive.displacement_scale(lane.chain) for lane in lanes])
         frequencies = np.array([2 * np.pi / (steps_per_period * lane.time_step) for lane in lanes])
-        self._cells = lanes[0].chain.cells
+        self._width = width = lanes[0].chain.freedoms
         self._opens = np.array([lane.opens for lane in lanes])
-        width = 2 * self._cells
         self._scale = np.hstack(
             [np.repeat(lengths[:, None], width, axis=1), np.repeat((lengths * frequencies)[:, None], width, axis=1)]
         )
@@ -110,7 +109,7 @@ class StateScales:
 
     def state(self, vectors: FloatArray, lanes: Any) -> State:
         """States of these lanes from their vectors; those of 4n components have no internal state: a fresh start."""
-        half = 2 * self._cells
+        half = self._width
         values = vectors * self._scales(lanes)[:, : vectors.shape[1]]
         internal_state = values[:, 2 * half :] if vectors.shape[1] > 2 * half else None
         return State(values[:, :half], values[:, half : 2 * half], internal_state)
@@ -118,7 +117,7 @@ class StateScales:
     def residuals(self, starts: FloatArray, changes: FloatArray) -> FloatArray:
         """Largest change of each vector (lanes, 4n + k), at least what internal state resolves, shape (lanes,)."""
         largest: FloatArray = np.max(np.abs(changes), axis=1)
-        internal = starts[:, 4 * self._cells :]
+        internal = starts[:, 2 * self._width :]
         if internal.shape[1] == 0:
             return largest
         return np.maximum(largest, np.minimum(np.finfo(float).eps * np.max(np.abs(internal), axis=1), 1.0))
@@ -126,7 +125,7 @@ class StateScales:
     def subset(self, lanes: Any) -> "StateScales":
         """Give the scales of the lanes of these indices."""
         part = StateScales.__new__(StateScales)
-        part._cells, part._opens = self._cells, self._opens[lanes]
+        part._width, part._opens = self._width, self._opens[lanes]
         part._scale, part._sizes = self._scale[lanes], self._sizes[lanes]
         return part
 
@@ -135,7 +134,7 @@ class StateScales:
         if sizes.shape[1] == 0:
             return motion
         sizes = np.where(sizes > 0, sizes, 1.0)
-        n = self._cells
+        n = self._width // 2
         if sizes.shape[1] == 2 * n and np.any(self._opens[lanes]):
             across = np.hstack([motion[:, :n], motion[:, -n:]])
             sizes = np.where(self._opens[lanes][:, None], across, sizes)
@@ -143,11 +142,11 @@ class StateScales:
 
     def _largest_of_kind(self, values: FloatArray) -> FloatArray:
         """Largest of the values of each kind, one a contact; each its own kind where k is no multiple of n."""
-        lanes, k = values.shape
-        if k % self._cells:
+        (lanes, k), n = values.shape, self._width // 2
+        if k % n:
             return values
-        largest = values.reshape(lanes, -1, self._cells).max(axis=2)
-        return np.repeat(largest, self._cells, axis=1)
+        largest = values.reshape(lanes, -1, n).max(axis=2)
+        return np.repeat(largest, n, axis=1)
 
 
 @_called(fastmath={"reassoc", "contract"})
@@ -266,8 +265,8 @@ class FixedPointSearch:
         self._steps = steps
         self._tolerance = tolerance
         self._scales = scales
-        cells = simulation.lanes[0].chain.cells
-        count, width = len(simulation.lanes), 4 * cells
+        cells = simulation.lanes[0].chain.freedoms // 2
+        count, width = len(simulation.lanes), 2 * simulation.lanes[0].chain.freedoms
         self._most_differences = differences = min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
         self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
         self._x = np.zeros((count, differences + 1, width))
@@ -286,12 +285,11 @@ class FixedPointSearch:
         self._active = np.arange(count)
         self._part = simulation
 
-    def run(self, start: State, periods: int, deadline: Deadline = UNLIMITED) -> None:
+    def run(self, start: State, periods: int) -> None:
         """Apply the map until every lane has converged or diverged, at most `periods` times."""
         self._learn(None, start)
         following = self._scales.vectors(start, self._active)
         for period in range(periods):
-            deadline.check()
             row = period % (self._most_differences + 1)
             state = self._scales.state(following, self._active)
             end = self._part.advance(state, 0, self._steps)

@@ -31,7 +31,7 @@ over their scales, of offsets that last: those of cells that stay stuck, and of 
 
 def attracts_all(lane: Lane) -> bool:
     """Whether every motion tends to the steady state, where friction is monotone: with a dashpot in every cell."""
-    return bool(np.all(lane.chain.chain_damping > 0))
+    return lane.chain.damped
 
 
 def without_dashpots(orbit: PeriodicOrbit, multiplier: float) -> PeriodicOrbit:
@@ -41,22 +41,23 @@ def without_dashpots(orbit: PeriodicOrbit, multiplier: float) -> PeriodicOrbit:
     """
     neutral = abs(multiplier - 1) <= NEUTRAL
     words = "is neutral" if neutral else "attracts" if multiplier < 1 else "repels"
+    why = f"not every {orbit.lane.chain.part} has a dashpot"
     known = f"{words}, largest multiplier {multiplier:.7g}"
     if multiplier < 1 - NEUTRAL:
-        return dataclasses.replace(orbit, reason=f"not every cell has a dashpot: {known}")
-    many = f"not every cell has a dashpot: the steady state is one of many, or none is reached ({known})"
+        return dataclasses.replace(orbit, reason=f"{why}: {known}")
+    many = f"{why}: the steady state is one of many, or none is reached ({known})"
     return dataclasses.replace(orbit, status=OrbitStatus.PERIOD_LIMIT, reason=many)
 
 
 def largest_multiplier(simulation: Simulation, orbit: PeriodicOrbit) -> float:
     """Largest factor by which a small distance from an orbit of `simulation`, of one lane, grows in a period."""
-    return largest_moving(jacobians(simulation, [orbit])[0], orbit.lane.chain.cells)
+    return largest_moving(jacobians(simulation, [orbit])[0])
 
 
-def largest_moving(jacobian: FloatArray, cells: int) -> float:
-    """Largest multiplier of a Jacobian of scaled states (u, v, u̇, v̇), but for offsets that last."""
+def largest_moving(jacobian: FloatArray) -> float:
+    """Largest multiplier of a Jacobian of scaled positions and velocities, but for offsets that last."""
     values, directions = np.linalg.eig(jacobian)
-    speeds = np.linalg.norm(directions[2 * cells : 4 * cells], axis=0)
+    speeds = np.linalg.norm(directions[len(jacobian) // 2 :], axis=0)
     moving = (np.abs(values - 1) > STANDING) | (speeds > STANDING)
     return float(np.max(np.abs(values[moving]), initial=0.0))
 
@@ -64,7 +65,7 @@ def largest_moving(jacobian: FloatArray, cells: int) -> float:
 def jacobians(simulation: Simulation, orbits: Sequence[PeriodicOrbit]) -> FloatArray:
     """Jacobians of the period maps at the ends of the orbits, shape (orbits, 4n, 4n): all of them in one batch."""
     lanes, steps = [orbit.lane for orbit in orbits], orbits[0].trajectory.steps
-    width = 4 * lanes[0].chain.cells
+    width = 2 * lanes[0].chain.freedoms
     scales, every = StateScales(lanes, steps), np.repeat(np.arange(len(lanes)), width + 1)
     end = State.stack([orbit.trajectory.end for orbit in orbits])
     vectors = scales.vectors(State(end.positions, end.velocities), np.arange(len(lanes)))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import PeriodicOrbit, common_cells
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.errors import ParameterError
@@ -23,7 +24,7 @@ from reference_lcp.observables.stick_slip import (
     match_transitions,
     transitions_between,
 )
-from reference_lcp.observables.transmittance import complex_transmittance, decibel
+from reference_lcp.observables.transmittance import complex_transmittance, decibel, fundamental
 from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
 from reference_lcp.steady.richardson import SAFETY, amplitude_in_db, richardson, unresolved_amplitude
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
@@ -70,17 +71,19 @@ class ErrorBar:
         """Whether the transmittance is above what residual and round-off can resolve."""
         return math.isnan(self.floor_db)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON; what is not known is ``None``."""
-        return {
-            "error_bar_db": _known(self.transmittance_db),
-            "floor_db": _known(self.floor_db),
-            "error_bar_phase_rad": _known(self.phase),
-            "error_bar_stuck_fraction": [_known(bar) for bar in self.stuck_fraction.tolist()],
-            "missing_transitions": [change.as_dict() for change in self.missing_transitions],
-            "order": _known(self.order),
-            "extrapolated_db": _known(self.extrapolated_db),
-        }
+
+@dataclass(frozen=True)
+class SystemErrorBar:
+    """Error of a steady state of bodies, as `ErrorBar` of a chain's."""
+
+    amplitude: FloatArray
+    """Largest distance of the true amplitude of every body [m], shape (f,)."""
+    phase: FloatArray
+    """The same for the phase of its fundamental [rad], shape (f,)."""
+    stuck_fraction: FloatArray
+    transition_time: FloatArray
+    missing_transitions: list[Transition]
+    steps_per_period: tuple[int, ...]
 
 
 def measured_error_bar(
@@ -111,7 +114,7 @@ def measured_error_bars(
     checked_count("max_periods", max_periods)
     if not orbits:
         return []
-    together = max(1, BATCH // common_cells([orbit.lane for orbit in orbits]))
+    together = max(1, BATCH // max(1, common_cells([orbit.lane for orbit in orbits])))
     steps = {orbit.trajectory.steps for orbit in orbits}
     if len(steps) > 1:
         raise ParameterError(f"a batch holds periods of {sorted(steps)} steps; allowed: one number of steps")
@@ -124,8 +127,11 @@ def measured_error_bars(
     return bars
 
 
-def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
+def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[Any]:
     """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
+    chains = isinstance(ladder[0][0].lane.chain, Chain)
+    kind: Any = ErrorBar if chains else SystemErrorBar
+    levels: Any = _transmittance_bars if chains else _amplitude_bars
     judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
     modes = [[contact_modes(orbit) for orbit in orbits] for orbits in ladder]
     changes = [list(map(transitions_between, *row)) for row in zip(modes, ladder, strict=True)]
@@ -145,7 +151,7 @@ def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplifi
     times = richardson(steps, np.hstack([times for times, _ in matched]), steps[place]).error
     of_times = np.split(times, np.cumsum([part.shape[1] for part, _ in matched])[:-1])
     return [
-        ErrorBar(
+        kind(
             **level,
             stuck_fraction=fraction,
             transition_time=time + orbit.lane.time_step,
@@ -153,7 +159,7 @@ def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplifi
             steps_per_period=steps,
         )
         for level, fraction, time, (_, missing), orbit in zip(
-            _transmittance_bars(ladder, place, amplification), of_stuck, of_times, matched, judged, strict=True
+            levels(ladder, place, amplification), of_stuck, of_times, matched, judged, strict=True
         )
     ]
 
@@ -190,6 +196,27 @@ def _transmittance_bars(
     return bars
 
 
+def _amplitude_bars(
+    ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray
+) -> list[dict[str, FloatArray]]:
+    """Give the fields of each `SystemErrorBar` that the amplitudes decide."""
+    steps, bars = [orbits[0].trajectory.steps for orbits in ladder], []
+    for growth, orbits in zip(amplification.tolist(), zip(*ladder, strict=True), strict=True):
+        known = [1.0 if orbit.converged else np.nan for orbit in orbits]
+        motions = [orbit.trajectory.positions for orbit in orbits]
+        swings = [own * np.ptp(motion, axis=0) / 2 for own, motion in zip(known, motions, strict=True)]
+        waves = [own * fundamental(motion) for own, motion in zip(known, motions, strict=True)]
+        turns = [np.angle(wave * np.conj(waves[place])) for wave in waves]
+        orbit, size = orbits[place], np.maximum(np.abs(waves[place]), np.finfo(float).tiny)
+        left = unresolved_amplitude(orbit.residual, growth, orbit.periods * orbit.trajectory.steps, 0.0)
+        left *= orbit.lane.drive.displacement_scale(orbit.lane.chain)
+        between = swings[place] * (1 - np.cos(np.pi / steps[place]))  # what a sine goes beyond its rows
+        phase = richardson(steps, turns, steps[place]).error + np.arcsin(np.minimum(1.0, left / size))
+        amplitude = richardson(steps, swings, steps[place]).error + left + between
+        bars.append({"amplitude": amplitude, "phase": np.minimum(phase, np.pi)})
+    return bars
+
+
 def _sticks(changes: Sequence[Transition], cells: int) -> FloatArray:
     """Sticks of each contact in a period, at least one, shape (n,): what each of them lasts is off by up to a step."""
     return np.maximum(1.0, _count([change for change in changes if change.kind == Mode.STICK], cells))
@@ -211,9 +238,9 @@ def _marginal_reversals(
     steps, cells = np.nonzero(modes * np.roll(modes, 1, axis=0) == -1)
     before = (steps - np.arange(1, MARGINAL_STEPS + 1)[:, None]) % trajectory.steps
     slip = trajectory.relative_velocity
-    mass = chain.inner_mass * chain.outer_mass / (chain.inner_mass + chain.outer_mass)
     held = (
-        trajectory.friction[before, cells] - mass[cells] * (slip[before, cells] - slip[before - 1, cells]) / time_step
+        trajectory.friction[before, cells]
+        - chain.contact_mass[cells] * (slip[before, cells] - slip[before - 1, cells]) / time_step
     )
     within = np.abs(held) < chain.friction_coefficient[cells] * trajectory.normal_force[before, cells]
     marginal = np.any(within, axis=0)
@@ -239,13 +266,9 @@ def _transition_times(
             times[number] = [change.time for change in judged]
             continue
         match = match_transitions(observed[number], judged, period)
-        for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
+        for expected, error in match.errors.items():
             times[number, index[expected]] = expected[1] + error * period
         if match.spurious:
             missing.extend(match_transitions(match.spurious, missing, period).spurious)
     times[:, [index[change] for change in marginal]] = np.nan
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
-
-
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -11,6 +11,7 @@ from typing import Any
 import numba
 import numpy as np
 
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 
@@ -32,8 +33,12 @@ FIRST_HARMONIC = 2j * np.exp(-2j * np.pi * LOAD_PHASES) / LOAD_SAMPLES
 
 
 def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> State:
-    """Approximate the steady states of lanes at phase zero of their periodic drives; of a preload, its mean counts."""
+    """Approximate the steady states of lanes at phase zero of their drives, of preloads by their mean; bodies rest."""
     omega = np.array([2 * np.pi / (lane.time_step * steps_per_period) for lane in lanes])
+    first: Any = lanes[0].chain
+    if not isinstance(first, Chain):
+        rest = np.zeros((len(lanes), first.freedoms))
+        return State(rest, rest)
     amplitudes = np.array([_amplitudes(lane, float(w), steps_per_period) for lane, w in zip(lanes, omega, strict=True)])
     return State(amplitudes.imag.copy(), omega[:, None] * amplitudes.real)
 

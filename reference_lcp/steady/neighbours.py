@@ -17,7 +17,7 @@ import numpy as np
 from reference_lcp.chain.simulation import OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
-from reference_lcp.schemes.euler import CompiledSimulation, euler_simulation
+from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.steady.attraction import jacobians
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbits, searched
 from reference_lcp.validation import FloatArray
@@ -50,7 +50,7 @@ class PeriodInverse:
     @classmethod
     def of(cls, orbits: Sequence[PeriodicOrbit]) -> "PeriodInverse":
         """Take the Jacobians of the orbits together; their number of cells and of steps a period is the same."""
-        width = 4 * orbits[0].lane.chain.cells
+        width = 2 * orbits[0].lane.chain.freedoms
         left, sizes, right = np.linalg.svd(
             np.eye(width) - jacobians(euler_simulation([own.lane for own in orbits]), orbits)
         )
@@ -114,7 +114,7 @@ def refined_orbits(
     ladder = [list(orbits)]
     for factor in factors:
         lanes = [replace(orbit.lane, time_step=orbit.lane.time_step / factor) for orbit in orbits]
-        simulation, steps = CompiledSimulation(lanes), orbits[0].trajectory.steps * factor
+        simulation, steps = euler_simulation(lanes), orbits[0].trajectory.steps * factor
         start, near = _extrapolated(ladder, steps), [k for k, orbit in enumerate(ladder[-1]) if orbit.converged]
         found: dict[int, PeriodicOrbit] = {}
         if near:

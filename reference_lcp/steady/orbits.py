@@ -15,13 +15,13 @@ import numpy as np
 
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline, tell
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, FEWEST_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
 from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch, StateScales
 from reference_lcp.steady.attraction import attracts_all, largest_multiplier, without_dashpots
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
+from reference_lcp.watching import tell
 
 LONGEST_MULTIPLE = 8
 """Most periods of the drive after which a motion is looked at for a repetition."""
@@ -47,7 +47,6 @@ def periodic_orbits(
     tolerance: float = DEFAULT_RESIDUAL,
     max_periods: int = DEFAULT_PERIODS,
     longest_multiple: int = LONGEST_MULTIPLE,
-    deadline: Deadline = UNLIMITED,
 ) -> list[PeriodicOrbit]:
     """Find the periodic orbit of every lane of a simulation.
 
@@ -75,8 +74,6 @@ def periodic_orbits(
     ------
     ParameterError
         If a number is outside its range, or steps, period and preload do not fit together.
-    NotProven
-        Once the `deadline` is over.
     """
     checked_scalar("tolerance", tolerance, "> 0")
     checked_count("max_periods", max_periods)
@@ -84,7 +81,7 @@ def periodic_orbits(
     for lane in simulation.lanes:
         _check_period(lane, steps_per_period)
     begin = harmonic_balance_start(simulation.lanes, steps_per_period) if start is None else start
-    found = searched(simulation, begin, steps_per_period, tolerance, max_periods, longest_multiple, deadline=deadline)
+    found = searched(simulation, begin, steps_per_period, tolerance, max_periods, longest_multiple)
     return found if longest_multiple == 1 else _judged(found, simulation)
 
 
@@ -101,11 +98,10 @@ def searched(
     max_periods: int,
     longest_multiple: int,
     newton: FloatArray | None = None,
-    deadline: Deadline = UNLIMITED,
 ) -> list[PeriodicOrbit]:
     """Search every lane from a start; arguments as for `periodic_orbits`, `newton` as for `FixedPointSearch`."""
     search = FixedPointSearch(simulation, StateScales(simulation.lanes, steps), steps, tolerance, newton)
-    search.run(start, max_periods, deadline)
+    search.run(start, max_periods)
     starts = search.starts(np.arange(len(simulation.lanes)))
     trajectories = simulation.run(starts, 0, steps)
     residuals = search.residuals(starts, State.stack([trajectory.end for trajectory in trajectories])).tolist()
@@ -128,7 +124,7 @@ def _judged(orbits: Sequence[PeriodicOrbit], simulation: Simulation) -> list[Per
     judged = list(orbits)
     for number, orbit in enumerate(orbits):
         known = orbit.trajectory.internal_state is None or orbit.lane.opens
-        if orbit.converged and known and orbit.lane.static_ratio == 1 and not attracts_all(orbit.lane):
+        if orbit.converged and known and orbit.lane.one_coefficient and not attracts_all(orbit.lane):
             judged[number] = without_dashpots(orbit, largest_multiplier(simulation.subset([number]), orbit))
     return judged
 

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import COMMENT_ENDINGS, Store, Workers, check_outs, engine_option, keeping
 from multibody_xval.scenarios.output_files import write_whole
-from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.terminal import visible
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     import pandas as pd

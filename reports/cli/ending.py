@@ -11,10 +11,12 @@ from typing import Any
 
 import typer
 
+from multibody_xval.engines.interface.texts import shortened, text_of, visible
 from multibody_xval.reports.cli.entry_point import interrupted
+from multibody_xval.reports.cli.exit_code import ExitCode
+from multibody_xval.scenarios.output_files import RunError
 from reference_lcp.environment import ONE_THREAD
-from reference_lcp.errors import ExitCode, ParameterError, RunError, shortened, shown, text_of
-from reference_lcp.terminal import visible
+from reference_lcp.errors import ParameterError, shown
 
 LONGEST_MESSAGE = 1000
 """Characters of an error that are printed."""

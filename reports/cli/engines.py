@@ -7,9 +7,9 @@ from typing import Any
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.options import AsJson
 from multibody_xval.scenarios.terminal_table import print_table
-from reference_lcp.terminal import visible
 
 app = typer.Typer(name="multibody-xval engines", add_completion=False, pretty_exceptions_enable=False)
 

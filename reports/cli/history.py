@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.options import keeping
 from multibody_xval.scenarios.output_files import checked_output_file, checked_output_folder, write_whole
 from reference_lcp.errors import ParameterError, checked_choice
-from reference_lcp.terminal import visible
 
 app = typer.Typer(name="multibody-xval history", add_completion=False, pretty_exceptions_enable=False)
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.options import AsJson
-from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
     from multibody_xval.engines.mujoco.probe import Creep, Probe

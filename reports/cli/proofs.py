@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import check_outs
 from multibody_xval.scenarios.output_files import write_whole
-from reference_lcp.errors import ExitCode
-from reference_lcp.terminal import tracked, visible
+from multibody_xval.scenarios.terminal_table import tracked
 
 if TYPE_CHECKING:
     import pandas as pd

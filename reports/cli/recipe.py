@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -61,13 +62,21 @@ def recipe(
         check_installed(engine, engine_of(engine).unavailable_reason())
         with keeping(store):
             worst, costs = recipe_results(engine, computing.means(store))
-        scenes = worst.astype({"cured": bool}).to_dict("index")
+        scenes = {str(name): {str(key): value for key, value in own.items()} for name, own in worst.iterrows()}
     if as_json:
-        print(json.dumps({"engine": engine, "recipe": text, "scenes": scenes, "cost": costs}, indent=2))
+        known = {name: {key: _known(value) for key, value in own.items()} for name, own in scenes.items()}
+        print(json.dumps({"engine": engine, "recipe": text, "scenes": known, "cost": costs}, indent=2))
         return
     print(text, end="")
     if measure:
         _print_table(scenes, costs)
+
+
+def _known(value: float) -> float | str | None:
+    """Give a number as JSON has it: ``never`` and ``failed`` as texts, ``null`` where there is none."""
+    from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+
+    return value if math.isfinite(value) else None if math.isnan(value) else printed_number(value)
 
 
 def _print_table(scenes: dict[str, dict[str, Any]], costs: dict[str, float]) -> None:

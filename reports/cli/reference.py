@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import typer
 
 from multibody_xval.reports.cli.compiling import announce_compilation
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import AsJson, grouped
+from multibody_xval.reports.cli.reference_numbers import numbers_of, numbers_of_proof
 from multibody_xval.scenarios.terminal_table import print_table
 from reference_lcp import defaults
-from reference_lcp.deadline import Watcher, watched
 from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP
-from reference_lcp.errors import ExitCode
+from reference_lcp.watching import Watcher, watched
 
 if TYPE_CHECKING:
     from reference_lcp.exact.proof.exact_chain import ExactChain
@@ -123,14 +124,15 @@ class ProofOptions:
 
     def answer(self, question: ExactChain | None) -> dict[str, Any]:
         """Prove, and give the numbers under the key ``proof``, or the reason why there are none."""
-        from reference_lcp.deadline import NotProven
+        from reference_lcp.errors import NotProven
         from reference_lcp.exact.proof.prove import prove
 
         if question is None:
             return {}
         began = time.monotonic()
         try:
-            return {"proof": prove(question, digits=self.digits, time_limit=self.time_limit).as_dict()}
+            proven = prove(question, digits=self.digits, time_limit=self.time_limit)
+            return {"proof": numbers_of_proof(proven)}
         except NotProven as problem:
             missing = dict.fromkeys(("transmittance_db", "phase", "transitions", "unique_by"))
             seconds = time.monotonic() - began
@@ -165,7 +167,7 @@ def run(
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
-    from multibody_xval.reports.figures.period import plot_period
+    from multibody_xval.reports.figures.motion import plot_motion
     from multibody_xval.reports.figures.picture_file import checked_picture, save_picture
     from reference_lcp.chain.drives import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
@@ -183,9 +185,9 @@ def run(
     reason = _why_more_steps(state, search.steps_per_period)
     told = {"steps_per_period_requested": search.steps_per_period, "why_more_steps": reason}
     proven = proof.answer(question)
-    _show(as_json, state.as_dict() | told | proven, lambda: _print(state, reason, proven))
+    _show(as_json, numbers_of(state) | told | proven, lambda: _print(state, reason, proven))
     for file in plot or ():
-        save_picture(plot_period(state.orbit), file)
+        save_picture(plot_motion(state.orbit), file)
     done = state.orbit.converged and all(answer["status"] == "proven" for answer in proven.values())
     raise typer.Exit(ExitCode.DONE if done else ExitCode.FAILED)
 
@@ -196,7 +198,7 @@ def search_lines() -> Watcher:
 
     def watch(what: str, done: int, most: int) -> None:
         nonlocal printed
-        if time.monotonic() >= printed + LINE_SECONDS:
+        if what and time.monotonic() >= printed + LINE_SECONDS:
             printed = time.monotonic()
             print(f"{what}: {done:,} of at most {most:,} periods; Ctrl-C ends it", file=sys.stderr, flush=True)
 

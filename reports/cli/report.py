@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.compiling import announce_compilation
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import Computing, Engines, Settings, engine_option, grouped, keeping
-from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.terminal import visible
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     from multibody_xval.reports.page.write import Written

@@ -13,7 +13,7 @@ from multibody_xval.reports.cli import scenario
 from multibody_xval.reports.cli.laws import laws
 from multibody_xval.reports.cli.proofs import proofs
 from multibody_xval.reports.cli.recipe import recipes
-from multibody_xval.reports.cli.studies import accuracy, figure3, work_precision
+from multibody_xval.reports.cli.studies import accuracy, figure3, friction_map, work_precision
 from multibody_xval.scenarios.terminal_table import print_table
 from reference_lcp.errors import ParameterError
 
@@ -26,6 +26,9 @@ STUDIES = {
     "proofs": (proofs, "What is the exact transmittance at every point of the standard grids, proven?"),
     "work-precision": (
         work_precision, "How large is each engine's error to the proven value, over the time of a simulated second?",
+    ),
+    "friction-map": (
+        friction_map, "How much friction does a sliding box meet, over its speed and its direction, in each engine?",
     ),
     "recipes": (
         recipes, "Which options make friction hold in a user's own model, in each engine, and what do they cost?",

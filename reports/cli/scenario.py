@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from multibody_xval.reports.cli.compiling import announce_compilation
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import (
     COMMENT_ENDINGS,
     Computing,
@@ -21,7 +22,7 @@ from multibody_xval.reports.cli.options import (
     keeping,
 )
 from multibody_xval.scenarios.output_files import write_whole
-from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     import pandas as pd

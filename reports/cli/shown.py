@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.scenarios.output_files import write_whole
-from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,4 +1,4 @@
-"""``multibody-xval run figure3``, ``accuracy`` and ``work-precision``: measurements on the paper's chain."""
+"""``multibody-xval run figure3``, ``accuracy``, ``work-precision`` and ``friction-map``: measurements and figures."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import (
     CHART_ENDINGS,
     TABLE_ENDINGS,
     Computing,
     Engines,
     GridEngines,
+    ScenarioEngines,
     Store,
     TableFiles,
     check_outs,
@@ -20,7 +22,7 @@ from multibody_xval.reports.cli.options import (
     keeping,
 )
 from multibody_xval.reports.cli.shown import Shown
-from reference_lcp.errors import ExitCode
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -185,3 +187,28 @@ def work_precision(
     end = Shown("Work and precision", command, every, study.LEGEND)
     end.show({"": study.shown(table), "Remarks": study.remarks(table)})
     end.write(outs, table.drop(columns="config"), lambda: costs(table))
+
+
+@grouped
+def friction_map(engines: ScenarioEngines, *, store: Store = None, out: Outs = None, computing: Computing) -> None:
+    """Measure the force that keeps a box sliding, at speeds from 10 µm/s to 1 m/s and at angles to the world's axes.
+
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
+
+    Example: multibody-xval run friction-map --engine mujoco --engine pybullet --out map.csv --out map.svg
+    """
+    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
+    from multibody_xval.reports.figures.studies import frictions
+    from multibody_xval.scenarios.catalogue import friction_map as study
+    from multibody_xval.scenarios.catalogue.scenes.pushed_box import PUSHED_FROM_REST
+    from multibody_xval.scenarios.running.evaluate import computed
+
+    configs = PUSHED_FROM_REST.configs(engines.names)
+    if not configs:
+        raise ParameterError(f"engine = {', '.join(engines.names)} has no scenes of boxes; allowed: one that has")
+    with keeping(store):
+        table = study.friction_map(computed(study.map_runs(configs), computing.means(store), "driven boxes"))
+    end = Shown("Effective friction", engines.command("friction-map"), table, study.LEGEND)
+    end.show({"Friction over μ m g, less 1 [%]": study.shown(table), "Remarks": study.remarks(table)})
+    end.write(outs, table, lambda: frictions(table))

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.compiling import announce_compilation
 from multibody_xval.reports.cli.options import Computing, check_outs, grouped, keeping
 from multibody_xval.scenarios.terminal_table import print_table
-from reference_lcp.terminal import visible
 
 if TYPE_CHECKING:
     import pandas as pd

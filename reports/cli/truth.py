@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from multibody_xval.reports.cli.console_script import HelpAlone
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.terminal_table import print_table
-from reference_lcp.errors import ExitCode
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 truth_app = typer.Typer(cls=HelpAlone)

@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.scenarios.output_files import checked_output_file, replacing
-from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

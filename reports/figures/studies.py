@@ -1,20 +1,25 @@
 """Figures of studies: functions of tables, drawn by matplotlib."""
 
 import io
+import math
 from typing import Any
 
 import pandas as pd
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from multibody_xval.engines.interface.registry import engine
 from multibody_xval.reports.figures.limits import decade_limits, level_limits
 from multibody_xval.reports.figures.panels import LEAST_DB
+from multibody_xval.reports.figures.style import PALETTE
 from multibody_xval.scenarios.edges import THRESHOLD_DB
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_reference
 from multibody_xval.scenarios.studies.claims import RANGE, claim_cases
 
 SHAPES = "os^Dv<>p*hX"
+FRICTION_TICKS, SPEED_TICKS = (-100, -10, -1, 0, 1, 10, 100), (1e-5, 1e-3, 0.1)
 STYLE: dict[Any, Any] = {
     "svg.hashsalt": "multibody-xval", "svg.fonttype": "path", "font.size": 9.0, "savefig.dpi": 200.0,
 }  # fmt: skip
@@ -72,6 +77,40 @@ def costs(table: pd.DataFrame) -> Figure:
     if not whole.empty:
         figure.legend(loc="outside right upper", frameon=False, fontsize=8)
     return figure
+
+
+def frictions(table: pd.DataFrame) -> Figure:
+    """Draw friction less 1 over the speed, a panel a configuration and a line an angle; two engines in a row."""
+    names = list(dict.fromkeys(table.configuration[table.friction.notna()]))
+    own = table[table.configuration.isin(names)]
+    cells = {name: 2 * list(dict.fromkeys(own.engine)).index(name.split(":")[0]) for name in names}
+    rows = math.ceil((max(cells.values(), default=0) + 2) / 4)
+    figure = Figure(figsize=(7.6, 0.6 + 1.35 * rows), layout="constrained")
+    panels = figure.subplots(rows, 4, sharex=True, sharey=True, squeeze=False).ravel()
+    for axes in panels:
+        axes.set_axis_off()
+    for name, first in cells.items():
+        axes = panels[first + ("recommended" in name)]
+        axes.set_axis_on()
+        _draw_frictions(axes, own[own.configuration == name])
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=4, frameon=False, fontsize=8)
+    figure.supxlabel("speed / (m/s)", fontsize=9)
+    figure.supylabel("friction over μ N, less 1 / %", fontsize=9)
+    return figure
+
+
+def _draw_frictions(axes: Axes, rows: pd.DataFrame) -> None:
+    preset = rows.preset.iloc[0].replace("recommended", "recipe")
+    axes.set_title(f"{engine(rows.engine.iloc[0]).capabilities.title}, {preset}", fontsize=8, loc="left")
+    axes.axhline(0.0, color="0.6", lw=0.6, zorder=0)
+    for number, (angle, line) in enumerate(rows.groupby("angle")):
+        axes.plot(line.speed, line.friction, marker=SHAPES[number], ms=5 - number, mfc="none", mew=0.7, lw=0.8,
+                  color=PALETTE[number], label=f"{angle}°")  # fmt: skip
+    axes.set(xscale="log", xticks=SPEED_TICKS, xticklabels=[f"{tick:g}" for tick in SPEED_TICKS])
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
+    axes.set(ylim=(-150, 300), yticks=FRICTION_TICKS, yticklabels=map(str, FRICTION_TICKS))
+    axes.tick_params(labelsize=7, labelbottom=True)
+    axes.minorticks_off()
 
 
 def title(config: Config) -> str:

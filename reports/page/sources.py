@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.reports.page.files import check_folder, check_loses_nothing
 from multibody_xval.reports.page.write import Written, write_dataset_page, write_page
 from multibody_xval.scenarios import edges
@@ -16,7 +17,7 @@ from multibody_xval.scenarios.result_tables import curve_of, steady_ones
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.store import Stored, checked_store, existing_store
-from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     from multibody_xval.scenarios.sweeps.plan import Sweep

@@ -14,23 +14,24 @@ from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.reproducer import Reproducer
+from multibody_xval.engines.interface.texts import shortened, visible
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.reproducers.questions import FROM_REST, PERIODS, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.scene_lines import scene_lines
 from multibody_xval.reports.reproducers.specialise import NotWritable
+from multibody_xval.scenarios.cases.carrier_drives import GrowingAcceleration, Vibration
 from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.blocks import breakaway, published, static_friction
 from multibody_xval.scenarios.compute.motions import is_pressed
 from multibody_xval.scenarios.compute.scenes import unsupported_reason
 from multibody_xval.scenarios.model import AnyCase, Config, Run
-from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, ShakingForce, StillBase, Vibration
+from reference_lcp.chain.drives import Drive, HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, shortened
-from reference_lcp.terminal import visible
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
 LONGEST_LINE = 128
@@ -203,7 +204,7 @@ def load_lines(drive: Drive) -> list[str]:
     match drive:
         case StillBase():
             return ["return 0.0"]
-        case ShakingForce(amplitude=force, angular_frequency=omega):
+        case HarmonicForce(amplitude=force, angular_frequency=omega):
             return [f"return {force!r} * np.sin({omega!r} * t)"]
         case HarmonicBase(amplitude=amplitude, angular_frequency=omega):
             base, rate = f"{amplitude!r} * np.sin({omega!r} * t)", f"{amplitude * omega!r} * np.cos({omega!r} * t)"

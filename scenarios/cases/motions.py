@@ -1,6 +1,7 @@
 """Motions from a state: of a chain under any drive, and of one block on a carrier."""
 
 import dataclasses
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -9,18 +10,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.carrier_drives import GrowingAcceleration, Vibration
 from multibody_xval.scenarios.cases.chain_ratios import ChainRatios
 from reference_lcp import defaults
 from reference_lcp.chain import transient
-from reference_lcp.chain.drives import (
-    Drive,
-    GrowingAcceleration,
-    HarmonicBase,
-    HarmonicForce,
-    ShakingForce,
-    StillBase,
-    Vibration,
-)
+from reference_lcp.chain.drives import Drive, HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
@@ -45,7 +39,7 @@ STRETCH = 4096
 DRIVES: Mapping[str, type[Any]] = {
     own.kind: own
     for own in (
-        HarmonicBase, HarmonicForce, StillBase, GrowingAcceleration, Vibration, ShakingForce, transient.RickerPulse,
+        HarmonicBase, HarmonicForce, StillBase, GrowingAcceleration, Vibration, transient.RickerPulse,
         transient.SweptSine, transient.FilteredNoise,
     )
 }  # fmt: skip
@@ -58,21 +52,28 @@ class RecordElsewhere:
 
     data: tuple[tuple[str, Any], ...]
 
-    def parameters(self) -> dict[str, Any]:
-        """Give what a `RecordedBase` says of itself."""
-        return dict(self.data)
-
     def displacement_scale(self, chain: Chain) -> float:
         """Give the amplitude [m]."""
-        return float(self.parameters()["amplitude"])
+        return float(dict(self.data)["amplitude"])
 
     def load(self, chain: Chain, time: FloatArray) -> FloatArray:
         """Refuse."""
-        raise ParameterError(f"record with SHA-256 {self.parameters()['sha256'][:12]} is not here; allowed: its file")
+        raise ParameterError(f"record with SHA-256 {dict(self.data)['sha256'][:12]} is not here; allowed: its file")
+
+
+def drive_data(drive: Any) -> dict[str, Any]:
+    """Give the kind and the parameters of a drive; of a record, how many samples there are, and their hash."""
+    if isinstance(drive, RecordElsewhere):
+        return dict(drive.data)
+    if isinstance(drive, RecordedBase):
+        samples = np.array([drive.times, drive.displacements], dtype="<f8").tobytes()
+        known = {"amplitude": drive.amplitude, "duration": drive.duration, "samples": len(drive.times)}
+        return {"kind": drive.kind, **known, "sha256": hashlib.sha256(samples).hexdigest()}
+    return {"kind": drive.kind} | {own.name: getattr(drive, own.name) for own in fields(drive)}
 
 
 def drive_of(data: dict[str, Any]) -> Drive:
-    """Read what `Drive.parameters` gives."""
+    """Read what `drive_data` gives."""
     if data["kind"] == RecordedBase.kind:
         return RecordElsewhere(tuple(data.items()))
     kind = checked_choice("drive", data["kind"], list(DRIVES))
@@ -143,7 +144,12 @@ class Motion:
                 f"for {defaults.LARGEST_PHASE_STEP} over the highest natural frequency"
             )
         if isinstance(self.drive, RecordedBase):
-            self.drive.check_time_step(step)
+            shortest = float(np.min(np.diff(self.drive.times)))
+            if step > shortest * (1 + 1e-9):
+                raise ParameterError(
+                    f"time_step = {step:g} s would leave out samples of the record; allowed: <= {shortest:g} s, "
+                    "the shortest time between two of them"
+                )
         return Lane(self.chain, self.drive, step)
 
     def initial_state(self) -> State:
@@ -156,7 +162,7 @@ class Motion:
         for own in fields(self):
             value = getattr(self, own.name)
             if own.name == "drive":
-                value = self.drive.parameters()
+                value = drive_data(self.drive)
             elif dataclasses.is_dataclass(value):
                 value = dataclasses.asdict(value)  # type: ignore[arg-type]
             if value != own.default:
@@ -166,7 +172,7 @@ class Motion:
     @property
     def title(self) -> str:
         """What drives it, and for how long."""
-        return f"{self.kind}, {self.drive.parameters()['kind']}, {self.time:.4g} s"
+        return f"{self.kind}, {drive_data(self.drive)['kind']}, {self.time:.4g} s"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -52,6 +52,8 @@ class SceneMotion:
     """Angular velocity about the vertical that it then gets [rad/s]."""
     push: float = 0.0
     """Constant force along the box's own x axis that then begins to act on it [N]."""
+    drive: float = 0.0
+    """Speed along the box's own x axis at which a force then keeps it, see `compute.driven` [m/s]."""
     sleeping: bool = False
     """Bodies may be put to sleep, as far as the engine does so as it comes."""
     shake: tuple[Tone, ...] = ()

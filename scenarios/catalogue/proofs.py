@@ -21,7 +21,7 @@ from multibody_xval.scenarios.ruler.proven import DIGITS, RATIOS, ProvenLevel, i
 from multibody_xval.scenarios.studies.accuracy_map import MAP, SIX
 from multibody_xval.scenarios.table_text import number_texts
 from reference_lcp.chain.preload import Preload
-from reference_lcp.deadline import NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
 from reference_lcp.one_call import steady_state

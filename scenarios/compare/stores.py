@@ -19,13 +19,13 @@ from multibody_xval.scenarios.compare.points import (
     UNKNOWN,
     compared,
 )
-from multibody_xval.scenarios.model import REFERENCE, Config
+from multibody_xval.scenarios.model import LARGEST_DECIBEL, REFERENCE, Config
 from multibody_xval.scenarios.plan import compared_configs, guard_cases, runs_at
 from multibody_xval.scenarios.result_tables import full_name, points
 from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
 from multibody_xval.scenarios.store import Stored, existing_store, identity, opened
 from reference_lcp.errors import ParameterError
-from reference_lcp.validation import LARGEST_DECIBEL, checked_scalar
+from reference_lcp.validation import checked_scalar
 
 RUN = ["config", "case", "steps"]
 

@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from multibody_xval.engines.interface.engine import EngineNotInstalled
+from multibody_xval.engines.interface.texts import shortened, text_of
 from multibody_xval.scenarios.cases.motions import BlockMotion, ChainMotion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.compute.checked import TrajectoryFault
@@ -14,7 +15,7 @@ from multibody_xval.scenarios.compute.scenes import scenes
 from multibody_xval.scenarios.compute.steady import steady_states
 from multibody_xval.scenarios.model import Case, Config, Result, Run, failed, unsupported
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError, shortened, text_of
+from reference_lcp.errors import ParameterError
 
 KINDS = {
     Case.kind: steady_states,

@@ -19,6 +19,7 @@ from multibody_xval.engines.interface.scene import (
 )
 from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion, swinging
+from multibody_xval.scenarios.compute.driven import driven
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
@@ -72,18 +73,22 @@ def built(run: Run) -> SceneWorld:
 def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:
     """Let a world settle, launch its box, follow it, and close it."""
     step = case.time / steps
+    held: dict[str, tuple[float, ...]] = {}
     try:
         settling = round(case.settling / step)
         first = _rows(case, step, world, 0, settling)[-1:] if settling else None
         if any(case.launch) or case.spin:
             world.launch(in_world(case.scene, case.launch), case.spin)
-        rows = _rows(case, step, world, settling, steps, case.push)
+        if case.drive:
+            rows, held["held"] = driven(case.scene, case.drive, step, world, steps)
+        else:
+            rows = _rows(case, step, world, settling, steps, case.push)
     finally:
         world.close()
     every = rows if first is None else np.concatenate([first, rows])
     if not (np.isfinite(every).all() and np.max(np.abs(every)) < EXPLODED):
         return failed("the scene exploded")
-    return Result(status=Status.FINISHED, series=dict(_series(case, step, first, rows)))
+    return Result(status=Status.FINISHED, series={**dict(_series(case, step, first, rows)), **held})
 
 
 def _rows(case: SceneMotion, step: float, world: SceneWorld, begin: int, steps: int, push: float = 0.0) -> FloatArray:
@@ -105,7 +110,8 @@ def _series(
     Of boxes, ``along``, ``across`` and ``off`` the plane [m] from where the motion began, the ``speed`` along each
     [m/s], the ``turn`` about its normal [rad], and ``highest``, off the plane so far. Of joints, ``joint 1`` and so
     on, from where the motion began; of one that is thrown, ``stop``, see `_stop`. ``from the start`` is the whole way
-    since the scene was built, at the end: along, across and off the plane, or of every joint.
+    since the scene was built, at the end: along, across and off the plane, or of every joint. Of a box that is driven,
+    ``held`` is what `driven` gives.
     """
     kept = kept_rows(len(rows))
     yield "time", _numbers((step * np.arange(1, len(rows) + 1, dtype=np.float64))[kept])

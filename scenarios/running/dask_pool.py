@@ -8,8 +8,9 @@ from concurrent.futures import BrokenExecutor, Future, wait
 from contextlib import contextmanager, suppress
 from typing import Any
 
+from multibody_xval.scenarios.output_files import RunError
 from multibody_xval.scenarios.running.processes import GRACE, LOOK_SECONDS, Job, LocalPool
-from reference_lcp.errors import ParameterError, RunError, shown
+from reference_lcp.errors import ParameterError, shown
 
 CONNECT_SECONDS = 15
 """How long a scheduler may take to answer."""

@@ -16,10 +16,14 @@ from multibody_xval.scenarios.running.processes import local, without_processes
 from multibody_xval.scenarios.running.progress import shown
 from multibody_xval.scenarios.store import Stored, existing_store, identity, opened
 from reference_lcp.errors import ParameterError
-from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
+from reference_lcp.validation import LONGEST_TIME_LIMIT, checked_count, checked_scalar
 
 Propose = Callable[[pd.DataFrame], list[Run]]
 """Gives the runs that a table of points still needs; none where it is whole."""
+
+
+MOST_WORKERS = 1024
+"""Most worker processes on a machine; more processors than that are in no machine so far."""
 
 
 @dataclass(frozen=True, kw_only=True)

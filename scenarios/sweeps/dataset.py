@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import CASE, REFERENCE, Case, Config, Status
 from multibody_xval.scenarios.output_files import write_whole
@@ -23,7 +24,7 @@ from multibody_xval.scenarios.store import identity
 from multibody_xval.scenarios.sweeps.file import sweep_of
 from multibody_xval.scenarios.sweeps.plan import FREQUENCY, STEPS, Sweep
 from multibody_xval.scenarios.table_text import csv_text
-from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
 UNITS = {

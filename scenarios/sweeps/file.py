@@ -7,11 +7,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.engines.interface.variant import variants_named
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid
 from multibody_xval.scenarios.sweeps.plan import AXES, CHAIN, Drive, Range, Sweep, Tolerances
-from reference_lcp.errors import ParameterError, checked_path, choices, shown
+from reference_lcp.errors import ParameterError, choices, shown
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.

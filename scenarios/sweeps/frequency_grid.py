@@ -16,11 +16,11 @@ import scipy.linalg
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from scipy.interpolate import PchipInterpolator
 
-from multibody_xval.scenarios.model import Case
+from multibody_xval.scenarios.model import LARGEST_DECIBEL, Case
 from multibody_xval.scenarios.ruler.judge import FLOOR_DB
 from reference_lcp.chain.linear_response import stuck_basis
 from reference_lcp.errors import ParameterError
-from reference_lcp.validation import LARGEST_DECIBEL, LARGEST_PARAMETER
+from reference_lcp.validation import LARGEST_PARAMETER
 
 START_POINTS = 17
 """Even points with which a curve begins."""

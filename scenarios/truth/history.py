@@ -15,11 +15,12 @@ from typing import Any
 import pandas as pd
 from packaging.version import Version
 
-from multibody_xval.scenarios.output_files import write_whole
+from multibody_xval.engines.interface.texts import shortened, visible
+from multibody_xval.scenarios.output_files import RunError, write_whole
 from multibody_xval.scenarios.table_text import csv_text
+from multibody_xval.scenarios.terminal_table import tracked
 from multibody_xval.scenarios.truth import Motion, judged, problem_named
-from reference_lcp.errors import ParameterError, RunError, checked_choice, shortened
-from reference_lcp.terminal import tracked, visible
+from reference_lcp.errors import ParameterError, checked_choice
 
 FOLDER = Path(__file__).parent
 SCRIPTS = {file.name.removesuffix("_blocks.py"): file for file in sorted(FOLDER.glob("scripts/*_blocks.py"))}

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.scenarios.truth.problem import Problem
-from reference_lcp.errors import ParameterError, checked_path, shown
+from reference_lcp.errors import ParameterError, shown
 from reference_lcp.validation import FloatArray, checked_scalar
 
 SAME_TIME = 1e-3

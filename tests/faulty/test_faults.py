@@ -15,8 +15,8 @@ import multibody_xval as xval
 from multibody_xval.engines.interface.registry import registered_names
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
-from reference_lcp.errors import ExitCode
 from tests.faulty.engines import FAULTS, PREFIX
 from tests.faulty.faults import SEEN
 from tests.faulty.sizes import SIZED, is_noticed

@@ -7,8 +7,8 @@ import pytest
 from multibody_xval.reports.cli import reference
 from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, simulate, steady_state
 from reference_lcp.chain.simulation import steps_per_period_for
-from reference_lcp.deadline import tell, watched
 from reference_lcp.one_call import LONGEST_CHAINS
+from reference_lcp.watching import tell, watched
 from tests.reference_lcp.cases import driven
 
 

@@ -11,7 +11,7 @@ def test_line_has_the_level_to_its_error_bar_and_the_cells_that_stick() -> None:
     chain, drive = driven(0.6, cells=4, friction_ratio=np.array([0.0, 0.3, 30.0, 30.0]))
     state = steady_state(chain, drive)
     line = repr(state)
-    assert line.endswith("; cells 3–4 stick; 2 stick and slip>")
+    assert line.endswith("; of 4 contacts 2 stick, 1 stick and slip>")
     level, bar = line.removeprefix("<SteadyState ").split(" dB")[0].replace("−", "-").split(" ± ")
     assert abs(float(level) - state.transmittance_db) <= float(bar)
     assert float(bar) >= state.error_bar.transmittance_db
@@ -21,5 +21,5 @@ def test_line_has_the_level_to_its_error_bar_and_the_cells_that_stick() -> None:
 def test_line_counts_cells_in_many_places_and_says_that_a_motion_is_not_periodic_yet() -> None:
     case = driven(0.6, cells=8, friction_ratio=[30.0, 0.0] * 4)
     line = repr(steady_state(*case, with_error_bar=False, max_periods=1))
-    assert "cells 4 of 8 stick>" in line
+    assert "of 8 contacts 4 stick, 0 stick and slip>" in line
     assert "not certified (period limit)" in line

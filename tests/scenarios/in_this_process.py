@@ -11,7 +11,6 @@ from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenario import Scenario
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import REFERENCE, AnyCase, Config, Result, Run
-from multibody_xval.scenarios.ruler.judge import DEVIATES
 from multibody_xval.scenarios.store import Stored
 
 SHARES, OTHER = Config("mujoco"), Config("pybullet", preset_name="default")
@@ -30,15 +29,10 @@ def result_of(run: Run) -> Result:
     return run_batch([run])[0]
 
 
-def as_is(case: AnyCase) -> AnyCase:
-    """Change nothing."""
-    return case
-
-
 def judged_copy(
     scenario: Scenario,
     config: Config,
-    change: Callable[[AnyCase], AnyCase] = as_is,
+    change: Callable[[AnyCase], AnyCase] = lambda case: case,
     spoil: Callable[[Result], Result] = lambda result: result,
 ) -> pd.DataFrame:
     """Judge a copy of the scheme that runs changed cases, or whose results are spoilt."""
@@ -53,17 +47,6 @@ def judged(scenario: Scenario, config: Config) -> pd.DataFrame:
     own = [run for run in scenario.runs([config]) if run.config == config]
     ruler = [Stored(run, "1", result_of(run)) for run in scenario.runs([config]) if run.config != config]
     return numbers(scenario, [*ruler, *(Stored(run, "1", run_batch([run])[0]) for run in own)], [config])
-
-
-def deviating(table: pd.DataFrame) -> set[tuple[str, str]]:
-    """Give case and quantity of the numbers that deviate."""
-    off = table[table.verdict == DEVIATES]
-    return set(zip(off.case, off.quantity, strict=True))
-
-
-def quantities(table: pd.DataFrame) -> set[str]:
-    """Give the quantities that deviate in any case."""
-    return {quantity for _, quantity in deviating(table)}
 
 
 def pressed(factor: float) -> Callable[[AnyCase], AnyCase]:

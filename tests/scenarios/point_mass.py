@@ -32,7 +32,6 @@ class Wrong:
 
     friction: float = 1.0
     damping: float = 1.0
-    normal: float = 1.0
     drift: float = 0.0
     """[m/s]."""
     fall: float = 0.0
@@ -54,7 +53,7 @@ class PointMass:
             self.forward = self.axes @ scene.forward
             if not scene.grip:
                 self.load = np.array([GRAVITY * math.sin(scene.slope), 0.0, 0.0])
-                self.bound = wrong.friction * wrong.normal * scene.friction * GRAVITY * math.cos(scene.slope)
+                self.bound = wrong.friction * scene.friction * GRAVITY * math.cos(scene.slope)
         self.mass, self.pushed = scene.boxes[-1].mass if isinstance(scene, ContactScene) else 1.0, 0.0
         self.shaker = scene.shaker if isinstance(scene, ContactScene) else None
         self.inside, self.carried = np.zeros(2), self.shaker.mass if self.shaker else 0.0
@@ -66,7 +65,7 @@ class PointMass:
             self.velocity = np.array([scene.velocity, 0.0, 0.0])
             self.bound, self.damping = wrong.friction * scene.friction, wrong.damping * scene.damping
         self.angle = self.spin = 0.0
-        self.braking = wrong.friction * wrong.normal * braking(scene, CORNERS) if self.box else 0.0
+        self.braking = wrong.friction * braking(scene, CORNERS) if self.box else 0.0
 
     def launch(self, velocity, spin) -> None:
         self.velocity, self.spin = self.axes @ velocity, spin

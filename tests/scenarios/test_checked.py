@@ -1,96 +1,90 @@
 """One wrong number in what an engine reports fails its run, with the array, the time and the cell."""
 
-import dataclasses
 import re
-from operator import itemgetter, methodcaller
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.compute.checked import TIME_MARGIN, TrajectoryFault, check_trajectory
-from multibody_xval.scenarios.model import Case, Config, Result, Run
+from multibody_xval.scenarios.compute.checked import TrajectoryFault, check_trajectory
+from multibody_xval.scenarios.model import Case, Config, Run
 from reference_lcp import Chain, HarmonicBase, Lane, RickerPulse, StillBase
-from reference_lcp.chain.trajectory import State
+from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.validation import FloatArray
 
-LIFTING = ("faulty-gap", "faulty-internal")
-"""Engines whose fault is in what contacts have that open."""
-
-
-def runs_of(name: str) -> list[Run]:
-    """Give a run of every kind of case that an engine can represent."""
-    config, lifts = Config(name), name in LIFTING
-    steady = Case(friction_ratio=0.3, frequency_ratio=0.9, cells=2, modulation=1.5 if lifts else 0.0)
-    usual = {"cells": 2, "friction_ratio": 0.1, "time": 0.4, "rows": 100}
-    pulse = ChainMotion(drive=RickerPulse(0.01, 31.6, 0.35), **usual)
-    decay = ChainMotion(drive=StillBase(0.01), shape="stretched", recorded="decay", **usual)
-    return [Run(config, case, 400) for case in (steady, *([] if lifts else [pulse, decay]))]
+USUAL = {"cells": 2, "friction_ratio": 0.1, "time": 0.4, "rows": 100}
+CASES = [
+    Case(friction_ratio=0.3, frequency_ratio=0.9, cells=2),
+    ChainMotion(drive=RickerPulse(0.01, 31.6, 0.35), **USUAL),
+    ChainMotion(drive=StillBase(0.01), shape="stretched", recorded="decay", **USUAL),
+]
 
 
-NUMBER = r" at \d\S* s in cell 2"
-FAULTS = {
-    "faulty-normal": f"normal force is not finite{NUMBER}: nan",
-    "faulty-friction": f"friction is not finite{NUMBER}: nan",
-    "faulty-position": f"position is not finite{NUMBER}: inf",
-    "faulty-velocity": f"velocity is not finite{NUMBER}: nan",
-    "faulty-gap": f"normal gap is not finite{NUMBER}: nan",
-    "faulty-internal": f"internal state is not finite{NUMBER}: nan",
-    "faulty-time": r"time of row \d+ is 7 s; allowed: \d\S* s",
-    "faulty-timeless": r"time of row \d+ is nan s; allowed: \d\S* s",
-}
-
-
-@pytest.fixture(scope="module")
-def rows(install) -> dict[str, list[Result]]:
-    """Results of every kind of case, by engine."""
+def test_a_wrong_number_fails_every_kind_of_case_and_is_named(install) -> None:
     with install("faulty").visible():
-        return {name: [run_batch([run])[0] for run in runs_of(name)] for name in ("faulty-sound", *FAULTS)}
-
-
-@pytest.mark.parametrize("name", FAULTS)
-def test_a_wrong_number_fails_every_kind_of_case_and_is_named(rows, name) -> None:
-    assert [result.status for result in rows["faulty-sound"]] == ["periodic", "finished", "finished"]
-    for result in rows[name]:
+        sound = [run_batch([Run(Config("faulty-sound"), case, 400)])[0] for case in CASES]
+        wrong = [run_batch([Run(Config("faulty-velocity"), case, 400)])[0] for case in CASES]
+    assert [own.status for own in sound] == ["periodic", "finished", "finished"]
+    for result in wrong:
         assert result.status == "failed"
-        assert re.fullmatch(f"the engine's {FAULTS[name]}", result.reason), result.reason
+        assert re.fullmatch(r"the engine's velocity is not finite at \d\S* s in cell 2: nan", result.reason)
 
 
-@pytest.fixture
-def lane() -> Lane:
-    """Two cells, one of them without friction."""
-    chain = Chain.from_ratios(cells=2, friction_ratio=[0.3, 0.0])
-    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), 400)
+CHAIN = Chain.from_ratios(cells=2, friction_ratio=[0.3, 0.0])
+LANE = Lane.periodic(CHAIN, HarmonicBase.from_ratio(CHAIN, 0.9), 400)
 
 
-@pytest.mark.parametrize("start", [0, 10**6])
-def test_times_may_be_rounded(lane, start) -> None:
-    """Those of a million steps that were added up one by one are still the lane's."""
-    run = CompiledSimulation([lane]).run(State.at_rest(1, 2), start, 100)[0]
-    check_trajectory(run, lane, start, 100)
-    every = np.add.accumulate(np.full(start + 100, lane.time_step))
-    check_trajectory(dataclasses.replace(run, time=every[start:]), lane, start, 100)
-    late = dataclasses.replace(run, time=run.time + 2 * TIME_MARGIN * lane.time_step)
-    with pytest.raises(TrajectoryFault, match="the engine's time of row 0 is"):
-        check_trajectory(late, lane, start, 100)
+def ran(start: int = 0) -> Trajectory:
+    """Run the reference; with gaps and a state of contacts, as engines have them whose contacts open."""
+    run = CompiledSimulation([LANE]).run(State.at_rest(1, 2), start, 100)[0]
+    return replace(run, normal_gap=np.zeros((100, 2)), internal_state=np.zeros(4))
 
 
-OTHERWISE = {
-    r"the shape \(99,.*; allowed: \(100,": itemgetter(slice(-1)),
-    **{
-        f"^the engine's .* is of type {kind}; allowed: float64 or float32$": methodcaller("astype", kind)
-        for kind in ("float16", "complex128", "int64", "object")
-    },
+def with_last(number: float) -> Callable[[FloatArray], FloatArray]:
+    """Put a number into the last place of an array."""
+    return lambda values: np.append(values.ravel()[:-1], number).reshape(values.shape)
+
+
+LAST = r"at \d\S* s in cell 2"
+WRONG = {
+    "position": ("positions", with_last(np.inf), f"not finite {LAST}: inf"),
+    "velocity": ("velocities", with_last(np.nan), f"not finite {LAST}: nan"),
+    "friction": ("friction", with_last(np.nan), f"not finite {LAST}: nan"),
+    "normal force": ("normal_force", with_last(np.nan), f"not finite {LAST}: nan"),
+    "normal gap": ("normal_gap", with_last(np.nan), f"not finite {LAST}: nan"),
+    "internal state": ("internal_state", with_last(np.nan), f"not finite {LAST}: nan"),
+    "time of row 99": ("time", with_last(7.0), r"7 s; allowed: \d\S* s"),
+    "time of row 0": ("time", lambda time: time + 0.01 * LANE.time_step, r"\d\S* s; allowed: \d\S* s"),
 }
-"""Of half precision three digits are left, and half of a complex number."""
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_array_time_and_cell_of_a_wrong_number_are_named(name: str) -> None:
+    array, spoil, problem = WRONG[name]
+    check_trajectory(ran(), LANE, 0, 100)
+    with pytest.raises(TrajectoryFault, match=f"^the engine's {name} is {problem}$"):
+        check_trajectory(replace(ran(), **{array: spoil(getattr(ran(), array))}), LANE, 0, 100)
 
 
 @pytest.mark.parametrize("name", ["positions", "velocities", "friction", "normal_force", "time"])
-@pytest.mark.parametrize("message", OTHERWISE)
-def test_array_of_another_shape_or_type_is_refused_and_one_in_single_precision_passes(lane, name, message) -> None:
-    run = CompiledSimulation([lane]).run(State.at_rest(1, 2), 0, 100)[0]
+def test_array_of_another_shape_or_type_is_refused_and_one_in_single_precision_passes(name: str) -> None:
+    """Of half precision three digits are left, and half of a complex number."""
+    run, own = ran(), getattr(ran(), name)
     if name != "time":
-        check_trajectory(dataclasses.replace(run, **{name: getattr(run, name).astype(np.float32)}), lane, 0, 100)
-    with pytest.raises(TrajectoryFault, match=message):
-        check_trajectory(dataclasses.replace(run, **{name: OTHERWISE[message](getattr(run, name))}), lane, 0, 100)
+        check_trajectory(replace(run, **{name: own.astype(np.float32)}), LANE, 0, 100)
+    with pytest.raises(TrajectoryFault, match=r"the shape \(99,.*; allowed: \(100,"):
+        check_trajectory(replace(run, **{name: own[:-1]}), LANE, 0, 100)
+    for kind in ("float16", "complex128", "int64", "object"):
+        with pytest.raises(TrajectoryFault, match=f" is of type {kind}; allowed: float64 or float32$"):
+            check_trajectory(replace(run, **{name: own.astype(kind)}), LANE, 0, 100)
+
+
+@pytest.mark.parametrize("start", [0, 10**6])
+def test_times_may_be_rounded(start: int) -> None:
+    """Those of a million steps that were added up one by one are still the lane's."""
+    every = np.add.accumulate(np.full(start + 100, LANE.time_step))
+    check_trajectory(replace(ran(start), time=every[start:]), LANE, start, 100)

@@ -9,8 +9,9 @@ import pytest
 
 from multibody_xval.scenarios import store as stores
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.output_files import RunError
 from multibody_xval.scenarios.store import opened
-from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.errors import ParameterError
 
 CASE = Case(friction_ratio=0.3, frequency_ratio=0.9, cells=2, mass_ratio=(1.0, 0.5), modulation=0.25)
 RUN = Run(REFERENCE, CASE, 400)
@@ -105,7 +106,6 @@ def test_a_full_disk_ends_in_a_line_and_loses_nothing_and_a_failure_by_circumsta
 HOSTILE_ROWS = [
     ("run", "[" * 3_000),
     ("run", '{"config": "mujoco", "case": {"friction_ratio": -1, "frequency_ratio": 1}, "steps": 400}'),
-    ("result", "no JSON"),
     ("result", "[" * 5000),
     ("result", '{"status": "periodic", "transmittance": [1, 2, 3]}'),
     ("result", '{"status": "periodic", "transmittance": [1, 0], "__class__": "os.system"}'),

@@ -7,6 +7,7 @@ import math
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,6 @@ from multibody_xval.engines.mujoco.probe.start import Start, started
 from multibody_xval.engines.mujoco.probe.stops import Stop
 from multibody_xval.engines.mujoco.simulation import no_warning_file
 from reference_lcp.errors import ParameterError, shown
-from reference_lcp.terminal import counted
 from reference_lcp.validation import checked_count, checked_scalar
 
 BLOCKS, BLOCK_TIME = 8, 0.01
@@ -117,8 +117,12 @@ def probe(
     ParameterError
         If the model does not load, has no friction, explodes, or nothing in it rests; or `ctrl` does not fit.
     """
+    from rich.console import Console
+    from rich.progress import Progress
+
     checked_scalar("time", time, "> 0")
     checked_scalar("settling", settling, ">= 0")
+    console = Console(stderr=True)
     with no_warning_file():
         own = loaded(path, floor, free)
         step = own.model.opt.timestep
@@ -128,7 +132,9 @@ def probe(
         state = start.data(own.model)
         skipped = friction.not_judged(own.model, state, own.own_base)
         tenth = max(round(0.1 / step), 1)
-        with counted("tenths of a simulated second", len(models) * ((before + steps) // tenth)) as advance:
+        with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+            tenths = len(models) * ((before + steps) // tenth)
+            advance = partial(progress.advance, progress.add_task("tenths of a simulated second", total=tenths))
             runs = {
                 line: _run(model, start, skipped, (before, steps, tenth), advance) for line, model in models.items()
             }

@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from reference_lcp.errors import ParameterError, checked_path, shown
+from multibody_xval.engines.interface.texts import checked_path
+from reference_lcp.errors import ParameterError, shown
 
 FLOOR = "added floor"
 

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from multibody_xval.engines.interface.texts import checked_path, is_number
 from multibody_xval.engines.mujoco.probe.load import Loaded
-from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
-from reference_lcp.validation import FloatArray, is_number
+from reference_lcp.errors import ParameterError, checked_choice, shown
+from reference_lcp.validation import FloatArray
 
 NONE = "none"
 """Instead of a keyframe: the model's own pose."""

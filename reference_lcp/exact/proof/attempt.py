@@ -1,10 +1,13 @@
 """From floating point to a proof: candidates, repairs, precision, and reading what is proven."""
 
+import math
+import time
+from dataclasses import replace
 from decimal import Decimal
 
 from flint import arb, ctx
 
-from reference_lcp.deadline import Deadline, NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.event_driven import EventsAccumulate
 from reference_lcp.exact.event_driven_system import AmbiguousModes
 from reference_lcp.exact.proof.candidate import Candidate, candidate
@@ -16,6 +19,7 @@ from reference_lcp.exact.proof.multipliers import multiplier_bound
 from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
 from reference_lcp.exact.proof.repair import repaired, without_shortest
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN
+from reference_lcp.watching import tell
 
 SPARE_BITS = 62
 """Bits beyond the digits that are asked for: for the growth of balls, and for motions far below the drive's."""
@@ -27,22 +31,23 @@ MOST_REPAIRS = 12
 """Most orders of events that are tried after the first."""
 
 
-def attempted(exact: ExactChain, digits: int, deadline: Deadline) -> ProvenSteadyState:
+def attempted(exact: ExactChain, digits: int) -> ProvenSteadyState:
     """Prove a steady state, with more and more precision; raises `NotProven`."""
+    began = time.monotonic()
     try:
-        guess = candidate(exact, deadline)
+        guess = candidate(exact)
     except (EventsAccumulate, AmbiguousModes) as problem:
         raise NotProven(f"floating point finds no motion to begin with: {problem}") from problem
-    deadline.check()
     for factor in PRECISIONS:
         with ctx.workprec(factor * (int(3.33 * digits) + SPARE_BITS)):
             try:
-                dynamics = Dynamics(exact, deadline)
+                dynamics = Dynamics(exact)
                 solution, observed, repairs = proven_or_repaired(dynamics, guess)
-                return _read(dynamics, solution, observed, repairs, digits)
+                proven = _read(dynamics, solution, observed, repairs, digits)
+                return replace(proven, seconds=time.monotonic() - began)
             except NotProven as problem:
                 reason = problem
-                deadline.check()
+                tell()
     raise reason
 
 
@@ -54,7 +59,7 @@ def proven_or_repaired(dynamics: Dynamics, guess: Candidate) -> tuple[Solution, 
         try:
             solution = solve(dynamics, guess)
         except NotProven as problem:
-            dynamics.deadline.check()
+            tell()
             shorter, refuted = without_shortest(guess, float(dynamics.length)), problem
             if shorter is None:
                 raise
@@ -98,7 +103,7 @@ def _read(dynamics: Dynamics, solution: Solution, observed: Observed, repairs: i
         unique_by=Uniqueness.DAMPING if dynamics.exact.damped else unique,
         inequalities=observed.inequalities,
         repairs=repairs,
-        seconds=dynamics.deadline.elapsed,
+        seconds=math.nan,
     )
 
 

@@ -4,33 +4,23 @@ None of it is trusted; it only says what is to be proven.
 """
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
-from reference_lcp.chain.simulation import Lane, steps_per_period_for
-from reference_lcp.chain.trajectory import State
-from reference_lcp.deadline import UNLIMITED, Deadline
-from reference_lcp.exact.event_driven_system import EventDrivenSystem, system_of
-from reference_lcp.exact.exact_orbit import SHORTEST_SEGMENT, exact_orbit
-from reference_lcp.exact.mode_dynamics import harmonic_load
+from reference_lcp.chain.drives import HarmonicForce
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD
+from reference_lcp.exact.event_driven_system import system_of_lane
+from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
 from reference_lcp.exact.proof.exact_chain import ExactChain
-from reference_lcp.lcp.systems import Harmonic
-from reference_lcp.schemes.euler import CompiledSimulation
-from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray
-
-SCHEME_STEPS = 1600
-"""Steps a period of the Euler scheme's steady state, with which the search begins where normal forces change."""
 
 ENOUGH = 1e-8
 """Residual from which on Newton's method is left to the proof, which has more digits."""
-
-SETTLING_CYCLES = 300
-"""Cycles from rest where drive and normal force repeat together only after several periods."""
 
 SAMPLES = 500
 """Instants at which a sticking force is read, to centre it between its bounds."""
@@ -89,32 +79,22 @@ class Candidate:
         return dataclasses.replace(self, state=tuple(state))
 
 
-@dataclass(frozen=True)
-class FloatMotion:
-    """A motion in floating point from t = 0 over whole periods."""
-
-    starts: FloatArray
-    """When each stretch of unchanged modes begins, shape (stretches,)."""
-    modes: NDArray[np.int8]
-    """Shape (stretches, n)."""
-    state: Callable[[float], FloatArray]
-    """(u, v, u̇, v̇) at a time."""
-
-
-def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
+def candidate(exact: ExactChain) -> Candidate:
     """Find the steady state in floating point."""
-    chain, drive, preload = exact.floating()
+    chain, drive, _ = exact.floating()
     cycle = exact.cycle * drive.period
-    motion = _constant(exact, deadline) if preload is None else _modulated(exact, deadline)
+    motion = _motion(exact)
     length = cycle / 2 if exact.half else cycle
-    events = _events(motion, chain.friction_bound > 0)
+    modes = motion.modes[motion.lasting]
+    starts = np.array([motion.segments[row].start for row in motion.lasting])
+    changes = np.argwhere((modes != np.roll(modes, 1, axis=0)) & (chain.friction_bound > 0))
+    events = [(float(starts[row]), int(cell), int(modes[row, cell])) for row, cell in changes]
     start = _quietest([time for time, _, _ in events], length)
     x = motion.state(start)
     if exact.half:
         x = (x - motion.state((start + length) % cycle)) / 2
     u, v, du, dv = np.split(x, 4)
-    row = np.searchsorted(motion.starts, start, side="right") - 1
-    first = motion.modes[row]
+    first = modes[np.searchsorted(starts, start, side="right") - 1]
     ahead = sorted(((time - start) % cycle, cell, new) for time, cell, new in events)
     ahead = [event for event in ahead if event[0] < length]
     state = np.concatenate([u, v - u, du, np.where(first == 0, 0.0, dv - du)])
@@ -128,57 +108,15 @@ def candidate(exact: ExactChain, deadline: Deadline = UNLIMITED) -> Candidate:
     return _centred(found, exact, motion, np.linspace(0, cycle, SAMPLES, endpoint=False))
 
 
-def _constant(exact: ExactChain, deadline: Deadline) -> FloatMotion:
-    """Give the period that the event-driven solver finds."""
-    chain, drive, _ = exact.floating()
-    _, period = exact_orbit(chain, drive, tolerance=ENOUGH, deadline=deadline, thorough=False)
-    rows, ends = period.lasting, np.array([segment.end for segment in period.segments])
-
-    def state(time: float) -> FloatArray:
-        segment = period.segments[min(int(np.searchsorted(ends, time)), ends.size - 1)]
-        return segment.states(np.array([time - segment.start]))[0]
-
-    return FloatMotion(np.array([period.segments[row].start for row in rows]), period.modes[rows], state)
-
-
-def _modulated(exact: ExactChain, deadline: Deadline) -> FloatMotion:
-    """Go from event to event from where the Euler scheme repeats."""
+def _motion(exact: ExactChain) -> ExactPeriod:
+    """Give the period that the event-driven solver finds; where normal forces change, of the chain body by body."""
     chain, drive, preload = exact.floating()
-    cycle = exact.cycle * drive.period
-    steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
-    lane = Lane.periodic(chain, drive, steps, preload)
-    simulation = CompiledSimulation([lane])
-    if exact.cycle == 1:
-        end = periodic_orbits(simulation, steps, longest_multiple=1, deadline=deadline)[0].trajectory.end
-    else:
-        end = State.at_rest(1, exact.cells)
-        for _ in range(SETTLING_CYCLES):
-            deadline.check()
-            end = simulation.advance(end, 0, steps * exact.cycle)
-    omega, (sine, cosine) = harmonic_load(chain, drive)
-    load = Harmonic(
-        amplitude=float(np.hypot(sine, cosine)), angular_frequency=omega, phase=float(np.arctan2(cosine, sine))
-    )
-    solver = EventDrivenSystem(system_of(chain, load, preload=preload))
-    stretches = []
-    for stretch in solver.stretches(position=end.positions[0], velocity=end.velocities[0], end=cycle):
-        deadline.check()
-        stretches.append(stretch)
-    stretches = [each for each in stretches if each.duration > SHORTEST_SEGMENT * cycle]
-    starts = np.array([each.start for each in stretches])
-
-    def state(time: float) -> FloatArray:
-        stretch = stretches[max(int(np.searchsorted(starts, time, side="right")) - 1, 0)]
-        return stretch.values(stretch.motion, time)[0]
-
-    return FloatMotion(starts, np.array([each.modes for each in stretches]), state)
-
-
-def _events(motion: FloatMotion, rubbing: NDArray[np.bool_]) -> list[tuple[float, int, int]]:
-    """Times, cells and new modes of all changes, the first row after the last."""
-    modes = motion.modes
-    changes = np.argwhere((modes != np.roll(modes, 1, axis=0)) & rubbing)
-    return [(float(motion.starts[row]), int(cell), int(modes[row, cell])) for row, cell in changes]
+    moved: tuple[Any, Any] = chain, drive
+    if preload is not None:
+        cycle = HarmonicForce(1.0, drive.angular_frequency / exact.cycle, drive.displacement_scale(chain))
+        moved = system_of_lane(Lane.periodic(chain, drive, FEWEST_STEPS_PER_PERIOD, preload)), cycle
+    _, period = exact_orbit(*moved, tolerance=ENOUGH, thorough=False)
+    return period
 
 
 def _quietest(times: list[float], length: float) -> float:
@@ -190,7 +128,7 @@ def _quietest(times: list[float], length: float) -> float:
     return float((phases[np.argmax(gaps)] + gaps.max() / 2) % length)
 
 
-def _centred(found: Candidate, exact: ExactChain, motion: FloatMotion, times: FloatArray) -> Candidate:
+def _centred(found: Candidate, exact: ExactChain, motion: ExactPeriod, times: FloatArray) -> Candidate:
     """Give cells that never slip the offset that keeps their force farthest from its bounds; zero by symmetry."""
     if exact.half or not found.always_stuck:
         return found.with_offsets(dict.fromkeys(found.always_stuck, 0.0))

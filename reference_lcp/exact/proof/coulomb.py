@@ -17,9 +17,10 @@ from typing import NoReturn
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
-from reference_lcp.deadline import NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.dynamics import Dynamics, Row, Rows, around_zero
 from reference_lcp.exact.proof.krawczyk import Solution, boundaries, state_at_start
+from reference_lcp.watching import tell
 
 BERNSTEIN = 20
 """Degree of the Bernstein form; what is above goes into a ball."""
@@ -96,7 +97,7 @@ def observe(dynamics: Dynamics, solution: Solution) -> Observed:
         tests = list(_tests(dynamics, solution, j))
         parts = list(_parts(dynamics, solution, j, tests))
         for polynomials in parts:
-            dynamics.deadline.check()
+            tell()
             bounds = positive_bounds(polynomials.tests)
             for place, (test, order, bound) in enumerate(zip(tests, polynomials.orders, bounds, strict=True)):
                 if not bound > -inf:

@@ -14,8 +14,9 @@ from functools import cached_property
 
 from flint import arb, arb_mat, ctx, fmpq
 
-from reference_lcp.deadline import UNLIMITED, Deadline, NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
+from reference_lcp.watching import tell
 
 Row = list[arb]
 Rows = list[Row]
@@ -45,9 +46,9 @@ def around_zero(radius: arb) -> arb:
 class Dynamics:
     """Matrices of a chain for every pattern of modes, at the working precision at which it is made."""
 
-    def __init__(self, exact: ExactChain, deadline: Deadline = UNLIMITED):
+    def __init__(self, exact: ExactChain):
         n = exact.cells
-        self.exact, self.cells, self.deadline = exact, n, deadline
+        self.exact, self.cells = exact, n
         self.sine, self.one = 4 * n, 4 * n + 2
         self.size = 4 * n + (3 if exact.modulation is None else 5)
         self.omega = ball(exact.frequency_squared).sqrt()
@@ -146,7 +147,6 @@ class Pattern:
 
     def __init__(self, dynamics: Dynamics, modes: Modes):
         n, size = dynamics.cells, dynamics.size
-        self.deadline = dynamics.deadline
         at_rest = {start + i for i, mode in enumerate(modes) if mode == 0 for start in (n, 3 * n)}
         self.active = [k for k in range(size) if k not in at_rest]
         rows = [dynamics.zero() for _ in range(size)]
@@ -193,7 +193,7 @@ class Pattern:
         coefficients, left, k = [start], size, 0
         while not (2 * reach < k and left < size * arb(2) ** -ctx.prec):
             k += 1
-            self.deadline.check()
+            tell()
             coefficients.append((self.rates * coefficients[-1]) * (time / k))
             left = (left * reach / k).upper()
             if not size > 0:

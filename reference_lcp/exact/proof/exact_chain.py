@@ -157,8 +157,8 @@ class ExactChain:
             If the chain is too long, the drive does not repeat, or the normal force not together with it.
         """
         checked_count("cells", chain.cells, 1, MOST_CELLS)
-        if type(drive) not in (HarmonicBase, HarmonicForce):
-            allowed = "HarmonicBase, HarmonicForce"
+        if not isinstance(drive, PeriodicDrive) or getattr(drive, "length", None) is not None:
+            allowed = "HarmonicBase, HarmonicForce without a length"
             raise ParameterError(f"{type(drive).__name__} has no steady state that can be proven; allowed: {allowed}")
         mass, stiffness = Fraction(float(chain.outer_mass[0])), Fraction(float(chain.chain_stiffness[0]))
         base, amplitude = isinstance(drive, HarmonicBase), Fraction(drive.amplitude)

@@ -17,9 +17,10 @@ from itertools import pairwise
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from reference_lcp.deadline import NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.candidate import Candidate
 from reference_lcp.exact.proof.dynamics import Dynamics, Flow, Row, Rows, around_zero, identity, largest
+from reference_lcp.watching import tell
 
 RADII = (1e-10, 1e-14, 1e-19, 1e-24, 1e-30)
 """Radii of the box on which the Jacobian is enclosed: the first is far above the error of floating point."""
@@ -85,7 +86,7 @@ class Equations:
         """Exponentials of all stretches of these times."""
         flows = []
         for pattern, time in zip(self.patterns, self.durations(y), strict=True):
-            self.dynamics.deadline.check()
+            tell()
             flows.append(Flow(pattern, time.mid()))
         return flows
 
@@ -100,7 +101,7 @@ class Equations:
                 rows[k][1 + column] = arb(1)
         residuals, ends = [], []
         for j, (flow, time) in enumerate(zip(flows, self.durations(y), strict=True)):
-            self.dynamics.deadline.check()
+            tell()
             rows = flow.advanced(rows, time)
             if gradients:
                 self._move_ends(rows, j, size)

@@ -12,7 +12,7 @@ from itertools import accumulate, pairwise
 
 from flint import acb, acb_poly, arb, arb_poly, ctx
 
-from reference_lcp.deadline import NotProven
+from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.dynamics import ball
 from reference_lcp.exact.proof.exact_chain import ExactChain
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from reference_lcp.exact.proof.candidate import Candidate
 from reference_lcp.exact.proof.dynamics import Dynamics, identity
 from reference_lcp.exact.proof.krawczyk import Equations, Solution
+from reference_lcp.watching import tell
 
 MOST_DOUBLINGS = 20
 """Squarings of the map's derivative: a million periods, in which a multiplier of 1 - 1e-6 shows."""
@@ -42,7 +43,7 @@ def _bound(dynamics: Dynamics, candidate: Candidate, jacobian: arb_mat) -> tuple
     M = scale * M * scale.inv()
     best, per_period = float("inf"), 2 if dynamics.exact.half else 1 / dynamics.exact.cycle
     for doubling in range(MOST_DOUBLINGS):
-        dynamics.deadline.check()
+        tell()
         norm = sum((abs(entry) ** 2 for entry in M.entries()), arb(0)).sqrt().upper()
         if not norm.is_finite():
             break

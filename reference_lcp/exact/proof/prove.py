@@ -1,21 +1,20 @@
 """Prove a steady state: one call."""
 
-import math
-from dataclasses import asdict, dataclass
+import time
+from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
 from importlib.util import find_spec
-from typing import Any
 
 from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
-from reference_lcp.deadline import Deadline
 from reference_lcp.defaults import PROOF_TIME_LIMIT, PROVEN_DIGITS
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import NotProven, ParameterError
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.validation import LONGEST_TIME_LIMIT, checked_count, checked_scalar
+from reference_lcp.watching import watched
 
 MOST_PROVEN_DIGITS = 200
 """Most digits that can be asked for."""
@@ -84,18 +83,6 @@ class ProvenSteadyState:
     """How often the order of events has been corrected."""
     seconds: float
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give it ready for JSON."""
-        return {"status": "proven", "reason": None} | asdict(self, dict_factory=_plain)
-
-
-def _plain(fields: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Give decimals and words as texts, and what has no end as nothing."""
-    return {
-        name: str(value) if isinstance(value, Decimal | StrEnum) else None if value == math.inf else value
-        for name, value in fields
-    }
-
 
 def prove_steady_state(
     chain: Chain,
@@ -133,10 +120,15 @@ def prove_steady_state(
 def prove(exact: ExactChain, *, digits: int = PROVEN_DIGITS, time_limit: float = PROOF_TIME_LIMIT) -> ProvenSteadyState:
     """Prove the steady state of a chain in exact numbers; arguments and errors as of `prove_steady_state`."""
     check_request(digits, time_limit)
-    deadline = Deadline(time_limit)
+    end = time.monotonic() + time_limit
     from reference_lcp.exact.proof.attempt import attempted
 
-    return attempted(exact, digits, deadline)
+    def limited(*_told: object) -> None:
+        if time.monotonic() > end:
+            raise NotProven(f"the time limit of {time_limit:g} s is over")
+
+    with watched(limited):
+        return attempted(exact, digits)
 
 
 def check_request(digits: int, time_limit: float) -> None:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.carrier_drives import GrowingAcceleration
 from multibody_xval.scenarios.cases.motions import CARRIER_DAMPING, CARRIER_FREQUENCY, CARRIER_MASSES, BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import SCALES, TIME_STEP, Scale, rounded
 from multibody_xval.scenarios.catalogue.blocks.thrown import SPRING_LENGTH
 from multibody_xval.scenarios.catalogue.scenario import Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from reference_lcp.chain.drives import GrowingAcceleration
 from reference_lcp.validation import FloatArray
 
 RISE_TIME = 1.0

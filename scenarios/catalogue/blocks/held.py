@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from multibody_xval.scenarios.cases.carrier_drives import Vibration
 from multibody_xval.scenarios.cases.motions import BlockMotion
 from multibody_xval.scenarios.catalogue.blocks.block import (
     SCALES,
@@ -17,7 +18,7 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 )
 from multibody_xval.scenarios.catalogue.scenario import Scenario, at_rest, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from reference_lcp.chain.drives import StillBase, Vibration
+from reference_lcp.chain.drives import StillBase
 
 HOLD_TIME = 10.0
 """How long the load lasts [s]."""

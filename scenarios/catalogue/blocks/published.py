@@ -20,7 +20,7 @@ from multibody_xval.scenarios.cases.motions import CARRIER_MASSES, Block, BlockM
 from multibody_xval.scenarios.catalogue.blocks.block import on_free_carrier, rounded, slips
 from multibody_xval.scenarios.catalogue.scenario import ROUNDINGS, Quantity, Scenario, round_off
 from multibody_xval.scenarios.model import AnyCase, Result, Run
-from reference_lcp.chain.drives import ShakingForce, StillBase
+from reference_lcp.chain.drives import HarmonicForce, StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 
 NO_SPRING = 1e-9
@@ -69,7 +69,7 @@ def shaken(acceleration: float, frequency: float, time: float, rows: int) -> Blo
     block = _block(0.0, time)
     force = CARRIER_MASSES * block.mass * acceleration
     return BlockMotion(
-        block=block, drive=ShakingForce(force, frequency, acceleration / frequency**2), time=time, rows=rows,
+        block=block, drive=HarmonicForce(force, frequency, acceleration / frequency**2), time=time, rows=rows,
         carrier_velocity=-acceleration / frequency,
     )  # fmt: skip
 

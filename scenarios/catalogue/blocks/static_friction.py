@@ -26,7 +26,7 @@ from multibody_xval.scenarios.catalogue.blocks.block import (
 from multibody_xval.scenarios.catalogue.blocks.breakaway import first_fast
 from multibody_xval.scenarios.catalogue.scenario import Number, Quantity, Scenario, steps_a_row
 from multibody_xval.scenarios.model import Result, Run
-from reference_lcp.chain.drives import ShakingForce
+from reference_lcp.chain.drives import HarmonicForce
 
 STATIC_RATIOS = (1.2, 1.5)
 """μ_s / μ_k: a little above one, and as for dry steel."""
@@ -66,7 +66,7 @@ def released(scale: Scale, static_ratio: float) -> BlockMotion:
     block = on_free_carrier(scale.block(spring_length), FOLLOWED)
     force = (1 + CARRIER_MASSES) * PEAK * static_ratio * block.bound
     return BlockMotion(
-        block=block, drive=ShakingForce(force, FREQUENCY, 2 * (static_ratio - 1) * spring_length),
+        block=block, drive=HarmonicForce(force, FREQUENCY, 2 * (static_ratio - 1) * spring_length),
         static_ratio=static_ratio, time=FOLLOWED, rows=round(FOLLOWED / TIME_STEP),
     )  # fmt: skip
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from multibody_xval.scenarios.catalogue.scenario import STICK_SLIP, TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.model import Case, linear_limits
-from reference_lcp.exact.den_hartog import SlidingMotion
+from reference_lcp.exact.continuous_sliding import SlidingMotion
 
 CELLS = 3
 """Enough cells for pass band and stop band, few enough for engines that are slow."""
@@ -42,8 +42,7 @@ STANDING_RATIO = 1e6
 STIFFNESS_RATIO = 1.0
 
 DAMPING_RATIO = 1e-9
-"""Of the chain's dashpot, which the closed form does not have: without any, the heavy mass may swing for ever, and the
-steady state is one of many. It changes T by a hundredth of the bar."""
+"""Of the chain's dashpot: without any, the heavy mass may swing for ever, and the steady state is one of many."""
 
 OSCILLATOR_UNIT = math.sqrt((1 + 1 / STIFFNESS_RATIO) * STANDING_RATIO)
 """Frequency of the oscillator, √((k_c + k_i) / m_o), over that of the cell, √(k_i / m_i)."""
@@ -64,35 +63,36 @@ def oscillator(frequency_ratio: float, force_ratio: float) -> Case:
 POINTS = ((0.8, 0.3), (1.3, 0.4), (0.6, 0.2))
 """Frequency over the oscillator's own, and friction over the amplitude of the force; the mass never stops."""
 
-SLIDING = {oscillator(*point): SlidingMotion.of(*point) for point in POINTS}
-
 
 def sliding_response(case: Case) -> complex:
-    """Give T of the sliding motion."""
-    return SLIDING[case].response / (1 + STIFFNESS_RATIO)
-
-
-def left_by_standing(case: Case) -> float:
-    """Give what the heavy mass, which does not quite stand, makes of T.
-
-    k_i x0 and the friction, with the fundamental 4F/π, accelerate it; by its motion k_i drives the oscillator too.
-    """
-    motion = SLIDING[case]
-    spring = STIFFNESS_RATIO / (1 + STIFFNESS_RATIO)
-    pulled = spring + 4 / math.pi * motion.force_ratio / motion.amplitude
-    moved = pulled / (STANDING_RATIO * motion.frequency_ratio**2)
-    return moved * spring / abs(1 - motion.frequency_ratio**2) * abs(sliding_response(case))
+    """Give T of a chain whose one contact slides without a stop."""
+    chain, drive = case.setting
+    fundamental = SlidingMotion.of_chain(chain, drive).fundamental[chain.cells - 1]
+    return complex(fundamental) / drive.displacement_scale(chain)
 
 
 DEN_HARTOG = Scenario(
     name="den-hartog",
     question="How does a mass slide with dry friction under a harmonic force, and when does it turn back?",
-    expects="the closed form, its bar is the motion of the heavy mass, and for turns the event-driven motion; of "
-    "presets that share the scheme the reference at equal steps",
+    expects="the closed form, and for turns the event-driven motion; of presets that share the scheme the reference at "
+    "equal steps",
     source="J. P. Den Hartog, Trans. ASME 53 (1931)",
-    cases={f"r {motion.frequency_ratio:g}, F/P0 {motion.force_ratio:g}": case for case, motion in SLIDING.items()},
-    quantities=(replace(TRANSMITTANCE, exact=sliding_response, bar=left_by_standing), *STICK_SLIP),
+    cases={f"r {ratio:g}, F/P0 {force:g}": oscillator(ratio, force) for ratio, force in POINTS},
+    quantities=(replace(TRANSMITTANCE, exact=sliding_response), *STICK_SLIP),
     steps=steady_steps,
 )
 
-SCENARIOS = (FRICTIONLESS_LIMIT, LOCKED_LIMIT, DEN_HARTOG)
+ONE_CONTACT = replace(
+    DEN_HARTOG,
+    name="one-contact",
+    question="How does a chain move whose only contact slides without a stop?",
+    source="L. Marino and A. Cicirello, Nonlinear Dynamics 106 (2021): friction between two masses of a chain",
+    cases={
+        "2 masses, η_r 0.9": Case(friction_ratio=0.2, frequency_ratio=0.9, cells=1),
+        "2 masses, η_r 1.7": Case(friction_ratio=0.4, frequency_ratio=1.7, cells=1),
+        "6 masses, the first pair, η_r 1.2": Case(friction_ratio=(0.3, 0.0, 0.0), frequency_ratio=1.2, cells=3),
+        "6 masses, the last pair, η_r 0.7": Case(friction_ratio=(0.0, 0.0, 0.2), frequency_ratio=0.7, cells=3),
+    },
+)
+
+SCENARIOS = (FRICTIONLESS_LIMIT, LOCKED_LIMIT, DEN_HARTOG, ONE_CONTACT)

@@ -4,9 +4,9 @@ import csv
 import math
 from pathlib import Path
 
+from multibody_xval.engines.interface.texts import checked_path, is_number
 from reference_lcp.chain.transient import FEWEST_SAMPLES, RecordedBase
-from reference_lcp.errors import ParameterError, checked_path
-from reference_lcp.validation import is_number
+from reference_lcp.errors import ParameterError
 
 
 def read_record(file: Path, amplitude: float | None = None) -> RecordedBase:

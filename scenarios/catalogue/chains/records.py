@@ -4,6 +4,8 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from multibody_xval.scenarios.catalogue.chains.broadband import (
     BANDS,
     PERIOD,
@@ -16,6 +18,7 @@ from multibody_xval.scenarios.catalogue.chains.broadband import (
 from multibody_xval.scenarios.catalogue.chains.record_file import read_record
 from multibody_xval.scenarios.catalogue.scenario import Scenario, steps_a_row
 from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.errors import ParameterError
 
 EXAMPLE = Path(__file__).with_name("example_record.csv")
 """Synthetic and earthquake-like, 600 samples in 12 s: noise with the spectrum of Kanai and Tajimi (H. Tajimi, Proc. 2nd
@@ -40,8 +43,14 @@ def following(file: Path) -> Scenario:
         If the file cannot be read, or its samples are too far apart for the bands.
     """
     base = read_record(file, BASE_AMPLITUDE)
-    base.check_resolves(RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
-    to_sample = math.ceil(PERIOD / base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)  # steps to a row
+    spacings = np.diff(base.times)
+    longest = math.pi / (RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
+    if np.max(spacings) > longest * (1 + 1e-9):
+        raise ParameterError(
+            f"the record is too coarse: samples are up to {np.max(spacings):g} s apart; allowed: <= {longest:.4g} s, "
+            "half a period of the highest frequency that is compared"
+        )
+    to_sample = math.ceil(PERIOD / np.min(spacings) / ROWS_PER_PERIOD - 1e-9)  # steps to a row
     return replace(
         RICKER_PULSE,
         name="record",

@@ -166,7 +166,7 @@ def test_monodromy_matrix_is_the_derivative_of_the_period_map() -> None:
     state = exact_steady_state(chain, drive).orbit.trajectory.end
     segments = list(EventDrivenChain(lane).segments(state, 0.0, drive.period))
     assert len({segment.modes.tobytes() for segment in segments}) > 5
-    matrix = monodromy_matrix(EventDrivenChain(lane), segments)
+    matrix = monodromy_matrix(EventDrivenChain(lane), segments, 1.0)
     step = np.random.default_rng(0).normal(0, 1, (1, 28))
     stuck = np.flatnonzero(segments[0].modes == 0)
     step[0, 21 + stuck] = step[0, 14 + stuck]

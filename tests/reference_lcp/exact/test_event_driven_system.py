@@ -23,7 +23,7 @@ from reference_lcp import (
 )
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.event_driven_system import StickSlipLane, SystemStretch
+from reference_lcp.exact.event_driven_system import EventDrivenBodies, SystemStretch
 
 
 @pytest.mark.parametrize("make", [HarmonicBase, HarmonicForce])
@@ -31,8 +31,8 @@ def test_a_lane_of_bodies_moves_as_the_event_driven_chain_does_and_may_be_split(
     chain = Chain.from_ratios(cells=3, friction_ratio=0.1, base_amplitude=0.01)
     lane = Lane.periodic(chain, make(0.01 if make is HarmonicBase else 10.0, 0.8 * chain.resonator_frequency), 50)
     (expected,) = EventDrivenSimulation([lane]).run(State.at_rest(1, 3), 0, 300)
-    first = StickSlipLane(lane).run(State.at_rest(1, 3), 0, 130)
-    second = StickSlipLane(lane).run(first.end, 130, 170)
+    first = EventDrivenBodies(lane).run(State.at_rest(1, 3), 0, 130)
+    second = EventDrivenBodies(lane).run(first.end, 130, 170)
     for name, tolerance in (("positions", 1e-11), ("friction", 1e-9)):
         whole, parts = getattr(expected, name), [getattr(first, name), getattr(second, name)]
         assert np.vstack(parts) == pytest.approx(whole, abs=tolerance * np.max(np.abs(whole)))

@@ -16,8 +16,7 @@ PRINTED = {
     "Kostreva 1": ([1 / 3, 1 / 3, 1 / 3], [0, 0, 0]),
 }
 
-RAYS = {"Murty 2.9": None, "Kostreva 2": None, "Murty 2.11": [5, 16], "w = -1": None}
-"""Covering vectors with which these end on a ray."""
+UNSOLVABLE = ("Murty 2.9", "Kostreva 2", "w = -1")
 
 
 @pytest.mark.parametrize("case", PRINTED)
@@ -27,9 +26,16 @@ def test_literature_case_is_solved_as_printed(case) -> None:
     assert np.allclose([result.z, result.w], PRINTED[case])
 
 
-@pytest.mark.parametrize("case", RAYS)
-def test_literature_case_ends_on_a_ray(case) -> None:
-    result = lemke(*CASES[case], covering=RAYS[case])
+@pytest.mark.parametrize("case", UNSOLVABLE)
+def test_literature_case_without_a_solution_is_shown_to_have_none(case) -> None:
+    result = lemke(*CASES[case])
+    assert result.status is LemkeStatus.NO_SOLUTION
+    assert np.all(np.isnan(result.z))
+
+
+def test_ray_of_one_covering_vector_proves_nothing() -> None:
+    """Murty 2.11 is solved with ones, and ends on a ray with (5, 16)."""
+    result = lemke(*CASES["Murty 2.11"], covering=[5, 16])
     assert result.status is LemkeStatus.RAY_TERMINATION
     assert np.all(np.isnan(result.z))
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog, nnls
 
 from reference_lcp.lcp.lemke import LemkeStatus, lemke
+from reference_lcp.lcp.scaling import power_of_two_scaling
 from tests.reference_lcp.lcp.collection import ALWAYS_SOLVABLE, CASES, FAMILIES, frictional_step
 
 RESIDUAL = 1e-10
@@ -73,9 +74,9 @@ def checked(M, q):
 
 
 def assert_unsolvable(M, q, result) -> None:
-    """A ray, and rightly so."""
-    assert result.status is LemkeStatus.RAY_TERMINATION
-    if q.size <= LARGEST_ENUMERATED:
+    """A ray or a certificate, and rightly so."""
+    assert result.status in (LemkeStatus.RAY_TERMINATION, LemkeStatus.NO_SOLUTION)
+    if result.status is LemkeStatus.RAY_TERMINATION and q.size <= LARGEST_ENUMERATED:
         assert not solvable_by_enumeration(M, q)
     else:
         assert not feasible(M, q)
@@ -130,23 +131,23 @@ def test_random_problems_are_solved_or_have_no_solution(examples) -> None:
     solved_or_rightly_refused()
 
 
-def test_painleve_configuration_is_the_one_that_lemke_may_leave_unsolved() -> None:
-    """Its path ends on a ray, and says so; another covering vector leads to the solution."""
+def test_painleve_configuration_is_solved_in_its_own_units_where_the_scaled_path_ends_on_a_ray() -> None:
     M, q = frictional_step(np.random.default_rng([10, 100748]), 1)
     assert jams(M)
     assert solvable_by_enumeration(M, q)
-    assert checked(M, q).status is LemkeStatus.RAY_TERMINATION
-    assert lemke(M, q, covering=np.ones(3)).solved
-    second = lemke(M, q, paths=2)
-    assert second.solved
-    assert natural_residual_by_rows(M, q, second.z) <= RESIDUAL
+    rows, _ = power_of_two_scaling(M)
+    assert lemke(M, q, covering=1 / rows).status is LemkeStatus.RAY_TERMINATION
+    assert checked(M, q).solved
 
 
 @settings(max_examples=500, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 10))
 def test_matrix_of_no_class_never_gets_a_wrong_solution(seed, n) -> None:
-    """Small integers: Lemke's path may end on a ray beside a solution, but what it gives is one."""
+    """Small integers: a path may end on a ray beside a solution, but what it gives is one, or a proof of none."""
     rng = np.random.default_rng(seed)
     M, q = rng.integers(-4, 5, size=(n, n)).astype(float), rng.integers(-4, 5, size=n).astype(float)
     result = checked(M, q)
-    assert n > 5 or result.status in (LemkeStatus.SOLVED, LemkeStatus.RAY_TERMINATION)
+    if result.status is LemkeStatus.NO_SOLUTION:
+        assert not feasible(M, q)
+    else:
+        assert n > 5 or result.status in (LemkeStatus.SOLVED, LemkeStatus.RAY_TERMINATION)

@@ -113,5 +113,5 @@ def test_failed_step_is_named_with_its_time() -> None:
             motion_n=-1.0,
         )  # fmt: skip
 
-    with pytest.raises(StepFailed, match=r"step 10 at t = 0\.01 s: .*ray termination"):
+    with pytest.raises(StepFailed, match=r"step 10 at t = 0\.01 s: .*no solution"):
         moved(System(1, 2, step), 1e-3, 50)

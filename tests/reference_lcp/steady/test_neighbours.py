@@ -48,6 +48,13 @@ def test_beside_the_scheme_the_same_motion_is_found_in_half_of_the_periods(monke
     assert sum(orbit.periods for orbit in beside) < sum(orbit.periods for orbit in balanced) / 2
 
 
+def test_cells_that_slip_before_they_stay_stuck_are_followed_to_where_they_stick() -> None:
+    """No distance makes the change of their offsets: the step there is the period itself."""
+    simulation = CompiledSimulation([canonical_lane(0.6, 0.5), canonical_lane(5.0, 1.0)])
+    start = State(0.1 * np.random.default_rng(0).normal(size=(2, 14)), np.zeros((2, 14)))
+    assert all(orbit.converged for orbit in beside_euler(simulation, STEPS, tolerance=TOLERANCE, start=start))
+
+
 def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     """Newton's steps of the wrong sign lead away; what is then found is what harmonic balance leads to."""
     orbits = periodic_orbits(simulation_of(), STEPS, tolerance=TOLERANCE)

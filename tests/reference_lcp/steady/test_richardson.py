@@ -34,7 +34,7 @@ def test_first_order_error_is_found_whatever_the_steps(steps) -> None:
         assert estimate.extrapolated == pytest.approx(LIMIT)
 
 
-@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.2), (-0.1, 0.3)])
+@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.12, -0.1), (0.1, -0.2), (-0.1, 0.3)])
 @pytest.mark.parametrize("at", [1, 2, 4])
 def test_three_steps_cover_the_error_of_each_of_them(first, second, at) -> None:
     """For (0.1, −0.2) the two middle values are both off by nothing or by little."""

@@ -1,6 +1,7 @@
-"""Ctrl-C ends every command within two seconds with one line and exit code 130, whatever the command is doing."""
+"""How commands end: by Ctrl-C within two seconds, by a reader that has enough, a full disk, or a fault of the suite."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -9,26 +10,24 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from reference_lcp.environment import ONE_THREAD
 
 END_SECONDS = 2.0
 """Within which a command has to end."""
 
-STILL_IMPORTING = "import time\nprint('ready', flush=True)\ntime.sleep(1000)\n"
-"""A module that takes long to import."""
 
-
-def started(*arguments: str, path: Path | None = None, ignored: bool = False) -> subprocess.Popen[str]:
+def started(
+    *arguments: str, path: Path | None = None, handler: signal.Handlers = signal.SIG_DFL
+) -> subprocess.Popen[str]:
     """Start Python; gives it once it has printed that it is ready. A background job's Ctrl-C would be ignored."""
-    handler = signal.SIG_IGN if ignored else signal.SIG_DFL
     own = subprocess.Popen(
-        [sys.executable, *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
+        [sys.executable, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=os.environ if path is None else {**os.environ, "PYTHONPATH": str(path)},
         preexec_fn=lambda: signal.signal(signal.SIGINT, handler),  # noqa: PLW1509 - this process has no threads
-    )
+    )  # fmt: skip
     assert own.stdout.readline() == "ready\n"
     return own
 
@@ -43,17 +42,11 @@ def interrupted(process: subprocess.Popen[str]) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize(
-    "command",
-    [
-        ["-m", "multibody_xval", "engines"],
-        ["-m", "multibody_xval"],
-        ["-c", "from multibody_xval.reports.cli.entry_point import main; main()"],
-    ],
-    ids=["engines", "multibody_xval", "console script"],
+    "command", ["-m multibody_xval engines", f"{Path(sys.executable).with_name('multibody-xval')}"]
 )
 def test_command_that_is_importing_ends_without_a_traceback(tmp_path, command) -> None:
-    (tmp_path / "typer.py").write_text(STILL_IMPORTING)
-    assert interrupted(started(*command, path=tmp_path)) == (130, "error: interrupted\n")
+    (tmp_path / "typer.py").write_text("import time\nprint('ready', flush=True)\ntime.sleep(1000)\n")
+    assert interrupted(started(*command.split(), path=tmp_path)) == (130, "error: interrupted\n")
 
 
 COMMAND = """
@@ -78,11 +71,8 @@ sys.exit(run_command(app, []))
 """
 
 
-def test_command_that_does_not_close_ends_after_a_moment() -> None:
+def test_command_that_does_not_close_ends_after_a_moment_and_by_a_second_interrupt_at_once() -> None:
     assert interrupted(started("-c", COMMAND, "closes", "1")) == (130, "")
-
-
-def test_second_interrupt_ends_at_once() -> None:
     own = started("-c", COMMAND, "closes", "1000")
     own.send_signal(signal.SIGINT)
     assert own.stdout.readline() == "closing\n"
@@ -95,7 +85,7 @@ def test_interrupt_that_a_module_turns_into_its_own_error_is_one() -> None:
 
 @pytest.mark.slow
 def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
-    own = started("-c", COMMAND, "closes", "1", ignored=True)
+    own = started("-c", COMMAND, "closes", "1", handler=signal.SIG_IGN)
     own.send_signal(signal.SIGINT)
     with pytest.raises(subprocess.TimeoutExpired):
         own.wait(END_SECONDS)
@@ -112,15 +102,48 @@ def multiply():
     import numpy as np
     np.ones((500, 500)) @ np.ones((500, 500))
     print(len(os.listdir("/proc/self/task")))
-sys.exit(run_command(app, []) if sys.argv[1] == "command" else multiply())
+sys.exit(run_command(app, []))
 """
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists() or (os.cpu_count() or 1) < 2, reason="threads are not seen")
-@pytest.mark.parametrize("how", ["command", "alone"])
-def test_linear_algebra_of_a_command_has_one_thread_and_of_a_program_one_a_processor(how: str) -> None:
+def test_linear_algebra_of_a_command_has_one_thread() -> None:
     """What a command times is the work of one core, and does not wait for other programs on the others."""
     free = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
-    arguments = [sys.executable, "-c", MULTIPLY, how]
-    done = subprocess.run(arguments, env=free, capture_output=True, text=True, check=True)
-    assert (int(done.stdout) == 1) == (how == "command")
+    done = subprocess.run([sys.executable, "-c", MULTIPLY], env=free, capture_output=True, text=True, check=True)
+    assert done.stdout == "1\n"
+
+
+def written_to(output: int) -> tuple[int, str]:
+    """Run a command whose standard output is this; give its exit code and what it complains of."""
+    words = [sys.executable, "-m", "multibody_xval", "--help"]
+    done = subprocess.run(words, stdout=output, stderr=subprocess.PIPE, text=True, check=False)
+    return done.returncode, done.stderr
+
+
+def test_a_reader_that_has_enough_ends_a_command_silently_and_a_full_disk_with_a_line() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    assert written_to(writer) == (ExitCode.READER_GONE, "")
+    os.close(writer)
+    with Path("/dev/full").open("w") as full:
+        code, error = written_to(full.fileno())
+    assert code == ExitCode.RUN_FAILED
+    assert error == "error: standard output cannot be written: No space left on device\n"
+
+
+class Panic(BaseException):
+    """As engines in Rust raise it: no `Exception`."""
+
+
+@pytest.mark.parametrize("kind", [ZeroDivisionError, Panic, SystemExit])
+def test_a_fault_of_the_suite_has_a_code_of_its_own_one_line_and_its_details(monkeypatch, capsys, kind) -> None:
+    def faulty(_name: str) -> None:
+        raise kind("a\nfault\x1b[2J")
+
+    monkeypatch.setattr("multibody_xval.engines.interface.registry.broken_reason", faulty)
+    assert run_command(app, ["engines"]) == ExitCode.UNEXPECTED
+    line = rf"error: a fault of the suite, {kind.__name__}: a fault\\x1b\[2J; details, .*: (\S+)\n"
+    details = Path(re.fullmatch(line, capsys.readouterr().err)[1])
+    assert "in faulty" in details.read_text()
+    details.unlink()

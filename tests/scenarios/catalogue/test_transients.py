@@ -1,6 +1,5 @@
-"""Decays, pulses, sweeps, noise and records: what friction does to them, in closed form, and what is wrong of them."""
+"""Decays, pulses, sweeps, noise and records: what friction does to them, closed forms, and spectra."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,28 +7,21 @@ import pytest
 
 from multibody_xval.scenarios.cases.motions import ChainMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.blocks.published import PUBLISHED
-from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABOVE_KINETIC
-from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.chains import broadband, free_decay
-from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
-from multibody_xval.scenarios.catalogue.chains.record_file import read_record
-from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
-from multibody_xval.scenarios.catalogue.numbers import numbers
-from multibody_xval.scenarios.catalogue.scenario import steps_a_row
-from multibody_xval.scenarios.model import EXACT, REFERENCE, Result, Run
-from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE
-from multibody_xval.scenarios.store import Stored
-from reference_lcp import ParameterError, RecordedBase
-from tests.scenarios.catalogue.example_record import PEAK, example_samples
-from tests.scenarios.in_this_process import OTHER, SHARES, judged, judged_copy, only, result_of
+from multibody_xval.scenarios.catalogue.chains.spectra import stationary_transmissibility, transient_transmissibility
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
+from reference_lcp import (
+    Chain,
+    HarmonicBase,
+    ParameterError,
+    RickerPulse,
+    frictionless_transmittance,
+    simulate,
+    stuck_transmittance,
+)
+from tests.scenarios.in_this_process import result_of
 
 BELOW, WITHIN, ABOVE = "η_r 0.65–0.82", "η_r 0.9–1.35", "η_r 1.5–2"
-
-PULSE = broadband.RICKER_PULSE.cases["μλ_N/(k_c U0) = 0.03"]
-
-SHORT_PULSE = replace(broadband.RICKER_PULSE, cases=broadband.followed(PULSE.drive, 60, (0.03,)))
-"""The pulse, not followed to its end."""
 
 
 def first(scenario) -> ChainMotion:
@@ -70,13 +62,6 @@ def test_slow_sweep_meets_the_attenuation_of_figure_3() -> None:
     assert locked > none + 4
 
 
-@pytest.mark.parametrize("name", ["ricker-pulse", "swept-sine", "record"])
-def test_transients_have_died_out_at_their_end(name) -> None:
-    case = replace(first(SCENARIOS[name]), friction_ratio=0.0)
-    response = np.abs(result_of(Run(REFERENCE, case, 10 * case.rows)).series["response"])
-    assert np.max(response[-broadband.ROWS_PER_PERIOD * 10 :]) < 0.02 * np.max(response)
-
-
 def test_oscillator_decays_by_the_closed_form() -> None:
     """Let go at 1, with F / k = 0.06: turns at 0.88, 0.76, … 0.04, where it stays, after eight half cycles."""
     run = Run(EXACT, free_decay.OSCILLATOR, 8 * free_decay.OSCILLATOR.rows)
@@ -96,77 +81,56 @@ def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(case) -> N
     assert 0.01 < np.max(np.abs(free_decay.offsets(result_of(run), run))) <= 1
 
 
-@pytest.mark.needs("mujoco")
-@pytest.mark.parametrize("scenario", [SHORT_PULSE, free_decay.FREE_DECAY], ids=lambda own: own.name)
-def test_mujoco_agrees_with_the_reference_at_equal_steps(scenario) -> None:
-    assert set(judged(scenario, SHARES).verdict) == {AGREES}
+PERIODS = 150
+ROWS = 20
 
 
-def stretched(part: float):
-    """Stretch all series by a part."""
-
-    def spoil(result: Result) -> Result:
-        series = {name: tuple((1 + part) * number for number in own) for name, own in result.series.items()}
-        return replace(result, series=series)
-
-    return spoil
-
-
-MOTIONS = [
-    *(
-        replace(own, cases=dict([*own.cases.items()][:1]))
-        for own in (PUBLISHED, free_decay.FREE_DECAY, STOPPING_DISTANCE)
-    ),
-    SHORT_PULSE,
-    only(STATIC_ABOVE_KINETIC, "1 kg, 1.5"),
-]
+def spectrum_of_pulse(chain, steps_per_period):
+    """Transmissibility of a pulse that has died out at the end, from rows that are equally far apart."""
+    omega = chain.resonator_frequency
+    pulse = RickerPulse(0.01, omega, 10 / omega)
+    step = 2 * np.pi / omega / steps_per_period
+    run = simulate(chain, pulse, time_step=step, steps=PERIODS * steps_per_period)
+    every = slice(steps_per_period // ROWS - 1, None, steps_per_period // ROWS)
+    response = run.outer_positions[every, -1]
+    assert np.max(np.abs(response[-ROWS:])) < 1e-3 * np.max(np.abs(response)), "it has not died out"
+    base = pulse.displacement(run.time[every])
+    return transient_transmissibility(base, response, step * steps_per_period / ROWS)
 
 
-@pytest.mark.parametrize("config", [SHARES, OTHER])
-@pytest.mark.parametrize("scenario", MOTIONS, ids=lambda own: own.name)
-def test_a_motion_that_is_stretched_by_a_half_deviates(scenario, config) -> None:
-    assert DEVIATES in set(judged_copy(scenario, config, spoil=stretched(0.5)).verdict)
+@pytest.mark.parametrize(
+    ("friction_ratio", "theory"), [(0.0, frictionless_transmittance), (20.0, stuck_transmittance)]
+)  # fmt: skip
+def test_pulse_in_a_linear_chain_shows_the_transmittance_at_every_frequency(friction_ratio, theory) -> None:
+    """The scheme is of first order: extrapolated from two step sizes, what is left is of second."""
+    chain = Chain.from_ratios(cells=3, damping_ratio=0.1, inner_damping_ratio=0.05, friction_ratio=friction_ratio)
+    coarse, fine = (spectrum_of_pulse(chain, steps) for steps in (200, 400))
+    omega = chain.resonator_frequency
+    inside = (fine.angular_frequency > 0.3 * omega) & (fine.angular_frequency < 2 * omega)
+    estimate = 2 * np.abs(fine.ratio[inside]) - np.abs(coarse.ratio[inside])
+    expected = [theory(chain, HarmonicBase(0.01, line)) for line in fine.angular_frequency[inside]]
+    assert estimate == pytest.approx(expected, rel=2e-3, abs=1e-4)
 
 
-@pytest.mark.parametrize(("config", "part"), [(SHARES, 1e-6), (OTHER, 0.05)])
-def test_a_long_run_that_is_off_by_a_millionth_deviates_at_equal_steps(config, part) -> None:
-    """It is 640 times as long as a period of the contract, and round-off grows as the root of the number of steps."""
-    assert set(judged_copy(LONG_RUN, config).verdict) == {AGREES}
-    assert set(judged_copy(LONG_RUN, config, spoil=stretched(part)).verdict) == {DEVIATES}
+def test_a_band_has_the_power_that_follows_the_base_alone() -> None:
+    """Of differences of white noise |H|² = 2 − 2 cos ω; what else the response does averages out of cross spectra."""
+    base, other = np.random.default_rng(1).normal(size=(2, 200_000))
+    estimate = stationary_transmissibility(base, base - np.roll(base, 1) + other, 1.0, 256)
+    inside = (estimate.angular_frequency > 1.0) & (estimate.angular_frequency < 2.5)
+    exact = np.sqrt(np.average(2 - 2 * np.cos(estimate.angular_frequency[inside]), weights=estimate.base_power[inside]))
+    assert estimate.in_band(1.0, 2.5) == pytest.approx(exact, rel=0.01)
 
 
-def test_a_time_step_that_leaves_out_what_friction_does_shows_nothing() -> None:
-    table = judged_copy(replace(only(free_decay.FREE_DECAY, "inner"), steps=steps_a_row(1)), OTHER)
-    assert set(table.verdict) == {AGREES, TOO_LARGE}
-
-
-def test_example_record_is_its_formula_and_small() -> None:
-    assert EXAMPLE.stat().st_size < 20_000
-    record, (times, displacements) = read_record(EXAMPLE), example_samples()
-    assert record == RecordedBase(tuple(times.tolist()), tuple(displacements.tolist()))
-    assert record.amplitude == PEAK
-
-
-def test_own_record_is_scaled_and_one_that_is_missing_or_too_coarse_for_the_bands_is_refused(tmp_path) -> None:
-    file = tmp_path / "own.csv"
-    with pytest.raises(ParameterError, match=r"own\.csv cannot be read"):
-        following(file)
-    file.write_text("\n".join(f"{0.06 * k:.4f},{0.01 * math.sin(k)}" for k in range(50)))
-    with pytest.raises(ParameterError, match=r"too coarse: samples are up to 0\.06 s apart; allowed: <= 0\.0496"):
-        following(file)
-    file.write_text("\n".join(f"{0.02 * k:.4f},{3 * math.sin(k) * math.sin(math.pi * k / 100)}" for k in range(101)))
-    period = 2 * math.pi / math.sqrt(1000)
-    for case in following(file).cases.values():
-        assert case.scale == pytest.approx(0.01)
-        assert case.time == pytest.approx((math.ceil(2.0 / period) + 200) * period)
-
-
-def test_stored_results_of_a_record_are_judged_by_the_file_that_is_named() -> None:
-    """A stored run knows the record by its hash alone."""
-    scenario = only(RECORD, "= 0.3")
-    results = [Stored(run, "1", result_of(run)) for run in scenario.runs([SHARES])]
-    stored = [own._replace(run=Run.from_text(own.run.text)) for own in results]
-    table = numbers(scenario, stored)
-    assert set(table[table.engine == "mujoco"].verdict) == {AGREES}
-    other = replace(scenario, cases={"another": replace(results[-1].run.of(ChainMotion), friction_ratio=0.2)})
-    assert numbers(other, stored).empty
+def test_band_without_power_has_no_number_and_what_gives_no_spectrum_is_refused() -> None:
+    still = np.zeros(2000)
+    estimate = transient_transmissibility(still, np.sin(0.01 * np.arange(2000)), 0.01)
+    assert np.isnan(estimate.in_band(1.0, 10.0))
+    for message, ask in {
+        "holds 1 lines of the spectrum; allowed: at least 3": lambda: estimate.in_band(1.0, 1.3),
+        r"shapes \(5,\) and \(4,\); allowed: both": lambda: transient_transmissibility(still[:5], still[:4], 0.1),
+        "segment = 60 of 100 samples; allowed: ": lambda: stationary_transmissibility(
+            still[:100], still[:100], 0.1, 60
+        ),
+    }.items():
+        with pytest.raises(ParameterError, match=message):
+            ask()

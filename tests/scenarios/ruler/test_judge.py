@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.result_tables import points
 from multibody_xval.scenarios.ruler import judge
 from multibody_xval.scenarios.ruler.exact_values import LADDER, ruler
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES, TOO_LARGE, UNKNOWN, failures, judged
 from multibody_xval.scenarios.store import Stored
+from tests.scenarios.in_this_process import result_of
 
 CASES = [
     Case(friction_ratio=f, frequency_ratio=eta) for f, eta in ((0.17, 0.73), (0.3, 0.47), (0.42, 1.24), (0.9, 1.03))
@@ -25,50 +25,44 @@ SHARES, OTHER, DEFAULT = Config("mujoco"), Config("drake"), Config("mujoco", pre
 STEPS = 400
 
 
-@pytest.fixture(scope="module")
-def ruled() -> list[Stored]:
-    """Results of the ruler at the cases."""
-    return [Stored(run, "1", run_batch([run])[0]) for run in ruler((case, STEPS) for case in CASES)]
+def ruled_at(*cases: Case) -> list[Stored]:
+    """Give results of the ruler at cases."""
+    return [Stored(run, "1", result_of(run)) for run in ruler((case, STEPS) for case in cases)]
+
+
+def exact_of(ruled: list[Stored]) -> Result:
+    return next(own.result for own in ruled if own.run.config == EXACT)
 
 
 def copies(config: Config) -> list[Stored]:
     """The scheme's results, said to be those of a configuration."""
-    return [Stored(Run(config, case, STEPS), "1", run_batch([Run(REFERENCE, case, STEPS)])[0]) for case in CASES]
-
-
-def ruled_at(case: Case, steps: int = STEPS) -> list[Stored]:
-    return [Stored(run, "1", run_batch([run])[0]) for run in ruler([(case, steps)])]
-
-
-def exact_of(ruled: list[Stored]) -> Result:
-    return next(own.result for own in ruled if own.run.config.preset_name == "exact")
+    return [Stored(Run(config, case, STEPS), "1", result_of(Run(REFERENCE, case, STEPS))) for case in CASES]
 
 
 def row_of(ruled: list[Stored], config: Config, result: Result, **columns: float) -> Any:
     """Judge one result beside its ruler."""
-    case, steps = ruled[0].run.case, ruled[0].run.steps
-    table = judged(points([*ruled, Stored(Run(config, case, steps), "1", result)]).assign(**columns))
+    own = Stored(Run(config, ruled[0].run.case, STEPS), "1", result)
+    table = judged(points([*ruled, own]).assign(**columns))
     return table[table.engine == config.engine].iloc[0]
 
 
-def verdicts(ruled: list[Stored], own: list[Stored]) -> list[str]:
-    table = judged(points([*ruled, *own]))
+def verdicts(ruled: list[Stored]) -> list[str]:
+    table = judged(points([*ruled, *copies(OTHER)]))
     return table[table.engine != "reference"].verdict.tolist()
 
 
 @pytest.mark.parametrize(("config", "expected"), [(SHARES, "reference at equal steps"), (OTHER, "exact value")])
-def test_the_error_that_is_shown_is_that_to_the_exact_value(ruled, config, expected) -> None:
-    table = judged(points([*ruled, *copies(config)]))
+def test_the_error_that_is_shown_is_that_to_the_exact_value(config, expected) -> None:
+    table = judged(points([*ruled_at(*CASES), *copies(config)]))
     own = table[table.engine == config.engine]
     assert (set(own.verdict), set(own.expected), set(own.exact_kind)) == ({AGREES}, {expected}, {"exact"})
     assert np.allclose(own.error_db, own.transmittance_db - own.exact_db)
     assert (own.error_percent > 0).all()
 
 
-def test_without_the_ruler_a_number_is_unknown(ruled) -> None:
-    assert verdicts([], copies(OTHER)) == [UNKNOWN] * len(CASES)
-    fewer = [own for own in ruled if own.run.steps != LADDER[-1] * STEPS]
-    assert UNKNOWN in verdicts(fewer, copies(OTHER))
+def test_without_the_ruler_a_number_is_unknown() -> None:
+    assert verdicts([]) == [UNKNOWN] * len(CASES)
+    assert UNKNOWN in verdicts([own for own in ruled_at(*CASES) if own.run.steps != LADDER[-1] * STEPS])
 
 
 ENDS = {"n": Result(status=Status.NOT_PERIODIC), "u": Result(status=Status.UNSUPPORTED), "f": failed("it crashed")}
@@ -86,26 +80,16 @@ ENDS = {"n": Result(status=Status.NOT_PERIODIC), "u": Result(status=Status.UNSUP
         (DEFAULT, "ffff", None),
     ],
 )
-def test_a_quarter_of_missing_numbers_of_a_judged_preset_fails(ruled, config, ends, says) -> None:
+def test_a_quarter_of_missing_numbers_of_a_judged_preset_fails(config, ends, says) -> None:
     own = [
         stored if end == " " else stored._replace(result=ENDS[end])
         for stored, end in zip(copies(config), ends, strict=True)
     ]
-    table = judged(points([*ruled, *own]))
+    table = judged(points([*ruled_at(*CASES), *own]))
     assert failures(table) == ([] if says is None else [f"mujoco:joint:{config.preset_name}: {says}"])
     if (config, ends) == (DEFAULT, "ffff"):
         named = failures(table, lambda rows: rows.engine == "mujoco")
         assert named == ["mujoco:joint:default: 4 of 4 numbers failed: it crashed"]
-
-
-@pytest.mark.parametrize(("modulation", "expected"), [(0.9, "reference at equal steps"), (1.5, "exact value")])
-def test_where_contacts_open_nothing_shares_the_scheme_and_nothing_is_judged(modulation, expected) -> None:
-    """A contact lands in another number of steps in every engine: two of them are 0.04 to 0.1 % apart."""
-    ruled = ruled_at(Case(friction_ratio=0.3, frequency_ratio=0.7, cells=2, modulation=modulation))
-    near = replace(ruled[0].result, transmittance=ruled[0].result.transmittance * 1.0003)
-    row, opens = row_of(ruled, Config("pybullet", "contact"), near), expected == "exact value"
-    assert (row.expected, row.judged, row.verdict) == (expected, not opens, AGREES if opens else DEVIATES)
-    assert row.exact_kind == "extrapolated"
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(5e-6, AGREES), (5e-5, DEVIATES)])

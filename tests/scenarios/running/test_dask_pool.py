@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
+from multibody_xval.scenarios.output_files import RunError
 from multibody_xval.scenarios.running.evaluate import Means, computed, stored_results
-from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.errors import ParameterError
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.slow  # processes that start and end

@@ -7,15 +7,9 @@ from multibody_xval.scenarios.running import progress
 from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.running.progress import shown
 
-STEPS = 100
-
 
 def run_at(number: int) -> Run:
-    return Run(REFERENCE, Case(friction_ratio=0.3, frequency_ratio=0.5 + number / 1000, cells=2), STEPS)
-
-
-def ended(*numbers: int) -> dict[Run, Result]:
-    return {run_at(number): Result(status=Status.PERIODIC, transmittance=1.0 + 0j) for number in numbers}
+    return Run(REFERENCE, Case(friction_ratio=0.3, frequency_ratio=0.5 + number / 1000, cells=2), 100)
 
 
 def test_a_line_has_step_part_and_time_left_from_the_start(capsys, monkeypatch) -> None:
@@ -25,8 +19,8 @@ def test_a_line_has_step_part_and_time_left_from_the_start(capsys, monkeypatch) 
         steps.begin()
         steps.more(100)
         now[0] = 10.0
-        steps.ended(ended(*range(50)))
-        steps.ended(ended(*range(50, 100)))
+        for part in (range(50), range(50, 100)):
+            steps.ended({run_at(number): Result(status=Status.PERIODIC, transmittance=1.0 + 0j) for number in part})
     assert capsys.readouterr().err.splitlines() == [
         "step 1 of 2, grid: 0 of 100 runs, about 20 s left",
         "first result: reference, friction 0.3, frequency 0.5, cells 2: 0.000 dB",

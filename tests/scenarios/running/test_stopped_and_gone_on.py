@@ -12,9 +12,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from multibody_xval.scenarios.model import REFERENCE
+from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import opened
+from multibody_xval.scenarios.sweeps.file import read_sweep
+from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="worker processes need Linux")]
 
@@ -26,7 +30,7 @@ import sys
 from pathlib import Path
 from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.model import REFERENCE, Case, Run
-from reference_lcp.errors import RunError
+from multibody_xval.scenarios.output_files import RunError
 cases = [Case(friction_ratio=0.3, frequency_ratio=0.3 + number / {RUNS}, cells=2) for number in range({RUNS})]
 try:
     found = computed([Run(REFERENCE, case, 100) for case in cases], Means(store=Path(sys.argv[1]), workers=2))
@@ -39,16 +43,13 @@ print(sum(own.result.status == "periodic" for own in found))
 
 
 @contextlib.contextmanager
-def begun(store: Path) -> Iterator[subprocess.Popen[str]]:
+def begun(store: Path, *words: str) -> Iterator[subprocess.Popen[str]]:
     """Begin a command in a session of its own, as a terminal's is: one of a background job would ignore Ctrl-C."""
+    command, pipe = [sys.executable, *(words or ("-c", PROGRAM, str(store)))], subprocess.PIPE
     with subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, str(store)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
+        command, stdout=pipe, stderr=pipe, text=True, start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - this process has no threads
-    ) as own:
+    ) as own:  # fmt: skip
         yield own
 
 
@@ -104,26 +105,18 @@ def store(tmp_path: Path) -> Path:
     return tmp_path / "results.sqlite"
 
 
-def test_after_an_interrupt_nothing_runs_and_a_second_command_goes_on(store) -> None:
-    with begun(store) as own:
-        wait_for_rows(store)
-        own.send_signal(signal.SIGINT)
-        own.communicate(timeout=30)
-    assert own.returncode == 130
-    assert left_of(own.pid) == []
-    assert 0 < rows(store) < RUNS
-    goes_on(store)
-
-
-def test_after_a_kill_nothing_runs_and_a_copy_of_the_file_alone_lacks_the_last_batch_at_most(store) -> None:
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_after_a_signal_nothing_runs_a_copy_of_the_file_alone_is_whole_and_a_second_command_goes_on(store, how) -> None:
+    """But for the last batch, at most."""
     with begun(store) as own:
         wait_for_rows(store, 2 * BATCH)
-        own.kill()
+        own.send_signal(how)
         own.communicate(timeout=30)
+    assert own.returncode == (130 if how == signal.SIGINT else -how)
     assert left_of(own.pid) == []
     copy = Path(shutil.copy(store, store.with_name("copy.sqlite")))
     with opened(copy) as found:
-        assert 0 < rows(store) - BATCH <= len(list(found.rows())) <= rows(store)
+        assert 0 < rows(store) - BATCH <= len(list(found.rows())) <= rows(store) < RUNS
     goes_on(store)
 
 
@@ -145,3 +138,29 @@ def test_two_commands_share_a_file(store) -> None:
         outputs = [own.communicate(timeout=300)[0].split() for own in (one, other)]
     assert outputs == [[str(RUNS)], [str(RUNS)]]
     assert rows(store) == RUNS
+
+
+SWEEP = """
+engines = ["reference"]
+[grid]
+friction_ratio = [0.1, 0.3, 0.5]
+frequency_ratio = { first = 0.5, last = 1.5, points = 40 }
+cells = [1, 2, 3]
+"""
+
+
+def test_a_sweep_that_is_killed_six_times_goes_on_and_ends_with_the_same_table(store) -> None:
+    file = store.with_name("own.toml")
+    file.write_text(SWEEP)
+    words = f"-m multibody_xval sweep {file} --store {store} --workers 1".split()
+    for _ in range(6):
+        with begun(store, *words) as own:
+            wait_for_rows(store, rows(store))
+            own.kill()
+        assert own.returncode == -signal.SIGKILL, "the sweep had ended by itself"
+    before = rows(store)
+    with begun(store, *words) as own:
+        own.communicate(timeout=300)
+    assert (own.returncode, rows(store) > before) == (0, True)
+    data, whole = stored_sweep(read_sweep(file), store), swept(read_sweep(file), Means())
+    xr.testing.assert_identical(data.drop_vars("seconds"), whole.drop_vars("seconds"))

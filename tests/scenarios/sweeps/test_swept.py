@@ -1,49 +1,42 @@
-"""Sweeps against closed forms: every point is the steady state at its place, and points go where a curve bends."""
+"""Sweeps against closed forms: points are steady states at their places, more of them where a curve bends; edges."""
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
 
-from multibody_xval.scenarios.compute.batch import run_batch
+from multibody_xval import band_edges
 from multibody_xval.scenarios.model import REFERENCE, Case, Run, linear_limits
+from multibody_xval.scenarios.running import pool
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps import swept as module
-from multibody_xval.scenarios.sweeps.dataset import judged_table
 from multibody_xval.scenarios.sweeps.file import sweep_of
 from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid, level, missing, resonances
 from multibody_xval.scenarios.sweeps.swept import stored_sweep, swept
-from reference_lcp import Chain, HarmonicBase, steady_state
-
-BENT = AdaptiveGrid(first=0.3, last=1.6, accuracy_db=0.5)
-
-
-def free_db(eta: float) -> float:
-    """Level of the paper's chain without friction, in closed form."""
-    return 20 * math.log10(abs(linear_limits(Case(friction_ratio=0.0, frequency_ratio=eta))[0]))
-
-
-@pytest.mark.parametrize("accuracy", [0.5, 2.0])
-def test_interpolated_curve_is_as_accurate_as_asked_and_asks_for_no_more(accuracy: float) -> None:
-    peaks, levels = resonances(Case(friction_ratio=0.0, frequency_ratio=1.0)), dict[float, float]()
-    while new := missing(BENT.model_copy(update={"accuracy_db": accuracy}), peaks, levels):
-        levels |= {eta: free_db(eta) for eta in new}
-    eta = np.array(sorted(levels))
-    between = np.concatenate([(3 * eta[1:] + eta[:-1]) / 4, (eta[1:] + 3 * eta[:-1]) / 4])
-    curve = PchipInterpolator(eta, [level(levels[own]) for own in eta.tolist()])
-    errors = curve(between) - [level(free_db(own)) for own in between.tolist()]
-    assert np.abs(errors).max() <= 1.5 * accuracy
-
+from reference_lcp import Chain, HarmonicBase, ParameterError, steady_state
+from tests.scenarios.in_this_process import result_of
 
 pytestmark = pytest.mark.usefixtures("here")
 
-GRID = {"friction_ratio": [0.0, 0.3], "frequency_ratio": [0.5, 0.9, 1.5], "mass_ratio": [0.5, 1.0]}
-SWEEP = sweep_of({"engines": ["reference", "mujoco"], "grid": GRID, "chain": {"cells": 2}})
+FREQUENCIES = [0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 1.0, 1.2, 1.4, 1.45, 1.5]
+SOFT = "mujoco:joint:default"
+SWEEP = sweep_of({
+    "engines": ["reference", "mujoco", SOFT], "grid": {"friction_ratio": [0.0, 0.3], "frequency_ratio": FREQUENCIES},
+    "chain": {"cells": 2, "mass_ratio": 0.9},
+})  # fmt: skip
+
+
+def free_db(eta: float, **chain: float | str) -> float:
+    """Level of a chain without friction, in closed form."""
+    return 20 * math.log10(abs(linear_limits(Case(friction_ratio=0.0, frequency_ratio=eta, **chain))[0]))
 
 
 @pytest.fixture(scope="module")
@@ -56,63 +49,106 @@ def data(here, store: Path) -> xr.Dataset:
     return swept(SWEEP, Means(store=store))
 
 
-def test_without_friction_exact_values_are_those_of_the_linear_chain(data: xr.Dataset) -> None:
-    for own in judged_table(data.sel(friction_ratio=0.0)).itertuples():
-        exact = linear_limits(own.case)[0]
-        assert own.exact_db == pytest.approx(20 * math.log10(abs(exact)), abs=1e-9)
-        assert own.error_db == pytest.approx(own.transmittance_db - own.exact_db, abs=1e-9)
-        assert own.verdict == "agrees"
-        assert own.stuck == (0.0, 0.0)
+@pytest.fixture(scope="module")
+def found(data: xr.Dataset) -> pd.DataFrame:
+    return band_edges(data)
 
 
 def test_every_point_is_the_steady_state_at_its_place(data: xr.Dataset) -> None:
-    chain = Chain.from_ratios(cells=2, mass_ratio=0.5, friction_ratio=0.3)
+    chain = Chain.from_ratios(cells=2, mass_ratio=0.9, friction_ratio=0.3)
     expected = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), with_error_bar=False).transmittance_db
-    place = {"friction_ratio": 0.3, "frequency_ratio": 0.9, "mass_ratio": 0.5}
-    levels = data.transmittance_db.sel(place)
+    levels = data.transmittance_db.sel(friction_ratio=0.3, frequency_ratio=0.9)
     assert float(levels.sel(configuration="reference")) == pytest.approx(expected, abs=1e-9)
     assert float(levels.sel(configuration="mujoco")) == pytest.approx(expected, abs=1e-4)
-    assert abs(float(data.transmittance_db.sel({**place, "mass_ratio": 1.0}, drop=True)[0]) - expected) > 0.1
+    exact = [free_db(eta, cells=2, mass_ratio=0.9) for eta in FREQUENCIES]
+    assert data.exact_db.sel(friction_ratio=0.0, configuration="mujoco").values == pytest.approx(exact, abs=1e-9)
 
 
 def test_a_store_alone_and_a_second_sweep_give_the_same_and_run_nothing(data, store: Path, monkeypatch) -> None:
-    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
+    monkeypatch.setattr(pool, "run_batch", lambda _: pytest.fail("a known run is run"))
     xr.testing.assert_identical(swept(SWEEP, Means(store=store)), data)
     monkeypatch.setattr(module, "computed", lambda *_, **__: pytest.fail("something is run"))
     xr.testing.assert_identical(stored_sweep(SWEEP, store), data)
+
+
+def at(found: pd.DataFrame, friction: float, edge: str) -> pd.DataFrame:
+    rows = found[(found.friction_ratio == friction) & (found.edge == edge)].set_index("configuration")
+    assert rows.index.tolist() == ["reference", "mujoco", SOFT]
+    return rows
+
+
+@pytest.mark.parametrize(("edge", "ends"), [("lower", (0.8, 0.9)), ("upper", (1.2, 1.5))])
+def test_edges_without_friction_are_those_of_the_linear_chain(found: pd.DataFrame, edge: str, ends) -> None:
+    exact = brentq(lambda eta: free_db(eta, cells=2, mass_ratio=0.9), *ends, xtol=1e-12)
+    rows = at(found, 0.0, edge)
+    assert set(rows.verdict) == {"agrees"}
+    assert rows.exact.to_numpy() == pytest.approx(exact, abs=1e-6)
+    assert (np.abs(rows.frequency_ratio - exact) <= rows.error_bar + 1e-6).all()
+    assert (rows.error_bar < 1e-4).all()
+
+
+def test_an_edge_that_friction_moves_deviates_with_soft_friction_and_one_that_is_absent_says_why(found) -> None:
+    rows, absent = at(found, 0.3, "lower"), at(found, 0.3, "upper")
+    assert rows.verdict.tolist() == ["agrees", "agrees", "deviates"]
+    assert absent.frequency_ratio.isna().all()
+    assert (set(absent.reason), set(absent.verdict)) == ({"below 0 dB up to 1.5"}, {"agrees"})
+
+
+def test_points_of_the_data_are_not_run_again_but_those_of_another_version(data: xr.Dataset, monkeypatch) -> None:
+    runs, batch = [], pool.run_batch
+    monkeypatch.setattr(pool, "run_batch", lambda own: runs.extend(own) or batch(own))
+    own = data.sel(configuration="mujoco")
+    band_edges(own)
+    asked = {run.case.frequency_ratio for run in runs if str(run.config) == "mujoco"}
+    assert asked
+    assert not asked & {*FREQUENCIES}
+    runs.clear()
+    band_edges(own.assign_attrs(configurations=json.dumps({"mujoco": {"sources": "another"}})))
+    assert {*FREQUENCIES} <= {run.case.frequency_ratio for run in runs if str(run.config) == "mujoco"}
+    other = data.assign(version=data.version.where(data.configuration != "mujoco", "1.0"))
+    message = r"the data are of mujoco 1\.0, and .* is installed; allowed: the same version, or data\.sel\(\.\.\.\)"
+    with pytest.raises(ParameterError, match=message):
+        band_edges(other)
+    assert len(band_edges(other.sel(configuration="reference"))) == 4
+
+
+def test_interpolated_curve_is_as_accurate_as_asked() -> None:
+    """That of the paper's chain without friction, which bends most."""
+    grid, levels = AdaptiveGrid(first=0.3, last=1.6, accuracy_db=0.5), dict[float, float]()
+    peaks = resonances(Case(friction_ratio=0.0, frequency_ratio=1.0))
+    while new := missing(grid, peaks, levels):
+        levels |= {eta: free_db(eta) for eta in new}
+    eta = np.array(sorted(levels))
+    between = np.concatenate([(3 * eta[1:] + eta[:-1]) / 4, (eta[1:] + 3 * eta[:-1]) / 4])
+    curve = PchipInterpolator(eta, [level(levels[own]) for own in eta.tolist()])
+    assert np.abs(curve(between) - [level(free_db(own)) for own in between.tolist()]).max() <= 0.75
 
 
 ADAPTIVE = sweep_of({
     "engines": ["reference", "mujoco"],
     "grid": {
         "friction_ratio": [0.0, 0.3],
-        "frequency_ratio": {"first": 0.5, "last": 1.5, "accuracy_db": 1.0, "least_spacing": 0.005},
+        "frequency_ratio": {"first": 0.5, "last": 1.5, "accuracy_db": 2.0, "least_spacing": 0.005},
     },
-    "chain": {"cells": 2},
+    "chain": {"cells": 1},
     "drive": {"kind": "force", "amplitude": 5.0},
 })  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def adaptive(here, store: Path) -> xr.Dataset:
-    return swept(ADAPTIVE, Means(store=store))
+def test_adaptive_curves_are_right_between_their_points_and_come_back_out_of_the_store(here, store: Path) -> None:
+    """The frictionless curve, driven by a force, against the closed form; Euler's own error is part of it.
 
-
-def test_adaptive_curves_are_right_between_their_points(adaptive: xr.Dataset) -> None:
-    """The frictionless curve, driven by a force, against the closed form; Euler's own error is part of it."""
+    Points of other frequencies, such as those that band edges add, are not among them.
+    """
+    adaptive = swept(ADAPTIVE, Means(store=store))
     curve = adaptive.transmittance_db.sel(configuration="reference", friction_ratio=0.0).dropna("frequency_ratio")
     interpolated = PchipInterpolator(curve.frequency_ratio.values, [level(own) for own in curve.values])
     eta = np.linspace(0.52, 1.48, 24)
-    cases = [Case(friction_ratio=0.0, frequency_ratio=own, cells=2, drive="force") for own in eta.tolist()]
-    exact = [level(20 * math.log10(abs(linear_limits(case)[0]))) for case in cases]
-    assert np.abs(interpolated(eta) - exact).max() < 1.5
+    exact = [level(free_db(own, cells=1, drive="force")) for own in eta.tolist()]
+    assert np.abs(interpolated(eta) - exact).max() < 3.0
     assert float(adaptive.error_db.sel(friction_ratio=0.0).max()) < 0.5
-
-
-def test_an_adaptive_sweep_out_of_its_store_has_the_points_that_it_chose(adaptive: xr.Dataset, store: Path) -> None:
-    """Points of other frequencies, such as those that band edges add, are not among them."""
     xr.testing.assert_identical(stored_sweep(ADAPTIVE, store), adaptive)
     run = Run(REFERENCE, replace(ADAPTIVE.places[0].case, frequency_ratio=0.777), 400)
     with opened(store) as kept:
-        kept.add({run: run_batch([run])[0]})
+        kept.add({run: result_of(run)})
     assert 0.777 not in stored_sweep(ADAPTIVE, store).frequency_ratio.values

@@ -55,9 +55,8 @@ class SecondProgram:
         return total
 
     def solved(self, first, events, guess):
-        """Times of the events, and the state after half a period; from modes, events and their times, and a guess."""
-        n, half = self.cells, mp.pi / self.omega
-        rest = np.array([mp.mpf(x) for x in (0, 1, 1, 0, 0)])
+        """Times of the events, and the state after half a period; from modes, events and a guess of state and times."""
+        n, half, rest = self.cells, mp.pi / self.omega, np.array([mp.mpf(x) for x in (0, 1, 1, 0, 0)])
 
         def shot(unknown):
             modes, state, since, residuals = list(first), np.concatenate([unknown[: 4 * n], rest]), 0, []

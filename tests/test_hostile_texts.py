@@ -1,17 +1,20 @@
-"""A store whose texts are hostile, through every output: nothing is obeyed, and nothing is run."""
+"""Texts of strangers through every output: nothing is obeyed, nothing is run, and no encoding ends a command."""
 
+import io
 import re
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config, Result, Status, failed
 from multibody_xval.scenarios.store import opened
-from reference_lcp.errors import ExitCode
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
 FORGED = "\n## Engine regression: passes\n"
@@ -60,21 +63,21 @@ def test_the_page_of_a_hostile_store_shows_its_texts_and_obeys_none(tmp_path, ca
     check_texts(tmp_path, capsys.readouterr().out)
 
 
-def of_strangers(file: Path, name: str, result: Result) -> None:
-    """Write the same result of every run of an engine."""
-    with opened(file) as store:
-        store.add(dict.fromkeys(SCENARIOS[name].own_runs(Config.parse(ASKED[name])).values(), result))
-
-
 ASKED = {"stopping-distance": "mujoco", "slope-hold": "mujoco:contact:default"}
 
 
+def of_strangers(name: str, result: Result) -> None:
+    """Write the same result of every run of an engine into a store."""
+    with opened(Path("a.sqlite")) as store:
+        store.add(dict.fromkeys(SCENARIOS[name].own_runs(Config.parse(ASKED[name])).values(), result))
+
+
 @pytest.mark.parametrize("name", ASKED)
-def test_hostile_reasons_of_a_scenario_are_shown_and_not_obeyed(name, tmp_path, capsys) -> None:
-    of_strangers(tmp_path / "a.sqlite", name, failed(HOSTILE))
-    outs = [f"--out={tmp_path}/numbers{ending}" for ending in (".md", ".csv", ".json")]
-    words = ["--no-run", f"--store={tmp_path / 'a.sqlite'}", f"--engine={ASKED[name]}", *outs]
-    assert run("run", name, *words) == ExitCode.FAILED
+def test_hostile_reasons_of_a_scenario_are_shown_and_not_obeyed(name, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    of_strangers(name, failed(HOSTILE))
+    outs = [f"--out=numbers{ending}" for ending in (".md", ".csv", ".json")]
+    assert run("run", name, "--no-run", "--store=a.sqlite", f"--engine={ASKED[name]}", *outs) == ExitCode.FAILED
     printed = capsys.readouterr().out
     assert "\\x1b[2J" in "".join(printed.split())
     check_texts(tmp_path, printed)
@@ -82,7 +85,7 @@ def test_hostile_reasons_of_a_scenario_are_shown_and_not_obeyed(name, tmp_path, 
 
 def test_a_result_that_its_run_cannot_have_is_refused(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    of_strangers(Path("a.sqlite"), "slope-hold", Result(status=Status.FINISHED, series={"unknown": (1e308,)}))
+    of_strangers("slope-hold", Result(status=Status.FINISHED, series={"unknown": (1e308,)}))
     assert run("run", "slope-hold", "--no-run", "--store=a.sqlite") == ExitCode.WRONG_INPUT
     error = capsys.readouterr().err
     assert error.startswith("error: store a.sqlite holds a result that lacks what its run gives: KeyError: ")
@@ -94,3 +97,21 @@ def test_numbers_that_no_motion_has_are_compared(tmp_path) -> None:
     before, now = (str(write_store(tmp_path / f"{k}.sqlite", {CASE: own})) for k, own in enumerate(results))
     assert run("compare", before, now) == ExitCode.FAILED
     assert run("compare", before, before) == ExitCode.DONE
+
+
+@pytest.mark.parametrize("line", ["reference --help", "reference --cells 2", "engines", "run", "example"])
+def test_an_output_without_greek_letters_ends_no_command(monkeypatch, line) -> None:
+    for stream in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, stream, io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
+    assert run(*line.split()) == 0
+    sys.stdout.flush()
+    assert sys.stdout.buffer.getvalue()
+
+
+def test_what_controls_a_terminal_becomes_letters_and_letters_of_all_languages_stay(tmp_path, capsys) -> None:
+    for text in ("\x1b[2J", "\x9b2J", "\r", "\n", "\x00", "\u202e", "\u2028", "\udcff"):
+        assert visible(f"摩擦{text}μ") == "摩擦" + text.encode("unicode_escape").decode() + "μ"
+    (tmp_path / "hostile.toml").write_text('engines = ["\\u001b]0;owned\\u0007\\nerror: fine"]\n')
+    assert run("sweep", str(tmp_path / "hostile.toml")) == ExitCode.WRONG_INPUT
+    printed = capsys.readouterr().err
+    assert ("\x1b" in printed, len(printed.splitlines())) == (False, 1)

@@ -12,12 +12,11 @@ from multibody_xval.reports.changes import WRITTEN, Comparison, changed_numbers,
 from multibody_xval.reports.formatting import flat
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compare.stores import conclusion, fails
-from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status, failed, unsupported
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Config, Result, Run, Status, failed, unsupported
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.store import opened
-from reference_lcp.errors import ParameterError
 from tests.scenarios.in_this_process import pressed, result_of
-from tests.scenarios.stores import CASE, STEPS, of, with_bound, write_store
+from tests.scenarios.stores import CASE, ENGINE, STEPS, with_bound, write_store
 
 
 @pytest.fixture
@@ -33,23 +32,16 @@ def own(changes: pd.DataFrame) -> pd.DataFrame:
     return changes[~reference]
 
 
-@pytest.mark.parametrize(
-    ("factors", "change"), [((1.05, 1.01), "improved"), ((1.01, 1.05), "regressed"), ((1.02, 1.02), "unchanged")]
-)
-def test_the_error_to_the_exact_motion_decides(written, factors, change: str) -> None:
-    before, now = (written(f"{at}", {CASE: with_bound(factors[at])}, f"{at}.0") for at in (0, 1))
+def test_the_error_to_the_exact_motion_decides_and_how_much_does_not_count_is_given(written) -> None:
+    before, now = (written(f"{factor}", {CASE: with_bound(factor)}, f"{factor}") for factor in (1.01, 1.02))
     (row,) = own(compare(before, now)).to_dict("records")
-    assert (row["change"], row["version_before"], row["version_now"]) == (change, "0.0", "1.0")
-    exact = of(next(run for run in ruler([(CASE, STEPS)]) if run.config.preset_name == "exact")).transmittance
-    for side, factor in zip(("before", "now"), factors, strict=True):
+    assert (row["change"], row["version_before"], row["version_now"]) == ("regressed", "1.01", "1.02")
+    exact = result_of(next(run for run in ruler([(CASE, STEPS)]) if run.config == EXACT)).transmittance
+    for side, factor in (("before", 1.01), ("now", 1.02)):
         error = 100 * abs(with_bound(factor).transmittance / exact - 1)
         assert row[f"error_percent_{side}"] == pytest.approx(error, rel=1e-9)
-
-
-def test_the_largest_change_that_does_not_count_is_given(written) -> None:
-    before, now = (written(f"{factor}", {CASE: with_bound(factor)}) for factor in (1.01, 1.02))
-    moved = abs(with_bound(1.02).transmittance / with_bound(1.01).transmittance - 1)
-    decibel = 20 * math.log10(1 + moved)
+    assert own(compare(now, before)).change.tolist() == ["improved"]
+    decibel = 20 * math.log10(1 + abs(with_bound(1.02).transmittance / with_bound(1.01).transmittance - 1))
     assert own(compare(before, now, db=0.9 * decibel)).change.tolist() == ["regressed"]
     assert own(compare(before, now, db=1.1 * decibel)).change.tolist() == ["unchanged"]
 
@@ -93,74 +85,44 @@ def test_a_worse_reference_is_found_though_it_is_the_ruler(written) -> None:
     assert (row["configuration"], row["change"]) == ("reference:joint:tuned", "regressed")
 
 
-def test_stores_that_have_the_reference_alone_in_common_are_refused(written, tmp_path: Path) -> None:
-    other = stored_as(tmp_path / "other.sqlite", 1.0, "pybullet")
-    with pytest.raises(ParameterError, match="have no point in common; allowed: stores with the same configurations"):
-        compare(written("now", {CASE: SOUND}), other)
+PRESET = "mujoco:joint:default"
+CHANGED = f"{PRESET}:iterations=50"
 
 
-def stored_as(file: Path, factor: float, *names: str) -> Path:
-    """Write a result of configurations, and the ruler."""
+def test_a_preset_and_the_same_with_an_option_are_compared_where_each_store_has_one(written) -> None:
+    files = written("before", {CASE: with_bound(1.01)}), written("now", {CASE: with_bound(1.05)})
+    for file, name, factor in zip(files, (PRESET, CHANGED), (1.01, 1.05), strict=True):
+        with opened(file) as store:
+            store.add({Run(Config.parse(name), CASE, STEPS): with_bound(factor)})
+    rows = compare(*files)
+    changes = own(rows).set_index("configuration").change.to_dict()
+    assert changes == {f"{PRESET} -> {CHANGED}": "regressed", "mujoco:joint:tuned": "regressed"}
+    assert f"{PRESET} -> {CHANGED}: options iterations 100 → 50" in identities(rows)
+
+
+SCENARIO = SCENARIOS["stopping-distance"]
+NAME, (OWN, *_) = next(iter(SCENARIO.cases)), SCENARIO.own_runs(ENGINE).values()
+
+
+def thrown(file: Path, factor: float) -> Path:
+    """Write a block that friction holds by a factor too strongly, and the ruler."""
+    ruling = [run for run in SCENARIO.runs([ENGINE]) if run.case == OWN.case and run.config != ENGINE]
     with opened(file) as store:
-        store.add({run: of(run) for run in ruler([(CASE, STEPS)])})
-        store.add({Run(Config.parse(name), CASE, STEPS): with_bound(factor) for name in names})
+        store.add({run: result_of(run) for run in ruling})
+        store.add({OWN: result_of(Run(REFERENCE, pressed(factor)(OWN.case), OWN.steps))})
     return file
 
 
-PRESET = "mujoco:joint:default"
-CHANGED, OTHERWISE = f"{PRESET}:iterations=50", f"{PRESET}:iterations=9"
-
-
-def test_a_preset_and_the_same_with_an_option_are_compared_where_each_store_has_one(tmp_path: Path) -> None:
-    before = stored_as(tmp_path / "before.sqlite", 1.01, PRESET, "mujoco")
-    now = stored_as(tmp_path / "now.sqlite", 1.05, CHANGED, "mujoco")
-    rows = own(compare(before, now)).set_index("configuration")
-    assert rows.change.to_dict() == {f"{PRESET} -> {CHANGED}": "regressed", "mujoco:joint:tuned": "regressed"}
-    assert f"{PRESET} -> {CHANGED}: options iterations 100 → 50" in identities(compare(before, now))
-
-
-SCENARIO, ENGINE = SCENARIOS["stopping-distance"], Config("mujoco")
-NAME, (OWN, *_) = next(iter(SCENARIO.cases)), SCENARIO.own_runs(ENGINE).values()
-RULER = [run for run in SCENARIO.runs([ENGINE]) if run.case == OWN.case and run.config != ENGINE]
-
-
-def thrown(factor: float) -> Result:
-    """The scheme's motion of a block that friction holds by a factor too strongly."""
-    return result_of(Run(REFERENCE, pressed(factor)(OWN.case), OWN.steps))
-
-
-@pytest.fixture
-def changes(tmp_path: Path):
-    """Compare stores with a result each, with the ruler or without, and give the numbers by their names."""
-
-    def compared(*results: Result, ruled: bool = True) -> pd.DataFrame:
-        files = [tmp_path / name for name in ("before.sqlite", "now.sqlite")]
-        for file, result in zip(files, results, strict=True):
-            with opened(file) as store:
-                store.add({run: result_of(run) for run in (RULER if ruled else [])} | {OWN: result})
-        return compare(*files).set_index("quantity")
-
-    return compared
-
-
-@pytest.mark.parametrize(
-    ("before", "now", "change"), [(1.05, 1.01, "improved"), (1.01, 1.05, "regressed"), (1.02, 1.02, "unchanged")]
-)
-def test_the_error_of_a_distance_decides(changes, before, now, change) -> None:
-    rows = changes(thrown(before), thrown(now))
-    assert rows.change["distance"] == change
-    assert rows.change["drift"] == "unchanged"
-    assert rows.error_before["distance"] == pytest.approx(1 / before - 1, abs=0.004)  # and what a step errs
-    assert fails(rows) == (change == "regressed")
+def test_the_error_of_a_distance_decides_and_is_shown_with_its_verdict(tmp_path: Path) -> None:
+    table = compare(thrown(tmp_path / "before.sqlite", 1.01), thrown(tmp_path / "now.sqlite", 1.05))
+    rows = table.set_index("quantity")
+    assert (rows.change["distance"], rows.change["drift"], fails(rows)) == ("regressed", "unchanged", True)
+    assert rows.error_before["distance"] == pytest.approx(1 / 1.01 - 1, abs=0.004)  # and what a step errs
     assert rows.case["distance"] == f"stopping-distance, {NAME}: distance"
-
-
-def test_a_number_that_has_changed_is_shown_before_and_now_with_what_is_allowed_and_its_verdict(changes) -> None:
-    rows = changes(thrown(1.01), thrown(1.05))
-    own, table = rows.loc["distance"], rows.reset_index()
-    assert own.value_before > own.value_now > 0, "more friction stops it earlier"
+    distance = rows.loc["distance"]
+    assert distance.value_before > distance.value_now > 0, "more friction stops it earlier"
     (shown,) = flat(changed_numbers(table)).to_numpy().tolist()
-    numbers = [f"{own.value_before:.5g}", f"{own.value_now:.5g}", "<1e−9"]
+    numbers = [f"{distance.value_before:.5g}", f"{distance.value_now:.5g}", "<1e−9"]
     assert shown == ["mujoco:joint:tuned", f"distance; stopping-distance, {NAME}", *numbers, "regressed; deviates"]
     for ending in WRITTEN:
         text = WRITTEN[ending](Comparison(table, "before", "now", 0.001, strict=False))

@@ -1,0 +1,73 @@
+"""A base that follows a record: the example that ships with the suite, and a table that a user brings."""
+
+import math
+import re
+from dataclasses import replace
+
+import pytest
+
+from multibody_xval.scenarios.cases.motions import ChainMotion
+from multibody_xval.scenarios.catalogue.chains.record_file import read_record
+from multibody_xval.scenarios.catalogue.chains.records import EXAMPLE, RECORD, following
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.model import Run
+from multibody_xval.scenarios.ruler.judge import AGREES
+from multibody_xval.scenarios.store import Stored
+from reference_lcp import ParameterError, RecordedBase
+from tests.scenarios.catalogue.example_record import PEAK, example_samples
+from tests.scenarios.in_this_process import SHARES, only, result_of
+
+
+def test_example_record_is_its_formula_and_small() -> None:
+    assert EXAMPLE.stat().st_size < 20_000
+    record, (times, displacements) = read_record(EXAMPLE), example_samples()
+    assert record == RecordedBase(tuple(times.tolist()), tuple(displacements.tolist()))
+    assert record.amplitude == PEAK
+
+
+def test_stored_results_of_a_record_are_judged_by_the_file_that_is_named() -> None:
+    """A stored run knows the record by its hash alone."""
+    scenario = only(RECORD, "= 0.3")
+    results = [Stored(run, "1", result_of(run)) for run in scenario.runs([SHARES])]
+    stored = [own._replace(run=Run.from_text(own.run.text)) for own in results]
+    table = numbers(scenario, stored)
+    assert set(table[table.engine == "mujoco"].verdict) == {AGREES}
+    other = replace(scenario, cases={"another": replace(results[-1].run.of(ChainMotion), friction_ratio=0.2)})
+    assert numbers(other, stored).empty
+
+
+def test_table_is_read_with_heading_comments_and_scale(tmp_path) -> None:
+    file = tmp_path / "record.csv"
+    file.write_text("time [s],displacement [m]\n# a comment, with a comma\n0,0\n\n0.1,1e-3\n0.2, 2e-3\n0.4,-1e-3\n")
+    assert read_record(file, 4e-3) == RecordedBase((0.0, 0.1, 0.2, 0.4), (0.0, 2e-3, 4e-3, -2e-3))
+    file.write_text("\n".join(f"{0.02 * k:.4f},{3 * math.sin(k) * math.sin(math.pi * k / 100)}" for k in range(101)))
+    period = 2 * math.pi / math.sqrt(1000)
+    for case in following(file).cases.values():
+        assert case.scale == pytest.approx(0.01)
+        assert case.time == pytest.approx((math.ceil(2.0 / period) + 200) * period)
+
+
+GOOD = b"0,0\n0.1,1\n0.2,2\n0.3,1\n"
+COARSE = "\n".join(f"{0.06 * k:.4f},{0.01 * math.sin(k)}" for k in range(50)).encode()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "record {file} cannot be read: No such file"),
+        (b"\xff\xfe\x00\x01", "record {file} cannot be read: 'utf-8' codec"),
+        (GOOD + b"0.4\n", "line 5 of record {file} has 1 columns; allowed: 2, time [s] and displacement [m]"),
+        (GOOD + b"0.4,nan\n", "'nan' in line 5 of record {file} is not a number; allowed: finite numbers"),
+        (GOOD + b"0.4,1e999\n", "'1e999' in line 5 of record {file} is not a number; allowed: finite numbers"),
+        (GOOD + b"0.4,\n", "'' in line 5 of record {file} is not a number"),
+        (GOOD + b"0.3,1\n", "record {file}: time = 0.3 s in sample 5 of the record; allowed: > 0.3 s"),
+        (b"0,1\n1,1\n2,1\n3,1\n", "displacement = 1 m throughout; allowed: a base that moves"),
+        (COARSE, "too coarse: samples are up to 0.06 s apart; allowed: <= 0.0496"),
+    ],
+)
+def test_mistakes_in_a_table_are_named_with_file_and_line(tmp_path, content, message) -> None:
+    file = tmp_path / "record.csv"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(ParameterError, match=re.escape(message.format(file=file))):
+        following(file)
