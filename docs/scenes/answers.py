@@ -3,6 +3,7 @@
 The same numbers then stand in the recipes, beside the adapters.
 
 ``python docs/scenes/answers.py [STORE]`` runs what the store lacks, for all engines that are installed: ten minutes.
+Rows of the others stay.
 """
 
 import sys
@@ -33,8 +34,11 @@ def main(store: str | None = None) -> None:
     """Write the table."""
     means = Means(store=Path(store) if store else None)
     here = [name for name in engine_names() if engine(name).scene_worlds and engine(name).unavailable_reason() is None]
-    table = pd.concat([answers(name, means) for name in here])
+    before = pd.read_csv(ANSWERS)
+    table = pd.concat([before[~before.engine.isin(here)], *[answers(name, means) for name in here]])
+    table = table.sort_values("engine", kind="stable")
     table.to_csv(ANSWERS, index=False, float_format="%.4g", lineterminator="\n")
+    table = pd.read_csv(ANSWERS)
     for name in here:
         page = recipe_file(engine(name))
         if page is not None:
