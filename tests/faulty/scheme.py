@@ -100,7 +100,7 @@ class Batch:
     def advanced(self, state: State, start: int, steps: int, rows: Rows = None) -> State:
         """Give the final state; `rows` gets positions, velocities and friction after each step."""
         fault, n = self._fault, self.bound.shape[1]
-        state.check_fits(len(self.lanes), n)
+        state.check_fits(len(self.lanes), 2 * n)
         times = self.step_asked * np.arange(start, start + steps) - self.delay
         loads = np.array([own.drive.load(own.chain, time) for own, time in zip(self.driven, times, strict=True)])
         normal = self._normal(state, start, steps)
