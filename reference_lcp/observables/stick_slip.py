@@ -90,8 +90,8 @@ def contact_modes(motion: "PeriodicOrbit | Trajectory", stick_margin: float = ST
         _drop_short_sticks(row, cyclic=orbit is not None)
     if orbit is not None:
         shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
-        for row, own in zip(rows[rubbing], slip[rubbing] * orbit.lane.time_step, strict=True):
-            _drop_short_slips(row, own, shortest)
+        for contact in np.flatnonzero(rubbing):
+            _drop_short_slips(rows[contact], slip[contact] * orbit.lane.time_step, shortest)
     return rows.T
 
 
