@@ -108,9 +108,9 @@ def test_a_pulled_mass_slips_when_the_closed_form_says_and_so_does_one_on_a_belt
     assert times[[0, 2]] == pytest.approx([0.73575, 1.4034414], abs=5e-8)
     slips = Mode.BACKWARD if belt else Mode.FORWARD
     assert [change.kind for change in found] == [slips, Mode.STICK, slips]
-    steps = transitions(simulate_system(system, **start, time_step=1e-4, steps=15_000))
+    steps = transitions(simulate_system(system, **start, time_step=1e-3, steps=1500))
     assert [change.kind for change in steps] == [change.kind for change in found]
-    assert [change.time for change in steps] == pytest.approx(times, abs=3e-4)
+    assert [change.time for change in steps] == pytest.approx(times, abs=3e-3)
 
 
 def test_a_chain_body_by_body_has_the_steady_state_of_the_chain() -> None:

@@ -26,7 +26,7 @@ from tests.reference_lcp.exact.one_contact_systems import PLACES, oscillator, ra
 OVER_LIMIT = 1e-3
 """Part of the limit by which friction is above it, where contacts have to stop within four periods."""
 
-CHAINS = [(seed, place) for seed in range(20) for place in PLACES]
+CHAINS = [(seed, place) for seed in range(8) for place in PLACES]
 
 
 def exact_motion(system, motion, periods=2):
@@ -110,7 +110,7 @@ def test_friction_takes_what_the_drive_feeds() -> None:
 
 
 @pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(5))
 def test_contact_is_locked_from_the_friction_on_that_holds_it(place, seed) -> None:
     """From the motion with the contact held, more friction changes nothing, and less lets it slide."""
     with_friction = random_chain(seed, place)
@@ -162,8 +162,8 @@ def test_a_mode_that_does_not_move_the_contact_is_bounded_by_no_friction() -> No
 
 @pytest.mark.parametrize(
     ("family", "body", "moving"),
-    [(oscillator, 0, 0.0), (partial(oscillator, joined=True), 0, 1.0), *[(row, body, 0.0) for body in range(5)]],
-    ids=["wall", "base", *[f"mass {k + 1} of five" for k in range(5)]],
+    [(oscillator, 0, 0.0), (partial(oscillator, joined=True), 0, 1.0), *[(row, body, 0.0) for body in (0, 4)]],
+    ids=["wall", "base", *[f"mass {k + 1} of five" for k in (0, 4)]],
 )
 def test_at_invariant_points_friction_changes_no_amplitude(family, body, moving) -> None:
     found = invariant_frequencies(family, body, lowest=0.45, highest=2.2, moving=moving)
