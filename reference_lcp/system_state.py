@@ -13,7 +13,7 @@ from reference_lcp.chain.simulation import Lane, PeriodicOrbit, steps_per_period
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.exact.exact_orbit import exact_orbit
-from reference_lcp.lcp.systems import SINGULAR, Harmonic, MassSpringSystem, Piecewise, piecewise
+from reference_lcp.lcp.systems import SINGULAR, MassSpringSystem, Piecewise, piecewise
 from reference_lcp.observables.stick_slip import Transition, contact_modes, transitions_between
 from reference_lcp.observables.transmittance import fundamental
 from reference_lcp.schemes.euler import euler_simulation
@@ -87,7 +87,7 @@ def system_steady_state(
 
 def repetition_of(system: MassSpringSystem, period: float | None) -> HarmonicForce:
     """Find how a system repeats, as a drive of its frequency and length; refused where it has no steady state."""
-    repeated: dict[str, Harmonic] = {}
+    repeated: list[tuple[str, float]] = []
     for name, signal in _signals(system):
         (piece, *others) = signal.harmonics
         if others:
@@ -95,27 +95,23 @@ def repetition_of(system: MassSpringSystem, period: float | None) -> HarmonicFor
         if piece.rate:
             raise ParameterError(f"{name} grows by {piece.rate:g} N/s for ever; allowed: what repeats")
         if piece.amplitude and piece.angular_frequency:
-            repeated[name] = piece
+            repeated.append((name, piece.angular_frequency))
     if not repeated:
         raise ParameterError("nothing in the system repeats; allowed: a Harmonic or a Motion with an amplitude")
-    lowest = min(piece.angular_frequency for piece in repeated.values())
-    times = [2 * np.pi / lowest * k for k in range(1, LONGEST_CYCLE + 1)]
-    times = times if period is None else [checked_scalar("period", period, "> 0")]
-    fit = [time for time in times if all(_is_whole(own, time) for own in repeated.values())]
-    if not fit:
-        name, piece = next((name, own) for name, own in repeated.items() if not _is_whole(own, times[-1]))
-        turns = piece.angular_frequency * times[-1] / (2 * np.pi)
-        raise ParameterError(f"{name} repeats {turns:g} times in {times[-1]:g} s; allowed: a period of whole numbers")
+    longest = 2 * np.pi / min(frequency for _, frequency in repeated)
+    times = [longest * k for k in range(1, LONGEST_CYCLE + 1)]
+    for time in times if period is None else [checked_scalar("period", period, "> 0")]:
+        turns = [(name, frequency * time / (2 * np.pi)) for name, frequency in repeated]
+        odd = [own for own in turns if not math.isclose(own[1], max(1, round(own[1])), rel_tol=SAME_RATIO)]
+        if not odd:
+            break
+    else:
+        name, count = odd[0]
+        raise ParameterError(f"{name} repeats {count:g} times in {time:g} s; allowed: a period of whole numbers")
     _check_stands(system)
-    for frequency in {piece.angular_frequency for piece in repeated.values()}:
+    for frequency in {frequency for _, frequency in repeated}:
         _check_bounded(system, frequency)
-    return HarmonicForce(1.0, 2 * np.pi / fit[0], _length(system))
-
-
-def _is_whole(piece: Harmonic, time: float) -> bool:
-    """Whether a piece repeats a whole number of times in this time [s]."""
-    turns = piece.angular_frequency * time / (2 * np.pi)
-    return math.isclose(turns, max(1, round(turns)), rel_tol=SAME_RATIO)
+    return HarmonicForce(1.0, 2 * np.pi / time, _length(system))
 
 
 def _signals(system: MassSpringSystem) -> Iterator[tuple[str, Piecewise]]:

@@ -143,8 +143,6 @@ class Chain:
         ]
         return f"<Chain of {self.cells} cells: outer and inner {', '.join(parts)}>"
 
-    part: ClassVar[str] = "cell"
-    """What messages call a part of it."""
     one_coefficient: ClassVar[bool] = True
     """Friction at rest is that of motion, unless the lane says otherwise."""
 

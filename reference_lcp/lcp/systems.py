@@ -15,7 +15,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -278,8 +278,6 @@ class MassSpringSystem:
         at rest would not be determined.
     """
 
-    part: ClassVar[str] = "body"
-    """What messages call a part of it."""
     masses: FloatArray
     """m [kg], > 0, one a body."""
     springs: Sequence[Spring] = ()

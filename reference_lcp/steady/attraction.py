@@ -41,7 +41,7 @@ def without_dashpots(orbit: PeriodicOrbit, multiplier: float) -> PeriodicOrbit:
     """
     neutral = abs(multiplier - 1) <= NEUTRAL
     words = "is neutral" if neutral else "attracts" if multiplier < 1 else "repels"
-    why = f"not every {orbit.lane.chain.part} has a dashpot"
+    why = "dashpots do not resist every motion"
     known = f"{words}, largest multiplier {multiplier:.7g}"
     if multiplier < 1 - NEUTRAL:
         return dataclasses.replace(orbit, reason=f"{why}: {known}")

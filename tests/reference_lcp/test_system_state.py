@@ -190,9 +190,8 @@ def test_a_system_without_a_steady_state_is_refused_with_the_body_and_the_reason
 
 def test_friction_enough_bounds_a_resonance_and_a_common_period_is_found() -> None:
     assert steady_state(oscillator(1.0, 0.9)).stuck_fraction == pytest.approx([0.5356], abs=1e-4)
-    springs = [Spring(0, None, 1.0, 0.1), Spring(1, 0, 1.0, 0.1)]
-    pulls = {0: Harmonic(0, 1, 2.0), 1: Harmonic(0, 1, 3.0)}
-    state = steady_state(MassSpringSystem(masses=[1.0, 1.0], springs=springs, forces=pulls))
+    shaken = [Spring(0, Motion(amplitude=1.0, angular_frequency=2.0), 1.0, 0.1)]
+    state = steady_state(MassSpringSystem(masses=[1.0], springs=shaken, forces={0: Harmonic(0, 1, 3.0)}))
     assert state.orbit.lane.drive.period == pytest.approx(2 * np.pi)
     assert state.orbit.converged
 

@@ -156,7 +156,7 @@ def test_without_dashpots_a_steady_state_converges_only_where_friction_attracts_
     orbit = steady_state(*case, solver=solver, with_error_bar=False).orbit
     assert orbit.residual < 1e-8
     assert orbit.status is status
-    assert orbit.reason.startswith("not every cell has a dashpot: ")
+    assert orbit.reason.startswith("dashpots do not resist every motion: ")
     assert reason in orbit.reason
 
 
