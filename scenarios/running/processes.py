@@ -70,6 +70,7 @@ class LocalPool:
         self._pools: dict[str, ProcessPool] = {}
         self._names: dict[str, str] = {}
         self._jobs: dict[str, list[Future[Any]]] = {}
+        self._given_up: list[str] = []
 
     @cached_property
     def _context(self) -> "ForkServerContext":
@@ -110,22 +111,25 @@ class LocalPool:
 
     def give_up(self, serves: str) -> None:
         """End all processes of an engine; the next job begins in new ones."""
-        self._pools.pop(serves, None)
+        if serves in self._pools:
+            self._pools.pop(serves).stop()  # type: ignore[no-untyped-call]  # or it would start others in their place
         self._jobs.pop(serves, None)
-        _end(self._names.pop(serves))
+        self._given_up.append(self._names.pop(serves))
+        _end(self._given_up[-1])
 
     def _close(self, *names: str) -> None:
         pools = [self._pools.pop(name) for name in names]
         for pool in pools:
             pool.stop()  # type: ignore[no-untyped-call]
-        for name in names:
-            _end(self._names.pop(name))
+        ended = [process for name in names for process in _end(self._names.pop(name))]
         for pool in pools:
             pool.join(GRACE)
+        _forget(ended)
 
     def close(self) -> None:
         """End all workers, and whatever they have started."""
         self._close(*self._pools)
+        _forget([process for name in self._given_up for process in _end(name)])  # what was being started at that moment
         prctl(SET_CHILD_SUBREAPER, 0)
 
 
@@ -213,13 +217,22 @@ def _by_one(function: Callable[..., Any], *arguments: Any) -> Any:
             os._exit(EXITED)
 
 
-def _end(name: str) -> None:
-    """End the processes that have a name, and those that they have started: nothing else."""
+def _end(name: str) -> list[int]:
+    """End the processes that have a name, and those that they have started: nothing else; gives their numbers."""
+    ended = []
     for folder in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
             if _is_named(folder, name):
                 os.kill(int(folder.name), signal.SIGKILL)
-                os.waitpid(int(folder.name), 0)  # of the orphans, which are this process's children now
+                ended.append(int(folder.name))
+    return ended
+
+
+def _forget(ended: Sequence[int]) -> None:
+    """Wait for orphans among the processes that were ended: they are this process's children now."""
+    for process in ended:
+        with suppress(OSError):
+            os.waitpid(process, 0)
 
 
 def _is_named(folder: Path, name: str) -> bool:
