@@ -24,7 +24,7 @@ DECADES = 6
 """Shades of the heat map: decades of a number over the smallest one that counts as none."""
 
 NOT_CURED_MEANS = (
-    f"*{NOT_CURED.capitalize()}*: beyond what is allowed with the recipe, too. "
+    f"*{NOT_CURED.capitalize()}*: more than twice what is allowed with the recipe, too. "
     "Where the lines above name no other option, none is known."
 )
 

@@ -5,8 +5,6 @@ from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree
 
-import numpy as np
-
 from multibody_xval.engines.genesis.chains import as_choices, import_genesis
 from multibody_xval.engines.interface.scene import (
     BELT,
@@ -78,8 +76,7 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         return followed.get_pos().numpy(), followed.get_quat().numpy(), followed.get_vel().numpy()
 
     def push(force: float) -> None:
-        forces = np.array([along(scene, force)])
-        world.rigid_solver.apply_links_external_force(force=forces, links_idx=[followed.base_link_idx])
+        followed.base_link.apply_external_force(along(scene, force))
 
     return SteppedWorld(world.step, state, launch, world.destroy, push)
 

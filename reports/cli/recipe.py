@@ -44,7 +44,7 @@ def recipe(
     """Print what to write in one's own model so that friction holds, in the engine's own syntax, and what that gives.
 
     Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe. "Not
-    cured": with the recipe, too, they are beyond what is allowed.
+    cured": with the recipe, too, they are more than twice what is allowed.
     Exit code 0: printed; 2: wrong input, or the engine has no recipe; 3: results could not be written; 130:
     interrupted.
 

@@ -111,7 +111,7 @@ def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cure
 def test_a_recipe_cures_a_joint_and_no_arm(monkeypatch) -> None:
     """By what is left over what is allowed."""
     few = {name: SCENARIOS[name] for name in ("joint-hold", "arm-hold")}
-    cases = {"arm-hold": {"2 hinges": SCENARIOS["arm-hold"].cases["2 hinges, load 0.9"]}}
+    cases = {"arm-hold": {"3 hinges": SCENARIOS["arm-hold"].cases["3 hinges, load 0.9"]}}
     scenes = [replace(own, cases=cases.get(name, own.cases)) for name, own in few.items()]
     monkeypatch.setattr(recipes, "scenes_of", lambda kind: scenes if kind == Formulation.JOINT else [])
     monkeypatch.setattr(recipes, "step_ratio", lambda *_: 1.0)
