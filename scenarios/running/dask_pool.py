@@ -1,5 +1,6 @@
 """The workers of a dask cluster, each of which runs what it gets in processes of its own machine."""
 
+import importlib.util
 import logging
 import multiprocessing
 import time
@@ -59,6 +60,11 @@ class DaskPool:
 @contextmanager
 def dask(address: str) -> Iterator[DaskPool]:
     """Give the workers of a dask cluster that runs already; it and its workers have to be trusted."""
+    if importlib.util.find_spec("distributed") is None:
+        raise ParameterError(
+            f"scheduler = {shown(address)} needs the package distributed, which is not installed; "
+            "pip install 'multibody-xval[cluster]'"
+        )
     from distributed import Client, default_client
 
     for name in ("distributed", "distributed.client"):  # which print tracebacks of a cluster that is lost
