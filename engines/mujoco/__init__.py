@@ -20,6 +20,7 @@ class MuJoCo(PipEngine):
     name: ClassVar[str] = "mujoco"
     module: ClassVar[str] = "mujoco"
     versions: ClassVar[str] = ">=3.3.6,<5"
+    same_files: ClassVar[str] = "mujoco-core"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo",
         package="mujoco",

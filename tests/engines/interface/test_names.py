@@ -85,10 +85,23 @@ def test_engine_that_is_missing_says_how_to_install_it(name, monkeypatch) -> Non
 @pytest.mark.needs("mujoco")
 @pytest.mark.parametrize(("version", "taken"), [("3.3.5", False), ("3.3.6", True), ("5.0.0", False)])
 def test_another_version_is_a_reason_with_those_that_the_adapter_takes(version: str, taken: bool, monkeypatch) -> None:
-    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.installed_version", lambda _: version)
+    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.installed_version", {"mujoco": version}.get)
     lacking = f"mujoco {version} is installed, and its adapter takes {MuJoCo.versions}; pip install "
     reason = MuJoCo().unavailable_reason()
     assert reason is None if taken else str(reason).startswith(lacking)
+
+
+@pytest.mark.needs("mujoco")
+@pytest.mark.parametrize(("mujoco", "core"), [("3.3.7", None), ("4.0.0", "4.0.0"), (None, "4.0.1"), ("4.0.0", "4.0.1")])
+def test_two_distributions_of_one_engine_at_unequal_versions_are_refused(mujoco, core, monkeypatch) -> None:
+    installed = {"mujoco": mujoco, "mujoco-core": core}
+    monkeypatch.setattr("multibody_xval.engines.shared.pip_engine.installed_version", installed.get)
+    reason = (
+        "mujoco 4.0.0 and mujoco-core 4.0.1 are both installed, and overwrite each other's files; "
+        "allowed: equal versions"
+    )
+    assert MuJoCo().version() == (mujoco or core)
+    assert MuJoCo().unavailable_reason() == (reason if mujoco != (core or mujoco) and mujoco else None)
 
 
 def test_adapters_take_the_versions_that_the_suite_asks_for() -> None:
