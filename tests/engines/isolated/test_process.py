@@ -15,7 +15,7 @@ import pytest
 
 from multibody_xval.engines.interface.presets import Option, Preset
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessLane
-from multibody_xval.engines.isolated.process import EngineProcess, EngineProcessError
+from multibody_xval.engines.isolated.process import WORKER, EngineProcess, EngineProcessError
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import lane_of, random_state
 
@@ -105,11 +105,11 @@ def test_what_an_engine_prints_disturbs_nothing(process, capfd: pytest.CaptureFi
 
 
 def test_the_worker_sees_nothing_of_this_environment(process, monkeypatch, tmp_path: Path) -> None:
-    """Else a server called siconos.py would hide the package."""
+    """Else a server called siconos.py, or a module next to the worker's, would hide the package."""
     for name in ("PYTHONPATH", "LD_LIBRARY_PATH"):
         monkeypatch.setenv(name, str(tmp_path))
     reply = {name: str(value) for name, value in process.request("versions", LIMIT).items()}
-    assert not {str(tmp_path), str(SERVER.parent)} & set(reply["path"].split(os.pathsep))
+    assert not {str(tmp_path), str(SERVER.parent), str(WORKER.resolve().parent)} & set(reply["path"].split(os.pathsep))
     assert "LD_LIBRARY_PATH" not in reply["environment"]
     assert not {"multibody_xval", "reference_lcp", "scipy"} & set(reply["modules"].split())
 
