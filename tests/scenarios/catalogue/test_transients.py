@@ -121,16 +121,8 @@ def test_a_band_has_the_power_that_follows_the_base_alone() -> None:
     assert estimate.in_band(1.0, 2.5) == pytest.approx(exact, rel=0.01)
 
 
-def test_band_without_power_has_no_number_and_what_gives_no_spectrum_is_refused() -> None:
-    still = np.zeros(2000)
-    estimate = transient_transmissibility(still, np.sin(0.01 * np.arange(2000)), 0.01)
+def test_a_band_without_power_or_with_few_lines_has_no_number() -> None:
+    estimate = transient_transmissibility(np.zeros(2000), np.sin(0.01 * np.arange(2000)), 0.01)
     assert np.isnan(estimate.in_band(1.0, 10.0))
-    for message, ask in {
-        "holds 1 lines of the spectrum; allowed: at least 3": lambda: estimate.in_band(1.0, 1.3),
-        r"shapes \(5,\) and \(4,\); allowed: both": lambda: transient_transmissibility(still[:5], still[:4], 0.1),
-        "segment = 60 of 100 samples; allowed: ": lambda: stationary_transmissibility(
-            still[:100], still[:100], 0.1, 60
-        ),
-    }.items():
-        with pytest.raises(ParameterError, match=message):
-            ask()
+    with pytest.raises(ParameterError, match="holds 1 lines of the spectrum; allowed: at least 3"):
+        estimate.in_band(1.0, 1.3)
