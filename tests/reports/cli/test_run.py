@@ -12,7 +12,6 @@ from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.model import Config, Run, failed, unsupported
-from multibody_xval.scenarios.running.evaluate import stored_results
 from multibody_xval.scenarios.store import opened
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
@@ -126,11 +125,3 @@ def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept
     monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", interrupted)
     code, printed = shown(capsys, "--engine=mujoco", *options)
     assert (code, f"interrupted: {kept}" in printed) == (130, True)
-
-
-def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
-    words = ("--engine=mujoco", "--workers=1", "--store=k.sqlite")
-    assert shown(capsys, *words)[0] == 0
-    assert {row.run.config.engine for row in stored_results(Path("k.sqlite"))} == {"mujoco", "reference"}
-    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
-    assert shown(capsys, *words)[0] == 0
