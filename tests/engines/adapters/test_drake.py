@@ -7,15 +7,7 @@ from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from tests.engines.scheme_oracle import (
-    AMPLITUDE,
-    STEPS,
-    built,
-    lane_of,
-    random_state,
-    run,
-    uneven_lane,
-)
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built, lane_of, random_state, run
 
 pytestmark = pytest.mark.needs("drake")
 
@@ -50,12 +42,6 @@ def test_a_gliding_sphere_is_lifted_by_its_slip_in_a_step_times_the_coefficient(
             state = State(np.zeros((1, 2)), velocity, across)  # back where it was along the plane, as fast as before
         heights.append(np.mean(places))
     assert heights[1] - heights[0] == pytest.approx(0.5 * slip * lane.time_step, rel=0.1)
-
-
-def test_the_default_contact_starts_where_drakes_own_stiffness_carries_the_normal_force() -> None:
-    lane = uneven_lane()
-    motion = run("drake:contact:default", lane, random_state())
-    np.testing.assert_allclose(motion.normal_force, np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rtol=1e-8)
 
 
 def test_below_drakes_own_floor_every_stiction_tolerance_acts_alike() -> None:
