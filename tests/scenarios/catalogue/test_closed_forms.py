@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from multibody_xval.scenarios.catalogue.blocks import block, held, published, static_friction, thrown
+from multibody_xval.scenarios.catalogue.blocks import published, static_friction, thrown
 from multibody_xval.scenarios.catalogue.chains import closed_forms
 from multibody_xval.scenarios.catalogue.chains.normal_forces import MODULATED_NORMAL_FORCE
 from multibody_xval.scenarios.compute.batch import run_batch
@@ -39,18 +39,6 @@ def test_exact_block_on_a_free_carrier_gives_the_published_number(own) -> None:
     left = published.MORE_LEFT.get(own.name, published.LEFT)
     assert abs(published.read(result_of(run), run) - expected) <= published.left_open(run)
     assert left < 1e-3 * abs(expected) or own.name == "sdnd104-0.99"
-
-
-@pytest.mark.needs("mujoco")
-def test_the_soft_friction_of_mujoco_drifts_by_its_constants() -> None:
-    """μ g / 2 over the rate 2 / (d_max τ) of the constraint, softened by (1 − d_0) / d_0, and the spring relaxes."""
-    table = judged(only(held.STATIC_HOLD, "1 kg, load 0.5"), Config("mujoco", "joint", "default"))
-    drift = table[table.quantity == "drift"].set_index("case").value["1 kg, load 0.5"]
-    rate, softness = 2 / (0.95 * 0.02), (1 - 0.9) / 0.9
-    first = softness / rate * FRICTION_COEFFICIENT * block.STANDARD_GRAVITY / 2 * (1 + 1 / 20)
-    assert first == pytest.approx(2.72e-3, rel=0.01)
-    relaxed = np.exp(-first / (0.5 * held.LENGTH) * 0.75 * held.HOLD_TIME)
-    assert drift == pytest.approx(1e6 * first * relaxed, rel=1e-3)
 
 
 ABOVE = static_friction.STATIC_ABOVE_KINETIC

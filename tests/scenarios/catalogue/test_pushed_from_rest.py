@@ -92,17 +92,6 @@ def test_scene_pushes_a_box_as_far_as_plain_pybullet_on_the_same_ground() -> Non
     assert cured == pytest.approx(np.ones(4), abs=1e-3)
 
 
-@pytest.mark.needs("ode")
-def test_bound_an_axis_holds_a_box_that_is_pushed_between_the_axes() -> None:
-    """|cos α| + |sin α| of the bound is more than the push from 15° on, against it, and pulls the box aside."""
-    straight, fifteen, _, between = ways("ode:contact:default")
-    assert straight == pytest.approx(1, abs=1e-4)
-    force = 1.2 * np.exp(1j * np.pi / 12)
-    rest = complex(force.real - 1, max(0.0, force.imag - 1)) * np.exp(-1j * np.pi / 12)
-    assert fifteen == pytest.approx(rest / 0.2, abs=1e-3)
-    assert abs(between) < 1e-4
-
-
 def test_friction_that_acts_aside_is_found_in_every_direction() -> None:
     """A twentieth of the bound turns the way by as much of the push, whose part across balances it then."""
     table = point_mass_numbers(PUSHED_FROM_REST, Wrong(aside=0.05))
