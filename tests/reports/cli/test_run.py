@@ -85,9 +85,8 @@ def test_transitions_of_what_was_asked_are_a_row_each(capsys) -> None:
     moving = SOUND | {CASE: replace(SOUND[CASE], transitions=((0, 0.25, "stick"), (2, 0.5, "forward slip")))}
     assert stored(capsys, moving, "--transitions=t.csv")[0] == 0
     rows = [row for row in csv.DictReader(Path("t.csv").read_text().splitlines()) if row["case"] == "soft"]
-    assert {row["configuration"] for row in rows} == {"mujoco:joint:tuned"}
-    told = [(row["cell"], row["time"], row["mode"]) for row in rows]
-    assert told == [("0", "0.25", "stick"), ("2", "0.5", "forward slip")]
+    told = [(row["configuration"], row["cell"], row["time"], row["mode"]) for row in rows]
+    assert told == [("mujoco:joint:tuned", "0", "0.25", "stick"), ("mujoco:joint:tuned", "2", "0.5", "forward slip")]
 
 
 def test_what_an_engine_cannot_represent_is_said_and_does_not_fail_and_what_is_missing_does(capsys) -> None:
@@ -115,13 +114,3 @@ def test_a_measured_preset_fails_where_it_was_named_and_often_crashes_and_is_nev
     code, printed = shown(capsys, *named)
     assert (code, "Nothing was judged, errors were measured: of 2 numbers" in printed) == (0, True)
     assert Path("measured.md").read_text(encoding="utf-8").startswith("## Scenarios: nothing judged\n")
-
-
-@pytest.mark.parametrize(("options", "kept"), [((), "nothing is kept"), (("--store=k.sqlite",), "results are kept in")])
-def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", interrupted)
-    code, printed = shown(capsys, "--engine=mujoco", *options)
-    assert (code, f"interrupted: {kept}" in printed) == (130, True)

@@ -213,7 +213,12 @@ SPOILT = [
 
 @pytest.mark.parametrize(
     ("name", "scenario", "old", "new"),
-    [pytest.param(*own, marks=pytest.mark.needs(own[0].partition(":")[0])) for own in SPOILT],
+    [
+        pytest.param(
+            *own, marks=[pytest.mark.needs(own[0].partition(":")[0]), *[pytest.mark.slow] * (own[1] == STATIC)]
+        )
+        for own in SPOILT
+    ],
 )
 def test_script_prints_the_number_that_the_suite_has_and_another_where_it_is_changed(
     name: str, scenario: str, old: str, new: str, tmp_path: Path
