@@ -1,6 +1,5 @@
-"""Figures: curves of a dataset for print, panels of the page, one period; and numbers as people read them."""
+"""Figures: curves of a dataset for print, panels of the page, and motions."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,6 @@ from multibody_xval import (
 from multibody_xval.reports.figures import levels
 from multibody_xval.reports.figures.motion import plot_motion
 from multibody_xval.reports.figures.svg import Panel
-from multibody_xval.reports.formatting import significant
 from multibody_xval.scenarios.model import Case
 from reference_lcp import Chain, HarmonicBase, steady_state
 
@@ -113,30 +111,16 @@ def test_levels_are_drawn_where_they_are_and_one_far_below_the_others_is_a_trian
     assert marks(axes) == {0.5: "s", 0.7: "s", 0.9: "v"}
 
 
-NUMBERS = {14.734: "15", 7294.0: "7,300", 0.125: "0.13", 1.0: "1.0", -0.5: "−0.50", -2.1e-12: "0", 2.14e-5: "2.1e−05"}
-
-
-def test_numbers_are_rounded_with_true_signs() -> None:
-    assert {number: significant(number) for number in NUMBERS} == NUMBERS
-    assert significant(math.nan) == "–"
-
-
-def test_the_figure_of_a_period_shows_every_cell() -> None:
-    chain = Chain.from_ratios(cells=4, friction_ratio=[0.0, 0.3, 30.0, 30.0])
-    orbit = steady_state(chain, HarmonicBase.from_ratio(chain, 0.6), with_error_bar=False).orbit
-    figure, motion, scale = plot_motion(orbit), orbit.trajectory, orbit.lane.drive.displacement_scale(chain)
-    assert len(figure.axes) == 3 * chain.cells
-    for line, positions in zip(
-        figure.axes[0].get_lines()[:2], (motion.outer_positions, motion.inner_positions), strict=True
-    ):
-        assert line.get_ydata() == pytest.approx(positions[:, 0] / scale)
-
-
-def test_a_motion_and_a_steady_state_of_bodies_are_drawn_too(tmp_path) -> None:
+def test_a_motion_and_a_steady_state_of_a_chain_and_of_bodies_are_drawn(tmp_path) -> None:
     chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
     motion = simulate(chain, RickerPulse(0.01, 30.0, 0.4), time_step=1e-3, steps=900)
     figure = plot(motion, tmp_path / "pulse.svg")
     assert figure.axes[0].get_lines()[1].get_ydata() == pytest.approx(motion.inner_positions[:, 0])
+    orbit = steady_state(chain, HarmonicBase.from_ratio(chain, 0.6), with_error_bar=False).orbit
+    figure = plot_motion(orbit)
+    assert len(figure.axes) == 3 * chain.cells
+    scaled = orbit.trajectory.outer_positions[:, 0] / orbit.lane.drive.displacement_scale(chain)
+    assert figure.axes[0].get_lines()[0].get_ydata() == pytest.approx(scaled)
     springs = [Spring(0, Motion(amplitude=1.0, angular_frequency=0.6), 1.0), Spring(1, 0, 1.0)]
     rubbing = [FrictionContact(1, None, 1.0, 0.3)]
     state = steady_state(MassSpringSystem(masses=[1.0, 1.0], springs=springs, friction=rubbing))

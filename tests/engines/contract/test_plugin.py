@@ -1,9 +1,6 @@
 """An engine in an installable package of its own: found, listed and held to the contract, with nothing edited."""
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
@@ -26,20 +23,6 @@ def test_installed_engine_is_held_to_the_contract(install) -> None:
 
 def test_contract_refuses_an_engine_that_is_not_there(install) -> None:
     install("plugin").run(*CONTRACT.split(), "tinny", code=4)
-
-
-def test_a_project_with_an_option_of_the_same_kind_runs_beside_the_suite(tmp_path: Path) -> None:
-    (tmp_path / "conftest.py").write_text(
-        "def pytest_addoption(parser):\n"
-        "    parser.addoption('--engine', default='diesel')\n"
-        "    parser.addoption('--version-of-engine')\n"
-    )
-    (tmp_path / "test_engine.py").write_text(
-        "def test_it(request):\n    assert request.config.option.engine == 'petrol'\n"
-    )
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--engine", "petrol"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_installed_engine_is_judged(install) -> None:

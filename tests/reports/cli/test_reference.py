@@ -95,11 +95,3 @@ def test_ratios_are_the_decimals_that_were_typed(capsys) -> None:
     levels = [Decimal(own["transmittance_db"]["value"]) for own in proofs]
     assert float(typed[1]) == 0.3
     assert Decimal("1e-22") < abs(levels[1] - levels[0]) < Decimal("1e-19")
-
-
-def test_time_that_does_not_suffice_ends_as_not_proven(capsys) -> None:
-    pytest.importorskip("flint", reason="python-flint is not installed")
-    code, out, _ = run(capsys, f"{POINT} --friction-ratio 0.3 --time-limit 1e-3 --json")
-    answer = json.loads(out)["proof"]
-    assert (code, answer["status"], answer["reason"]) == (1, "not proven", "the time limit of 0.001 s is over")
-    assert answer["transmittance_db"] is answer["phase"] is answer["transitions"] is None
