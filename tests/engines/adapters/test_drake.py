@@ -7,7 +7,7 @@ from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built, lane_of, random_state, run
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built, lane_of, random_state, run, with_coefficients
 
 pytestmark = pytest.mark.needs("drake")
 
@@ -50,6 +50,16 @@ def test_below_drakes_own_floor_every_stiction_tolerance_acts_alike() -> None:
     ends = [run("drake:contact", lane, random_state(), stiction=value).positions for value in (3e-5, 1e-9, 1e-12)]
     assert np.array_equal(ends[1], ends[2])
     assert not np.array_equal(ends[0], ends[1])
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    """To what Drake's solver leaves: it stops relative to the largest impulse, which grows as 1 / μ."""
+    lane, usual = with_coefficients(coefficient), lane_of()
+    motion, expected = (run("drake:contact", one, random_state()) for one in (lane, usual))
+    tolerance = 1e-7 / float(np.min(coefficient)) * AMPLITUDE
+    np.testing.assert_allclose(motion.positions, expected.positions, rtol=0, atol=tolerance)
+    assert motion.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
 
 
 def test_long_chain_of_contacts_moves_as_that_of_joints_does(capfd) -> None:
