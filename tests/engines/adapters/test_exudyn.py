@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from multibody_xval.engines.exudyn.joint import static_decays
+from multibody_xval.engines.shared.script_units import SI
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.one_call import exact_steady_state
@@ -26,6 +28,16 @@ def test_a_disc_moves_as_the_connector_of_the_same_zone_does() -> None:
     pressed, joined = (run(f"exudyn-regularised:{own}", lane, random_state(), **zone) for own in ("contact", "joint"))
     assert np.max(np.abs(pressed.positions - joined.positions)) < 1e-3 * AMPLITUDE
     assert pressed.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-6)
+
+
+@pytest.mark.parametrize(("steps", "substeps"), [(STEPS, 4), (2 * STEPS, 1)])
+def test_static_friction_of_a_stiff_bristle_decays_over_4_per_cent_of_a_kick(steps, substeps) -> None:
+    """A kick is what the bound does to the relative velocity in a step of the solver."""
+    lane = lane_of(0.3, 0.9, steps, mass_ratio=0.5)
+    (inside,) = built("exudyn-bristle", lane, substeps=substeps).models
+    kick = lane.chain.friction_bound[0] * (1 / lane.chain.outer_mass[0] + 1 / lane.chain.inner_mass[0])
+    part = 0.04 * kick * lane.time_step / substeps
+    assert static_decays(lane, inside._preset, SI)[0] == pytest.approx(part)
 
 
 @pytest.mark.slow
