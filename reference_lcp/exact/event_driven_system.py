@@ -33,7 +33,7 @@ from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, EventDrivenModel, 
 from reference_lcp.exact.event_driven_kernel import FORCE_TOLERANCE
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, Stretch, harmonic_load, values
 from reference_lcp.exact.polynomial_roots import first_roots
-from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring, SystemTrajectory
+from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring
 from reference_lcp.lcp.time_step import REST_TOLERANCE, FrictionalStep, solve_step
 from reference_lcp.observables.stick_slip import mode_changes
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
@@ -105,7 +105,7 @@ class EventDrivenSystem:
         self.surface_rows = given @ self.rates(np.zeros((f, self.slip_rows.shape[1])))[2 * f :, 2 * f :]
         """Rows that give the acceleration of the ground under every contact from what is given, shape (c, d − 2f)."""
 
-    def motion(self, *, position: ArrayLike, velocity: ArrayLike, times: ArrayLike) -> SystemTrajectory:
+    def motion(self, *, position: ArrayLike, velocity: ArrayLike, times: ArrayLike) -> Trajectory:
         """Give the motion at `times`.
 
         Parameters
@@ -126,7 +126,7 @@ class EventDrivenSystem:
         stretches = list(self.stretches(position=position, velocity=velocity, end=float(rows[-1])))
         return self.sampled(stretches, rows)
 
-    def sampled(self, stretches: Sequence[SystemStretch], times: FloatArray) -> SystemTrajectory:
+    def sampled(self, stretches: Sequence[SystemStretch], times: FloatArray) -> Trajectory:
         """Read stretches at times [s], with the exact times of all changes of mode."""
         starts, system, f = np.array([own.start for own in stretches]), self.system, self.system.freedoms
         which = np.searchsorted([own.end for own in stretches[:-1]], times)
@@ -136,7 +136,7 @@ class EventDrivenSystem:
             for name in ("coefficients", "friction", "normal_force", "slip")
         )
         modes = np.array([own.modes for own in stretches])
-        return SystemTrajectory(
+        return Trajectory(
             time=times, positions=motion[:, :f], velocities=motion[:, f:], friction=friction, normal_force=normal,
             slip=slip, friction_coefficient=system.friction_coefficient,
             changes=mode_changes(modes, starts, system.friction_bound > 0, cyclic=False),

@@ -79,7 +79,7 @@ def contact_modes(motion: "PeriodicOrbit | Trajectory", stick_margin: float = ST
     direction = np.where(bound > 0, -trajectory.friction.T, slip)
     rows = (direction > 0).astype(np.int8) - (direction < 0)
     rows[np.abs(trajectory.friction.T) < (1 - stick_margin) * bound] = 0
-    if hasattr(trajectory, "slip"):
+    if trajectory.slip is not None:
         rows[(slip == 0) & (bound > 0)] = 0
     if orbit is not None and orbit.lane.preload is not None:
         for row, opened in zip(rows, _open(orbit).T, strict=True):

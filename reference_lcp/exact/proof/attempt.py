@@ -15,7 +15,7 @@ from reference_lcp.exact.proof.coulomb import OutOfOrder, Violation, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.krawczyk import Solution, boundaries, solve
-from reference_lcp.exact.proof.multipliers import multiplier_bound
+from reference_lcp.exact.proof.multipliers import contracts
 from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
 from reference_lcp.exact.proof.repair import repaired, without_shortest
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN
@@ -87,8 +87,9 @@ def _read(
     times = [change for _, change, _ in transitions]
     if not all(float(number.rad()) < 10.0**-digits for number in (level, phase, *times)):
         raise NotProven(f"the precision does not suffice for {digits} digits")
-    bound, contracts = multiplier_bound(dynamics, solution)
-    unique = Uniqueness.CONTRACTION if contracts else Uniqueness.NOT_SHOWN
+    unique = Uniqueness.DAMPING
+    if not dynamics.exact.damped:
+        unique = Uniqueness.CONTRACTION if contracts(dynamics, solution) else Uniqueness.NOT_SHOWN
 
     def enclosed(number: arb) -> Enclosure:
         return _rounded(number, digits + 10)
@@ -99,8 +100,7 @@ def _read(
         phase=enclosed(phase),
         transitions=[ProvenTransition(cell, enclosed(when), MODE_OF_SIGN[mode]) for cell, when, mode in transitions],
         stuck_fraction=[enclosed(_stuck(dynamics, solution, cell)) for cell in range(dynamics.cells)],
-        multipliers_bound=bound,
-        unique_by=Uniqueness.DAMPING if dynamics.exact.damped else unique,
+        unique_by=unique,
         repairs=repairs,
         seconds=math.nan,
     )

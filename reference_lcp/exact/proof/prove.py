@@ -69,8 +69,6 @@ class ProvenSteadyState:
     """All changes between stick and slip, by cell and then by time."""
     stuck_fraction: list[Enclosure]
     """Part of the period that each contact sticks; zero without friction."""
-    multipliers_bound: float
-    """Upper bound of all multipliers of a period, but for offsets of contacts that always stick."""
     unique_by: Uniqueness
     repairs: int
     """How often the order of events has been corrected."""
