@@ -90,3 +90,12 @@ def test_internal_state_is_measured_by_how_far_values_of_its_kind_have_come() ->
     factor = scales.learn(first, second, [0])
     assert factor[0, 8:] == pytest.approx([4 / 6, 4 / 6, 2 / 8, 2 / 8])
     assert scales.vectors(state_with(3.0, 1.5, 4e-6, 0.0), [0])[0, 8:] == pytest.approx([0.5, 0.25, 0.5, 0.0])
+
+
+def test_internal_state_that_is_zero_or_not_finite_has_no_size() -> None:
+    scales = StateScales(lanes_of(0.9), STEPS)
+    scales.learn(None, state_with(0.0, 0.0, np.nan, np.inf), [0])
+    assert np.array_equal(scales.vectors(state_with(0.0, 0.0, 0.0, 0.0), [0]), np.zeros((1, 12)))
+    back = scales.state(scales.vectors(state_with(1.0, 2.0, 3.0, 4.0), [0]), [0])
+    assert back.internal_state is not None
+    assert back.internal_state[0] == pytest.approx([1, 2, 3, 4])
