@@ -1,6 +1,6 @@
 """The README's picture of errors: that of each engine by its preset, from the table of accuracy.
 
-python docs/pictures.py docs/accuracy.md docs/_static/errors.svg
+python docs/pictures.py docs/results/accuracy.csv docs/_static/errors.svg
 """
 
 import sys
@@ -39,20 +39,15 @@ def errors(table: Path) -> pd.DataFrame:
 
     Those of presets that are not periodic at most points are left out.
     """
-    lines = [line for line in table.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
-    header, *cells = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
-    rows = pd.DataFrame(cells, columns=header).query("preset in @MARKS and engine != 'reference'")
+    rows = pd.read_csv(table).query("preset in @MARKS and engine != 'reference'")
     periodic = rows["periodic"].str.split("/", expand=True).astype(int)
-    rows = rows[2 * periodic[0] >= periodic[1]].astype({ERROR: float})
+    rows = rows[2 * periodic[0] >= periodic[1]]
     return rows.pivot_table(index=["engine", "formulation"], columns="preset", values=ERROR, sort=False)
 
 
 def scheme_error(table: Path) -> float:
     """Give the error of the reference itself with the same steps [dB]."""
-    line = next(
-        line for line in table.read_text(encoding="utf-8").splitlines() if "| reference | joint | tuned" in line
-    )
-    return float(line.strip("|").split("|")[5])
+    return float(pd.read_csv(table).set_index("engine").loc["reference", ERROR])
 
 
 def draw_errors(table: Path, picture: Path) -> None:

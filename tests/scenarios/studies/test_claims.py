@@ -120,7 +120,7 @@ def test_a_sentence_says_how_far_the_lower_edge_is_off_and_which_claims_are_open
 
 
 def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(reference) -> None:
-    page = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/results/chain.md").read_text(encoding="utf-8")
     assert "| " + " | ".join(study.shown(study.conclusions(*reference)).iloc[0]) + " |" in page
     assert all(numbers in page for numbers in study.claims(*reference).numbers)
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
