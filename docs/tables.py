@@ -198,7 +198,7 @@ def made(text: str) -> str:
         name, *arguments = found["words"].split()
         if name not in PARTS:
             return found[0]
-        return "\n".join([found["first"], *PARTS[name](*arguments), "", found["last"]])
+        return found["first"] + "\n".join([*PARTS[name](*arguments), "", found["last"]])
 
     return MADE.sub(part, text)
 

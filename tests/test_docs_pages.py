@@ -1,10 +1,7 @@
 """Pages of the documentation that are made by programs, and its pictures, are what these programs make now."""
 
-import importlib.util
 import re
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import pandas as pd
 import pytest
@@ -13,19 +10,9 @@ from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import variants_of
 
+from .programs import program
+
 DOCS = Path(__file__).parents[1] / "docs"
-
-
-def program(name: str) -> ModuleType:
-    """Import a program of the documentation from its file."""
-    spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    if str(DOCS) not in sys.path:
-        sys.path.append(str(DOCS))  # programs import each other
-    spec.loader.exec_module(module)
-    return module
 
 
 PAGES = sorted([DOCS.parent / "README.md", *DOCS.rglob("*.md")])
