@@ -23,6 +23,9 @@ from typing import Any
 
 STATIC = Path(__file__).parent / "_static"
 
+PLUGIN = Path(__file__).parents[1] / "tests" / "plugin"
+"""The engine that the page about engines of others shows."""
+
 EXAMPLE = re.compile(
     r"<!-- run -->\n```(?P<kind>python|console)\n(?P<code>.*?)```\n(?P<gap>```text\n)?(?(gap)(?P<shown>.*?)```\n)",
     re.DOTALL,
@@ -79,6 +82,7 @@ def alike(shown: str, now: str) -> bool:
 def main(check: bool, files: list[Path]) -> int:
     """Write or check the outputs of pages; give the exit code."""
     os.environ |= {"MPLBACKEND": "Agg", "COLUMNS": "80", "NO_COLOR": "1"}
+    sys.path.append(str(PLUGIN))
     wrong = 0
     for file in (path.resolve() for path in files):
         page = file.read_text(encoding="utf-8")

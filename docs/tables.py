@@ -176,6 +176,13 @@ def step_models() -> list[str]:
     )
 
 
+def formulas() -> list[str]:
+    """Give the formula of every step model with the presets that have it."""
+    table = pd.read_csv(DOCS / "theory/step_models.csv", dtype=str, keep_default_na=False)
+    groups = table[table.formula != ""].groupby("formula", sort=False).configuration
+    return [f"- {', '.join(f'`{name}`' for name in names)}: `{formula}`" for formula, names in groups]
+
+
 def python_names() -> list[str]:
     """Give every name of `multibody_xval` with the first sentence of its docstring."""
     rows = []
@@ -187,7 +194,7 @@ def python_names() -> list[str]:
 
 PARTS: dict[str, Callable[..., list[str]]] = {
     "csv": csv, "recipe": recipe, "drift": drift, "scenes": scenes, "accuracy": accuracy, "errors": errors,
-    "verdicts": verdicts, "step-models": step_models, "python-names": python_names, "commands": commands.lines,
+    "verdicts": verdicts, "step-models": step_models, "formulas": formulas, "python-names": python_names, "commands": commands.lines,
 }  # fmt: skip
 
 

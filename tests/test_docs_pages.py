@@ -61,7 +61,7 @@ def test_picture_is_that_of_the_measured_table_and_of_another_table_another_one(
 
 
 def test_table_of_engines_has_all_that_were_measured_with_licence_version_precision_and_page() -> None:
-    versions = re.search(r"^Versions: (.*);", (DOCS / "results/chain.md").read_text(encoding="utf-8"), re.MULTILINE)
+    versions = re.search(r"\bVersions: (.*);", (DOCS / "results/chain.md").read_text(encoding="utf-8"), re.MULTILINE)
     measured = dict(entry.split(" ") for entry in versions[1].split(", "))
     index = (DOCS / "engines" / "index.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| \[([^]]+)\]\((\w+)\.md[^)]*\)[^|]*\| ([\d.]+), (\w+) \| ([^|]+) \|", index, re.MULTILINE)
