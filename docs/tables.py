@@ -194,7 +194,8 @@ def python_names() -> list[str]:
 
 PARTS: dict[str, Callable[..., list[str]]] = {
     "csv": csv, "recipe": recipe, "drift": drift, "scenes": scenes, "accuracy": accuracy, "errors": errors,
-    "verdicts": verdicts, "step-models": step_models, "formulas": formulas, "python-names": python_names, "commands": commands.lines,
+    "verdicts": verdicts, "step-models": step_models, "formulas": formulas, "python-names": python_names,
+    "commands": commands.lines,
 }  # fmt: skip
 
 

@@ -104,3 +104,21 @@ def test_table_of_stated_accuracies_is_that_of_the_presets() -> None:
         )
         for own in every
     }
+
+
+def test_no_page_has_a_word_that_readers_should_not_meet() -> None:
+    """`python docs/words.py` names them, and what to write."""
+    assert not [*program("words").by_hand()]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a lane of unsteady motion", ["lane", "unsteady"]),
+        ("Coulomb's law; `truth list` and the option --store", []),
+        ("the engine's own law, 400 steps a period", ["law", "steps a period"]),
+        ("```\na lane\n```\nboxes hop", ["hop"]),
+    ],
+)
+def test_words_are_found_in_prose_and_not_in_code(text: str, words: list[str]) -> None:
+    assert sorted(hit.word for hit in program("words").found("page", text)) == sorted(words)
