@@ -75,16 +75,24 @@ def drift() -> list[str]:
     return markdown(("engine", "default options [µm/s]", "with our recipe [µm/s]"), cells)
 
 
-def scenes() -> list[str]:
-    """Give the worst number of every scene and engine, default options and recipe; bold where it does not cure."""
+SCENE_TABLES = {
+    "drift": r"hold.*(?:drift|turning)|shaken|heavy-on-light, drift|grip, drift",
+    "moved": r"sag|turned|lift|wander|stop, drift",
+    "motion": r"slope-slide|slide-to-stop, (?:distance|path|yaw)|conveyor|pushed|spin, torque|joint-stop",
+}
+"""Which numbers of scenes a table has."""
+
+
+def scenes(kind: str) -> list[str]:
+    """Give the worst numbers of scenes by engine: default options, and the recipe where it changes them."""
     rows = pd.read_csv(SCENES)
-    rows = rows[~rows.number.str.startswith("cost")]
-    names = list(dict.fromkeys(rows.engine))
-    cells = {(own.number, own.engine): _scene_cell(own) for own in rows.itertuples()}
-    titles = [engine(name).capabilities.title for name in names]
-    numbers = dict.fromkeys(rows.number)
+    rows = rows[rows.number.str.contains(SCENE_TABLES[kind]) & ~rows.number.str.startswith("cost")]
+    cells = {(own.engine, own.number): _scene_cell(own) for own in rows.itertuples()}
+    numbers = sorted(dict.fromkeys(rows.number), key=lambda number: number.startswith(("joint", "arm")))
+    names = sorted(set(rows.engine), key=lambda name: engine(name).capabilities.title.lower())
     return markdown(
-        ("scene, number", *titles), [[number, *(cells.get((number, n), "") for n in names)] for number in numbers]
+        ("engine", *numbers),
+        [[engine(name).capabilities.title, *(cells.get((name, number), "") for number in numbers)] for name in names],
     )
 
 

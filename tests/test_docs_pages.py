@@ -106,6 +106,15 @@ def test_table_of_stated_accuracies_is_that_of_the_presets() -> None:
     }
 
 
+def test_every_number_of_scenes_is_in_one_table() -> None:
+    numbers = pd.read_csv(DOCS / "scenes/answers.csv").number.unique()
+    patterns = program("tables").SCENE_TABLES.values()
+    often = {number: sum(bool(re.search(own, number)) for own in patterns) for number in numbers}
+    assert {number for number, count in often.items() if count != 1} == {
+        name for name in often if name.startswith("cost")
+    }
+
+
 def test_no_page_has_a_word_that_readers_should_not_meet() -> None:
     """`python docs/words.py` names them, and what to write."""
     assert not [*program("words").by_hand()]
