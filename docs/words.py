@@ -71,8 +71,8 @@ def found(place: str, text: str) -> Iterator[Hit]:
 
 
 def by_hand() -> Iterator[Hit]:
-    """Give those of the README and of the pages, but for the parts that other texts are copied into."""
-    for page in pages():
+    """Give those of the READMEs and of the pages, but for the parts that other texts are copied into."""
+    for page in [*pages(), DOCS.parent / "scenarios/truth/README.md"]:
         text = MADE.sub(lambda part: "\n" * part[0].count("\n"), page.read_text(encoding="utf-8"))
         yield from found(str(page.relative_to(DOCS.parent)), text)
 
