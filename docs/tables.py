@@ -10,8 +10,8 @@ from pathlib import Path
 
 import commands
 import pandas as pd
+import python_names
 
-import multibody_xval
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.reproducers.recipe import recipe_text
@@ -191,18 +191,15 @@ def formulas() -> list[str]:
     return [f"- {', '.join(f'`{name}`' for name in names)}: `{formula}`" for formula, names in groups]
 
 
-def python_names() -> list[str]:
-    """Give every name of `multibody_xval` with the first sentence of its docstring."""
-    rows = []
-    for name in sorted(multibody_xval.__all__, key=str.lower):
-        text = " ".join((getattr(multibody_xval, name).__doc__ or "").split("\n\n")[0].split())
-        rows.append((f"`{name}`", text))
-    return markdown(("name", "what it is"), rows)
+def names() -> list[str]:
+    """Give every name of `multibody_xval` with what it is."""
+    return markdown(("name", "what it is"), python_names.table())
 
 
 PARTS: dict[str, Callable[..., list[str]]] = {
     "csv": csv, "recipe": recipe, "drift": drift, "scenes": scenes, "accuracy": accuracy, "errors": errors,
-    "verdicts": verdicts, "step-models": step_models, "formulas": formulas, "python-names": python_names,
+    "verdicts": verdicts, "step-models": step_models, "formulas": formulas, "python-names": names,
+    "python-reference": lambda: list(python_names.lines()),
     "commands": commands.lines,
 }  # fmt: skip
 

@@ -19,6 +19,13 @@ PAGES = sorted([DOCS.parent / "README.md", *DOCS.rglob("*.md")])
 NAMES = [str(path.relative_to(DOCS.parent)) for path in PAGES]
 
 
+def test_there_are_few_pages_and_the_first_one_leads_to_each() -> None:
+    first, *others = ("index.md", *(str(path.relative_to(DOCS).with_suffix("")) for path in DOCS.rglob("*.md")))
+    listed = re.findall(r"^[\w/]+$", (DOCS / first).read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(["index", *listed]) == sorted(others)
+    assert len(others) <= 25
+
+
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_made_parts_of_a_page_are_what_the_data_give_now(page: Path) -> None:
     """Tables, recipes, options of commands: `python docs/tables.py` writes them anew."""
