@@ -22,8 +22,9 @@ from multibody_xval.scenarios.ruler.judge import OTHER_SCHEMES
 
 DOCS = Path(__file__).parent
 
-ACCURACY, SCENES, VERDICTS = (
-    DOCS / name for name in ("results/accuracy.csv", "scenes/answers.csv", "verdicts/verdicts.csv")
+ACCURACY, SCENES, VERDICTS, STEP_MODELS = (
+    DOCS / name
+    for name in ("results/accuracy.csv", "scenes/answers.csv", "verdicts/verdicts.csv", "theory/step_models.csv")
 )
 
 MADE = re.compile(r"(?P<first><!-- made (?P<words>[^>]*?) -->\n).*?(?P<last>^<!-- end -->$)", re.DOTALL | re.MULTILINE)
@@ -170,25 +171,22 @@ def _verdict_cell(counts: "pd.Series[int] | None") -> str:
 
 def step_models() -> list[str]:
     """Give how far each preset is from what is said of its steps."""
-    table = pd.read_csv(DOCS / "theory/step_models.csv", dtype=str, keep_default_na=False)
-    return markdown(
-        ("configuration", "steps by", "largest [U0]", "allowed [U0]", "from Coulomb [U0]"),
-        [
-            (
-                own.configuration,
-                "its model" if own.formula else "the reference's scheme",
-                *(cell or DASH for cell in own[3:6]),
-            )
-            for own in table.itertuples()
-        ],
-    )
+    table = pd.read_csv(STEP_MODELS, keep_default_na=False)
+    kinds = table.formula.eq("").map({True: "the reference's scheme", False: "its model"})
+    numbers = [
+        table[name].map(lambda own, pattern=pattern: pattern.format(float(own)) if own != "" else DASH)
+        for name, pattern in (("largest", "{:.1e}"), ("allowed", "{:.0e}"), ("from_reference", "{:.1e}"))
+    ]
+    headings = ("configuration", "steps by", "largest [U0]", "allowed [U0]", "from Coulomb [U0]")
+    return markdown(headings, zip(table.configuration, kinds, *numbers, strict=True))
 
 
 def formulas() -> list[str]:
-    """Give the formula of every step model with the presets that have it."""
-    table = pd.read_csv(DOCS / "theory/step_models.csv", dtype=str, keep_default_na=False)
-    groups = table[table.formula != ""].groupby("formula", sort=False).configuration
-    return [f"- {', '.join(f'`{name}`' for name in names)}: `{formula}`" for formula, names in groups]
+    """Give the formula and constants of every step model with the presets that have them."""
+    table = pd.read_csv(STEP_MODELS, keep_default_na=False).query("formula != ''")
+    groups = table.groupby(["formula", "constants"], sort=False).configuration
+    texts = {key: ", ".join(f"`{name}`" for name in own) for key, own in groups}
+    return [f"- {own}: `{'; '.join(filter(None, key))}`" for key, own in texts.items()]
 
 
 def names() -> list[str]:
