@@ -33,6 +33,14 @@ def test_made_parts_of_a_page_are_what_the_data_give_now(page: Path) -> None:
     assert program("tables").made(text) == text
 
 
+def headings(page: Path) -> list[str]:
+    """Give the names under which GitHub links to the headings of a page."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return [
+        re.sub(r"[^\w\- ]", "", own.lower()).replace(" ", "-") for own in re.findall(r"^#+ (.*)", text, re.MULTILINE)
+    ]
+
+
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
 def test_every_link_has_a_text_and_leads_to_a_file_of_the_source(page: Path) -> None:
     """So that GitHub shows what the built pages show."""
@@ -40,9 +48,11 @@ def test_every_link_has_a_text_and_leads_to_a_file_of_the_source(page: Path) -> 
     links = re.findall(r"\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)", text)
     for label, place in links:
         assert label.strip(), place
-        path = place.partition("#")[0]
-        if path and "://" not in path:
-            assert (page.parent / path).is_file(), place
+        path, _, heading = place.partition("#")
+        if "://" not in place:
+            file = page.parent / path if path else page
+            assert file.is_file(), place
+            assert not heading or heading in headings(file), place
 
 
 @pytest.mark.parametrize("file", ["tiny_engine/__init__.py", "pyproject.toml"])
