@@ -104,6 +104,13 @@ COMMAND_LINES = [
     ("sweep sweep.toml --scheduler nowhere", r"scheduler = 'nowhere'"),
     ("sweep sweep.toml --no-run --retry-failed", r"--retry-failed"),
     ("sweep large.toml --yes --out large.nc", r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points"),
+    # translate
+    (
+        "translate mujoco:joint:default pybullet",
+        r"mujoco:joint:default; allowed: contacts .*mujoco:contact:default or ",
+    ),
+    ("translate mujoco:contact:default exudyn-bristle", r"exudyn-bristle: .*allowed: one with scenes of contacts"),
+    ("translate mujoco:contact:default nobody", r"engine = 'nobody' is unknown; allowed: "),
     # report
     ("report --sweep large.toml", r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points"),
     ("report --quick --out text.sqlite", r"--out = text.sqlite cannot be made"),
