@@ -63,6 +63,7 @@ def translate(
 def _print(wanted: Variant, found: Translation, options: dict[str, tuple[Any, Any]]) -> None:
     """Print options, a table of the scenes, and what is left."""
     from multibody_xval.engines.interface.changed_options import value_text
+    from multibody_xval.scenarios.catalogue.scenes.scene import NONE
     from multibody_xval.scenarios.catalogue.translation import PAIRS
     from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 
@@ -78,7 +79,11 @@ def _print(wanted: Variant, found: Translation, options: dict[str, tuple[Any, An
     table = found.table
     rows = [(scene, *map(printed_number, numbers)) for scene, *numbers in table.itertuples(index=False)]
     print_table(("scene", "way [mm]", "apart by default [mm]", "with these [mm]"), rows)
-    worst = table.iloc[int((table.found / table.way).argmax())]
+    seen = table[table.found >= NONE["wander"]]
+    if seen.empty:
+        print(f"Boxes move alike: nowhere are they {NONE['wander']:g} mm apart.")
+        return
+    worst = seen.iloc[int((seen.found / seen.way).argmax())]
     print(
         f"Most is left in {worst.scene}: {printed_number(worst.found)} mm apart on a way of "
         f"{printed_number(worst.way)} mm. No option that was tried does better."
