@@ -29,9 +29,10 @@ def finding(found: Probe) -> str:
     """Say whether the recipe helps."""
     first, last = ends(found)
     if not (found.held or found.stops):
+        reason = "nothing loads the friction of this model" if found.not_loaded else "nothing else has friction"
         return (
-            "Nothing was tested: nothing loads the friction of this model. If it has keyframes or actuators, "
-            "--keyframe NAME starts it elsewhere, and --ctrl FILE drives it."
+            f"Nothing was tested: {reason}. If it has keyframes or actuators, --keyframe NAME starts it elsewhere, and "
+            "--ctrl FILE drives it."
         )
     if not math.isfinite(found.costs[last]):
         return "Leave the model as it is: with the recipe it explodes."

@@ -124,6 +124,7 @@ def test_bodies_that_overlap_at_the_start_are_no_creep(capsys, tmp_path) -> None
     found = measured(capsys, model(tmp_path, f'<body pos="0 0 1">{bob}</body>{wall}'), "--time", "0.1")
     assert "Bodies overlap by 151 mm at the start: wall / bob." in found["notes"]
     assert found["held"] == []
+    assert found["finding"].startswith("Nothing was tested: nothing else has friction.")
 
 
 def test_model_with_few_iterations_gets_those_that_the_recipe_needs(capsys, tmp_path) -> None:
