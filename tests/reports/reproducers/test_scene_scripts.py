@@ -3,9 +3,11 @@
 import pytest
 
 from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.scene import SceneSetting
 from multibody_xval.engines.interface.variant import GENERAL
 from multibody_xval.reports.reproducers.questions import SHOWN
 from multibody_xval.reports.reproducers.script import checked, script
+from multibody_xval.reports.reproducers.specialise import specialised
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.model import Config
@@ -27,7 +29,6 @@ WRITTEN = [
     for scenario, formulation in SCENES.items()
     if engine(name).scene_gap(formulation) is None
     and not (name in IN_THE_PLANE and scenario in ("spin", "pushed-from-rest"))  # in the plane
-    and not (scenario == "held-while-shaken" and name == "genesis")  # its adapter pushes none
     for preset in GENERAL
     if preset in engine(name).capabilities.presets[formulation]
 ]
@@ -132,3 +133,13 @@ def test_a_server_s_scene_is_read_without_its_engine() -> None:
     text = script(checked("siconos:contact:default", "conveyor"), NUMBER)
     assert "import siconos.kernel as kernel" in text
     assert "apt install python3-siconos" in " ".join(text.split())
+
+
+@pytest.mark.parametrize("scenario", ["slope-hold", "joint-hold"])
+def test_genesis_is_started_in_its_scripts(scenario: str) -> None:
+    """It refuses to make a scene before."""
+    case = next(iter(SCENARIOS[scenario].cases.values()))
+    assert isinstance(case, SceneMotion)
+    setting = SceneSetting(Config("genesis", str(case.formulation), "default").preset, 0.01)
+    own = specialised(engine("genesis").scene_worlds[case.formulation], {"scene": case.scene, "setting": setting})
+    assert own.starts == {"genesis.init(backend=genesis.cpu, precision='64', logging_level='error')"}
