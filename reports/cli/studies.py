@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from multibody_xval.engines.interface.variant import Variant
+    from multibody_xval.scenarios.running.evaluate import Means
     from multibody_xval.scenarios.store import Stored
 
 Outs = Annotated[
@@ -87,9 +88,10 @@ def figure3(
     from multibody_xval.scenarios.studies.claims import claim_cases, of_paper
 
     kept = store or out / STORE
+    means = computing.means(kept)
     outs = _figure3_files(out, kept, run=run)
     with keeping(kept):
-        every = of_paper(points(_figure3_results(configs, kept, computing, run=run)))
+        every = of_paper(points(_figure3_results(configs, kept, means if run else None)))
     found, rows = judged_edges(every), judged(every)
     drawn = coarsest(rows[~is_exact(rows)])
     of_engines = drawn[drawn.case.isin(claim_cases()) & drawn.config.isin(configs[1:])]
@@ -114,8 +116,8 @@ def _figure3_files(out: Path, kept: Path, *, run: bool) -> list[Path]:
     return [checked_output_file("--out", file, [kept]) for file in files]
 
 
-def _figure3_results(configs: list[Variant], kept: Path, computing: Computing, *, run: bool) -> list[Stored]:
-    """Give the results that claims, edges and curves need: what the store lacks is run, or not."""
+def _figure3_results(configs: list[Variant], kept: Path, means: Means | None) -> list[Stored]:
+    """Give the results that claims, edges and curves need: what the store lacks is run, or not without `means`."""
     from multibody_xval.scenarios.edges import propose
     from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
     from multibody_xval.scenarios.plan import runs_at
@@ -123,11 +125,11 @@ def _figure3_results(configs: list[Variant], kept: Path, computing: Computing, *
     from multibody_xval.scenarios.studies.claims import claim_cases
     from multibody_xval.scenarios.studies.figure3 import curve_cases
 
-    if not run:
+    if means is None:
         return [own for own in stored_results(kept) if own.run.config in {EXACT, *configs}]
     curves = [Run(REFERENCE, case, case.steps()) for case in curve_cases()]
     runs = list(dict.fromkeys([*runs_at(configs, claim_cases()), *curves]))
-    return computed(runs, computing.means(kept), then=[("band edges", propose)])
+    return computed(runs, means, then=[("band edges", propose)])
 
 
 def figure3_parts(
