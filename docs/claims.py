@@ -35,7 +35,8 @@ INTRODUCTION = f"""# What the paper claims
 The extended abstract makes three claims about [the attenuation band](physics.md#the-attenuation-band). This page
 answers them with the reference, and says what one would conclude with each engine.
 `multibody-xval run figure3` draws the figure with the reference as SVG and PDF, with its numbers as CSV. It prints the
-lower edges of the exact motion with their error bars, and these claims. It takes three minutes on two processors.
+lower edges of the exact motion with their error bars, and these claims. It takes 17 s on two processors, and three
+minutes where these are busy.
 `multibody-xval run figure3 --engine NAME` answers for an engine too.
 
 {{assumed}}

@@ -70,7 +70,8 @@ def figure3(
     """Draw the paper's figure 3 with the reference, and with engines if they are named; answer the paper's claims.
 
     Writes figure3.svg, figure3.pdf, figure3.csv (every point) and figure3.md (what is printed) into --out. It takes
-    three minutes on two processors. Results are stored: a second call takes seconds, and an interrupted one continues.
+    less than a minute on two processors. Results are stored: a second call takes seconds, and an interrupted one
+    continues.
 
     Exit code 0: no judged number deviates; 1: one does, more than a quarter of those of a judged preset is missing, or
     a named preset fails at more than a quarter; 2: wrong input; 3: results or files could not be written;
