@@ -43,7 +43,7 @@ STATED = {
 }
 """What the paper claims, by the name of the claim."""
 
-HOLDS, READING, FAILS, OPEN = "holds", "holds as read here", "does not hold", "not decided"
+HOLDS, READING, FAILS, OPEN = "confirmed", "partly confirmed", "not confirmed", "not decided"
 """What numbers say of a claim."""
 
 Answer = tuple[str, str, str]
