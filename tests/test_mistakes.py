@@ -63,6 +63,13 @@ COMMAND_LINES = [
     ("sweep sweep.toml --out=", r"--out = '' is empty; allowed: "),
     ("sweep sweep.toml --store foreign.sqlite", r"store foreign.sqlite is no store of this suite; allowed: "),
     ("sweep large.toml --yes --out large.nc", r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points"),
+    # translate
+    (
+        "translate mujoco:joint:default pybullet",
+        r"mujoco:joint:default; allowed: contacts .*mujoco:contact:default or ",
+    ),
+    ("translate mujoco:contact:default exudyn-bristle", r"exudyn-bristle: .*allowed: one with scenes of contacts"),
+    ("translate mujoco:contact:default nobody", r"engine = 'nobody' is unknown; allowed: "),
     # report
     ("report --quick --out text.sqlite", r"--out = text.sqlite cannot be made"),
     ("report --sweep sweep.toml --engine mujoco", r"neither --engine nor --quick"),
