@@ -123,6 +123,24 @@ def test_harder_contacts_are_an_option_of_the_recipe() -> None:
     assert LESS[1] in text
 
 
+def test_box_that_is_dropped_on_an_edge_sinks_in_as_deep_with_harder_contacts() -> None:
+    """From half a metre, by 22 mm."""
+    import mujoco
+
+    deepest = []
+    for replaced in ((), (HARDER, LESS)):
+        own, data = model(SLOPE_HOLD.cases["load 0.1"], *replaced)
+        mujoco.mj_resetData(own, data)
+        data.joint("box").qpos[2:] += 0.5, 0.0, math.sin(0.2), 0.0, 0.0
+        depth = 0.0
+        for _ in range(SECOND):
+            mujoco.mj_step(own, data)
+            depth = max(depth, *-data.contact.dist, 0.0)
+        deepest.append(1e3 * depth)
+    assert min(deepest) > 10
+    assert deepest[1] == pytest.approx(deepest[0], rel=0.1)
+
+
 @pytest.mark.needs("mujoco-warp")
 @pytest.mark.parametrize(("options", "expected"), [("", 8.8), (HARDER_SAFELY, 0.0036), (HARDER_ALONE, math.nan)])
 def test_single_precision_needs_less_impratio_with_harder_contacts_in_every_scene(
