@@ -5,8 +5,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from multibody_xval.reports.cli import scenario
 from multibody_xval.reports.cli.console_script import COMMANDS, loaded
 from multibody_xval.reports.cli.run import STUDIES
+
+SHARED = {*scenario.names()} - STUDIES.keys()
+"""Commands that are made when they are used, and have the options of all scenarios."""
 
 
 def lines() -> list[str]:
@@ -16,7 +20,7 @@ def lines() -> list[str]:
 
 
 def _command(path: list[str], command: Any, above: list[str] | None = None) -> Iterator[str]:
-    """Give the lines of a command, then those of the ones below it; scenarios have the options of all scenarios."""
+    """Give the lines of a command, then those of the ones below it, but for `SHARED`."""
     name = " ".join(path)
     yield from ("", f"{'#' * (len(path) + 2)} `{name}`", "", *_help(command.help))
     options = list(_options(command.params))
@@ -24,9 +28,7 @@ def _command(path: list[str], command: Any, above: list[str] | None = None) -> I
         yield "Options: as above."
     elif options:
         yield from ("| option | what it does |", "|---|---|", *options)
-    below = {
-        child: own for child, own in getattr(command, "commands", {}).items() if path != ["run"] or child in STUDIES
-    }
+    below = {child: own for child, own in getattr(command, "commands", {}).items() if child not in SHARED}
     before: list[str] = []
     for child, own in below.items():
         yield from _command([*path, child], own, before)
