@@ -13,9 +13,9 @@ def each(*names: str) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("one", each_variant(map(Variant.parse, names)))
 
 
-@each("box2d", "dart", "genesis", "genesis:contact", "mujoco", "mujoco:contact", "mujoco-warp", "mujoco-warp:contact",
-      "newton", "newton:contact", "newton:contact:default", "ode", "pinocchio", "pybullet", "pymunk", "rapier",
-      "sapien", "siconos:joint:euler")  # fmt: skip
+@each("box2d", "box2d3", "dart", "genesis", "genesis:contact", "mujoco", "mujoco:contact", "mujoco-warp",
+      "mujoco-warp:contact", "newton", "newton:contact", "newton:contact:default", "ode", "pinocchio", "pybullet",
+      "pymunk", "rapier", "sapien", "siconos:joint:euler")  # fmt: skip
 def test_a_motion_that_diverges_is_numbers_and_leaves_neighbours_and_later_runs_alone(one: Variant) -> None:
     """At numbers that are not finite some engines would end every chain of a scene."""
     simulation, state = one.build([unstable_lane(), lane_of()]), State.at_rest(2, 7)
@@ -29,8 +29,8 @@ def test_a_motion_that_diverges_is_numbers_and_leaves_neighbours_and_later_runs_
     simulation.close()
 
 
-@each("drake", "drake:contact", "dart:contact", "ode:contact", "pybullet:contact", "pymunk:contact", "rapier:contact",
-      "sapien:contact")  # fmt: skip
+@each("drake", "drake:contact", "box2d3:contact", "dart:contact", "ode:contact", "pybullet:contact", "pymunk:contact",
+      "rapier:contact", "sapien:contact")  # fmt: skip
 def test_an_engine_that_stops_says_why_and_goes_on_afterwards(one: Variant) -> None:
     """Beyond the end of its plate a body would feel no friction; Drake finds numbers that are not finite."""
     simulation, state = one.build([unstable_lane()]), State.at_rest(1, 7)

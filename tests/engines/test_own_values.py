@@ -58,6 +58,13 @@ OWN_VALUES = [
     ("box2d", "slow and free", {"units": "SI", "AllowSleeping": True}, 0.6),
     # Friction is bounded by the normal impulse of the sweep before: one sweep from nothing finds none.
     ("box2d:contact", "random", {"velocityIterations": 1}, 0.4),
+    # Implicit springs of joints damp, and so do forces that stay over four substeps.
+    ("box2d3", "random", {"springs": "prismatic joints"}, 0.3),
+    ("box2d3", "random", {"sub_step_count": 4}, 0.07),
+    # No body is faster than 400 units.
+    ("box2d3", "far", {"maximum_linear_speed": 400.0}, 1.2),
+    # What is slower than 0.05 m/s for half a second sleeps.
+    ("box2d3", "slow and free", {"units": "SI", "sleeping_enabled": True}, 0.6),
     # The regularised law itself: a stuck joint creeps.
     ("mujoco", "stuck", {"noslip_iterations": 0}, 0.012),
     # Sliding contacts are solved for to a fixed 1e-10.

@@ -19,7 +19,7 @@ SCENES = {
     if isinstance(case := next(iter(SCENARIOS[name].cases.values())), SceneMotion)
 }
 
-IN_THE_PLANE = ("box2d", "pymunk")
+IN_THE_PLANE = ("box2d", "box2d3", "pymunk")
 
 WRITTEN = [
     (f"{name}:{formulation}:{preset}", scenario)
