@@ -13,7 +13,7 @@ def each(*names: str) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("one", each_variant(map(Variant.parse, names)))
 
 
-@each("box2d", "box2d3", "dart", "genesis", "genesis:contact", "mujoco", "mujoco:contact", "mujoco-warp",
+@each("box2d3", "dart", "genesis", "genesis:contact", "mujoco", "mujoco:contact", "mujoco-warp",
       "mujoco-warp:contact", "newton", "newton:contact", "newton:contact:default", "ode", "pinocchio", "pybullet",
       "pymunk", "rapier", "sapien", "siconos:joint:euler")  # fmt: skip
 def test_a_motion_that_diverges_is_numbers_and_leaves_neighbours_and_later_runs_alone(one: Variant) -> None:

@@ -19,7 +19,7 @@ SCENES = {
     if isinstance(case := next(iter(SCENARIOS[name].cases.values())), SceneMotion)
 }
 
-IN_THE_PLANE = ("box2d", "box2d3", "pymunk")
+IN_THE_PLANE = ("box2d3", "pymunk")
 
 WRITTEN = [
     (f"{name}:{formulation}:{preset}", scenario)
@@ -113,7 +113,7 @@ def test_scripts_of_an_engine_are_short_enough_for_a_tracker(name: str) -> None:
 
 def test_a_box_that_is_turned_is_refused_in_two_dimensions() -> None:
     with pytest.raises(ParameterError, match=r"turn = 0\.5 of a box on its plane; allowed in two dimensions: 0"):
-        checked("box2d:contact:default", "slope-hold", "load 0.5, turned")
+        checked("box2d3:contact:default", "slope-hold", "load 0.5, turned")
 
 
 @pytest.mark.parametrize(
