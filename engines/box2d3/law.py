@@ -1,4 +1,4 @@
-"""The law of Box2D 3's contacts: substeps under the forces of the step's start, with friction solved in each of them."""
+"""The law of Box2D 3's contacts: substeps under the forces of the step's start, with friction solved in each."""
 
 from multibody_xval.engines.interface.laws import Law
 from multibody_xval.engines.interface.presets import Preset
