@@ -5,7 +5,6 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
 from typing import overload
 
@@ -24,7 +23,6 @@ from reference_lcp.lcp.systems import MassSpringSystem
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, contact_modes, transitions_between
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
-from reference_lcp.steady.attraction import attracts_all
 from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.system_state import SystemSteadyState, system_steady_state
@@ -35,7 +33,7 @@ SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
 )
 """Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
 
-LONGEST_CHAINS = {"the solver 'lemke'": 100, "the solver 'exact'": 500, "an exact value": 500, "an error bar": 1000}
+LONGEST_CHAINS = {"the solver 'lemke'": 100, "the solver 'exact'": 500, "an error bar": 1000}
 """Most cells, where that is less than of any chain: a period of Lemke's method takes 12 s there, a search for the exact
 motion minutes, both grow at least with the square of the cells; error bars have matrices of four rows a cell."""
 
@@ -61,8 +59,6 @@ class SteadyState:
     """Distance [m] that a contact slips in the phase that each transition begins; by the exact solver only."""
     error_bar: ErrorBar | None = None
     """Error of the step, of the residual and of round-off; ``None`` if it was not requested, or there is none."""
-    exact_db: float | None = None
-    """Transmittance by the event-driven solver [dB]; ``None`` if it was not requested."""
 
     @classmethod
     def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":
@@ -96,7 +92,7 @@ class SteadyState:
 @overload
 def steady_state(
     chain: Chain, drive: PeriodicDrive, *, steps_per_period: int = ..., solver: str | None = ...,
-    tolerance: float | None = ..., max_periods: int = ..., with_error_bar: bool = ..., with_exact_value: bool = ...,
+    tolerance: float | None = ..., max_periods: int = ..., with_error_bar: bool = ...,
 ) -> SteadyState: ...  # fmt: skip
 
 
@@ -116,7 +112,6 @@ def steady_state(
     tolerance: float | None = None,
     max_periods: int = DEFAULT_PERIODS,
     with_error_bar: bool = True,
-    with_exact_value: bool = False,
 ) -> SteadyState | SystemSteadyState:
     """Find the steady state of a chain under a drive, or of a system, whose forces and motions repeat.
 
@@ -137,8 +132,6 @@ def steady_state(
         Periods after which the search gives up.
     with_error_bar
         Measure the error too, by two finer steps (some four times the work); the exact solver has none.
-    with_exact_value
-        Find the exact transmittance too.
 
     Raises
     ------
@@ -146,8 +139,8 @@ def steady_state(
         If an argument is outside its range; of a system, if a body floats, nothing repeats, or motions grow for ever.
     """
     if isinstance(chain, MassSpringSystem):
-        if with_exact_value or not isinstance(drive, int | float | None):
-            raise ParameterError(f"drive = {shown(drive)} of a system; allowed: a period [s] or None, no exact value")
+        if not isinstance(drive, int | float | None):
+            raise ParameterError(f"drive = {shown(drive)} of a system; allowed: a period [s] or None")
         return system_steady_state(
             chain, drive, steps_per_period=steps_per_period, solver=solver or "exact", tolerance=tolerance,
             max_periods=max_periods, with_error_bar=with_error_bar,
@@ -156,21 +149,21 @@ def steady_state(
         raise ParameterError(f"drive = {shown(drive)} does not repeat; allowed: HarmonicBase, HarmonicForce")
     solver = solver or "compiled"
     build = _solver(solver, chain)
-    extras = {"an error bar": with_error_bar and solver != "exact", "an exact value": with_exact_value}
-    for name in [name for name, asked in extras.items() if asked]:
-        _check_length(name, chain)
+    if with_error_bar and solver != "exact":
+        _check_length("an error bar", chain)
     steps = steps_per_period_for(chain, drive, steps_per_period)
-    exact = partial(exact_steady_state, chain, drive, steps_per_period=steps_per_period, max_periods=max_periods)
     if solver == "exact":
-        state = exact(tolerance=EXACT_RESIDUAL if tolerance is None else tolerance)
-        return dataclasses.replace(state, exact_db=state.transmittance_db if with_exact_value else None)
+        residual = EXACT_RESIDUAL if tolerance is None else tolerance
+        return exact_steady_state(
+            chain, drive, steps_per_period=steps_per_period, tolerance=residual, max_periods=max_periods
+        )
     residual = DEFAULT_RESIDUAL if tolerance is None else tolerance
     simulation = build([Lane.periodic(chain, drive, steps)])
     state = SteadyState.of(periodic_orbits(simulation, steps, tolerance=residual, max_periods=max_periods)[0])
     if with_error_bar:
         bar = measured_error_bar(state.orbit, tolerance=residual, max_periods=max_periods)
         state = dataclasses.replace(state, error_bar=bar)
-    return dataclasses.replace(state, exact_db=exact().transmittance_db) if with_exact_value else state
+    return state
 
 
 def _solver(name: str, chain: Chain) -> Callable[[list[Lane]], Simulation]:
@@ -220,7 +213,7 @@ def exact_steady_state(
     checked_count("max_periods", max_periods)
     _solver("exact", chain)
     lane = Lane.periodic(chain, drive, steps_per_period)
-    if isinstance(drive, PeriodicDrive) and attracts_all(lane) and not chain.friction_bound.any():
+    if isinstance(drive, PeriodicDrive) and chain.damped and not chain.friction_bound.any():
         return _frictionless(lane, drive)
     orbit, period = exact_orbit(
         chain, drive, steps_per_period=steps_per_period, tolerance=tolerance, max_periods=max_periods

@@ -42,18 +42,6 @@ def here():
         yield
 
 
-@pytest.fixture
-def two_points(monkeypatch: pytest.MonkeyPatch):
-    """The grid of `report --quick` has two points."""
-    from multibody_xval.scenarios import report_plan
-
-    monkeypatch.setattr(report_plan, "QUICK_FRICTION_RATIOS", (0.3,))
-    monkeypatch.setattr(report_plan, "QUICK_FREQUENCY_RATIOS", (0.6, 0.9))
-    report_plan.grid.cache_clear()
-    yield
-    report_plan.grid.cache_clear()
-
-
 @pytest.fixture(scope="session")
 def install(tmp_path_factory: pytest.TempPathFactory):
     """Install a package of `tests`, once in a session."""

@@ -5,18 +5,12 @@ from collections.abc import Iterable
 
 import pytest
 
-from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.engines.shared.pip_engine import PipEngine
 
 EVERYTHING = "MULTIBODY_XVAL_EVERYTHING"
 """Environment variable: with it, an absent engine fails its tests, unless it comes with an extra of its own."""
-
-ENGINE_PACKAGES = sorted(
-    {"siconos", "ode", "warp"}
-    | {own.module.partition(".")[0] for name in engine_names() if isinstance(own := engine(name), PipEngine)}
-)
-"""Packages of all engines: those that pip installs, those of a distribution, and what some of them are made of."""
 
 
 def skip_absent(item: pytest.Item) -> None:

@@ -44,30 +44,21 @@ def python(folder: Path, *arguments: str, **variables: str) -> subprocess.Comple
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, env=environment)
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built by the backend itself."""
-    into = tmp_path_factory.mktemp("built")
-    done = python(
-        ROOT, "-c", "import sys; from hatchling.build import build_wheel; build_wheel(sys.argv[1])", str(into)
-    )
-    assert done.returncode == 0, done.stderr
-    (file,) = into.iterdir()
-    return file
+BUILD = "import sys; from hatchling.build import build_wheel; build_wheel(sys.argv[1])"
 
 
 @pytest.mark.slow
-def test_a_project_with_folders_of_these_names_is_tested_beside_the_wheel_of_two_packages(
-    wheel, tmp_path: Path
-) -> None:
-    """It has every module once."""
+def test_a_project_with_folders_of_these_names_is_tested_beside_the_wheel_of_two_packages(tmp_path: Path) -> None:
+    """It is built by the backend itself, and has every module once."""
+    assert python(ROOT, "-c", BUILD, str(tmp_path / "built")).returncode == 0
+    (wheel,) = (tmp_path / "built").iterdir()
     with zipfile.ZipFile(wheel) as archive:
-        files = [name for name in archive.namelist() if ".dist-info/" not in name]
+        files = {name for name in archive.namelist() if ".dist-info/" not in name}
     assert {name.split("/")[0] for name in files} == PACKAGES
-    of_rooms = [f"multibody_xval/{file.relative_to(ROOT)}" for room in ROOMS for file in (ROOT / room).rglob("*.py")]
-    others = [str(file.relative_to(ROOT)) for file in (ROOT / "reference_lcp").rglob("*.py")]
-    doors = [f"multibody_xval/{file.name}" for file in (ROOT / "multibody_xval").glob("*.py")]
-    assert sorted(name for name in files if name.endswith(".py")) == sorted([*of_rooms, *others, *doors])
+    of_rooms = {f"multibody_xval/{file.relative_to(ROOT)}" for room in ROOMS for file in (ROOT / room).rglob("*.py")}
+    others = {str(file.relative_to(ROOT)) for file in (ROOT / "reference_lcp").rglob("*.py")}
+    doors = {f"multibody_xval/{file.name}" for file in (ROOT / "multibody_xval").glob("*.py")}
+    assert {name for name in files if name.endswith(".py")} == of_rooms | others | doors
     venv.create(tmp_path / "environment", with_pip=False)
     (packages,) = (tmp_path / "environment/lib").glob("python*/site-packages")
     own = str(ROOT)  # of an editable installation: the suite is that of the wheel, and no checkout is found
@@ -81,8 +72,10 @@ def test_a_project_with_folders_of_these_names_is_tested_beside_the_wheel_of_two
     variables = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
 
     def own_python(*arguments: str) -> str:
-        command = [str(tmp_path / "environment/bin/python"), "-m", *arguments]
-        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=project, env=variables)
+        done = subprocess.run(
+            [tmp_path / "environment/bin/python", "-m", *arguments],
+            capture_output=True, text=True, check=False, cwd=project, env=variables,
+        )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 

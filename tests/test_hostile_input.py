@@ -44,9 +44,7 @@ amplitude = 100.0
 )
 
 LINES = (
-    "reference --friction-ratio 0.3 --frequency-ratio 0.9 --cells 7 --max-periods 100 --solver compiled",
-    "reference --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --plot period.png",
-    "engines --json",
+    "reference --friction-ratio 0.3 --frequency-ratio 0.9 --cells 7 --max-periods 100 --tolerance 1e-9",
     "sweep sweep.toml --store a.sqlite --out a.nc --workers 2 --time-limit 60",
     "sweep sweep.toml --no-run --out a.csv --store sweep.sqlite --scheduler tcp://127.0.0.1:1",
     "run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",

@@ -3,13 +3,13 @@
 import json
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
-import pytest
-
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.reports.cli import console_script
 from multibody_xval.reports.cli.run import STUDIES
-from tests.installed import ENGINE_PACKAGES
 
 
 def below(path, command):
@@ -20,19 +20,26 @@ def below(path, command):
             yield from below(f"{path} {name}", command.get_command(None, name))
 
 
-COMMANDS = dict(own for name in console_script.COMMANDS for own in below(name, console_script.loaded(name)))
+@cache
+def commands():
+    """Give every command by its path."""
+    return dict(own for name in console_script.COMMANDS for own in below(name, console_script.loaded(name)))
 
 
-@pytest.mark.parametrize("path", COMMANDS)
-def test_help_says_what_the_command_does_with_an_example(path) -> None:
-    command = COMMANDS[path]
-    assert command.help
-    if not hasattr(command, "commands") or command.invoke_without_command:
-        assert f"Example: multibody-xval {path}" in " ".join(command.help.split())
+def test_help_of_every_command_says_what_it_does_with_an_example() -> None:
+    for path, command in commands().items():
+        assert command.help, path
+        if not hasattr(command, "commands") or command.invoke_without_command:
+            assert f"Example: multibody-xval {path}" in " ".join(command.help.split())
 
 
-COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "jinja2", "PIL", *ENGINE_PACKAGES)
-"""Packages that compute, tabulate or draw; each takes a tenth of a second to a second to import."""
+@cache
+def heavy() -> tuple[str, ...]:
+    """Give packages that compute, tabulate or draw, each of which takes a tenth of a second or more to import."""
+    every = [own for name in engine_names() if isinstance(own := engine(name), PipEngine)]
+    of_engines = {"siconos", "ode", "warp", *(own.module.partition(".")[0] for own in every)}
+    return ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "jinja2", "PIL", *sorted(of_engines))
+
 
 OF_CATALOGUE = {"numpy", "numba", "scipy", "pandas"}
 """What the catalogue of scenarios imports: together less than a second."""
@@ -68,24 +75,24 @@ def of_scenario(command: str) -> bool:
 
 def test_help_packages_and_the_list_of_engines_import_nothing_that_computes() -> None:
     """The commands of scenarios are the catalogue's, whose cases are numbers: they know what arrays are."""
-    scenarios = [path for path in COMMANDS if of_scenario(path)]
-    paths = [path for path in COMMANDS if path not in scenarios] + scenarios[:1]
-    commands = sorted([*(f"{path} --help" for path in paths), "engines", "engines --json"], key=of_scenario)
-    words = [sys.executable, "-c", LOOK, json.dumps([MODULES, commands, COMPUTING])]
+    scenarios = [path for path in commands() if of_scenario(path)]
+    paths = [path for path in commands() if path not in scenarios] + scenarios[:1]
+    lines = sorted([*(f"{path} --help" for path in paths), "engines", "engines --json"], key=of_scenario)
+    words = [sys.executable, "-c", LOOK, json.dumps([MODULES, lines, heavy()])]
     told = json.loads(subprocess.run(words, cwd=Path(__file__).parents[1], capture_output=True, check=True).stdout)
-    assert list(told) == [*MODULES, *commands]
-    for name, (code, printed, heavy) in told.items():
+    assert list(told) == [*MODULES, *lines]
+    for name, (code, printed, imported) in told.items():
         assert (name, code, printed) == (name, 0, True)
-        assert set(heavy) <= (OF_CATALOGUE if of_scenario(name) else set()), name
+        assert set(imported) <= (OF_CATALOGUE if of_scenario(name) else set()), name
 
 
-OWN_TEST = f"""
+OWN_TEST = """
 import sys, time
 
 def test_own():
     plugins = "multibody_xval.engines.contract.plugin", "multibody_xval.scenarios.agreement.plugin"
     assert set(plugins) <= set(sys.modules)
-    assert [name for name in {("numpy", *COMPUTING)!r} if name in sys.modules] == []
+    assert [name for name in {heavy!r} if name in sys.modules] == []
     assert "multibody_xval.engines.interface" not in sys.modules
     seconds = []
     for _ in range(3):
@@ -101,7 +108,7 @@ def test_own():
 
 def test_pytest_of_others_imports_no_engine_where_the_suite_is_installed_and_loses_less_than_20_ms(tmp_path) -> None:
     """Of a processor, the least of three: other programs run beside it."""
-    (tmp_path / "test_own.py").write_text(OWN_TEST)
+    (tmp_path / "test_own.py").write_text(OWN_TEST.format(heavy=("numpy", *heavy())))
     words = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:hypothesispytest"]
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout

@@ -16,6 +16,7 @@ from multibody_xval.reports.cli import console_script
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.formatting import MISSING, significant
 from multibody_xval.reports.page import tables
+from multibody_xval.scenarios import report_plan
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.plan import runs_at
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, PRESETS
@@ -28,21 +29,29 @@ EXAMPLES = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 LINES = [line for block in re.findall(r"```console\n(.*?)```", README, flags=re.DOTALL) for line in block.splitlines()]
 SUITE = [line for line in LINES if line.startswith("multibody-xval ")]
 
-SHOWN = PRESETS
-"""Presets of a cell of the table, in their order."""
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_runs_by_itself(example, tmp_path: Path) -> None:
     """In a process of its own, as a file in an empty folder."""
     (tmp_path / "example.py").write_text(example, encoding="utf-8")
-    environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "example.py"]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "example.py"], env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "agree" in done.stdout
     assert (tmp_path / "my_report" / "index.html").stat().st_size > 10_000
+
+
+@pytest.fixture
+def two_points(monkeypatch: pytest.MonkeyPatch):
+    """The grid of `report --quick` has two points."""
+    monkeypatch.setattr(report_plan, "QUICK_FRICTION_RATIOS", (0.3,))
+    monkeypatch.setattr(report_plan, "QUICK_FREQUENCY_RATIOS", (0.6, 0.9))
+    report_plan.grid.cache_clear()
+    yield
+    report_plan.grid.cache_clear()
 
 
 @pytest.mark.slow
@@ -63,16 +72,6 @@ def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest
             Path(file).write_text(capsys.readouterr().out)
 
 
-def measured() -> dict[tuple[str, str, str], str]:
-    """Give the text of the largest error by engine, formulation and preset, from the measured table."""
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in ACCURACY.splitlines()]
-    return {
-        (row[0], row[1], row[2]): cell(float(row[5]), *map(int, row[-1].split("/")))
-        for row in rows
-        if len(row) > 6 and row[1] in {"joint", "contact"} and row[0] != "reference"
-    }
-
-
 UNSTEADY = "not periodic"
 
 NO_CURE = f" ({tables.NO_CURE})"
@@ -84,6 +83,13 @@ def cell(size: float, known: int, every: int) -> str:
     if 0 < 3 * known < every:
         return UNSTEADY
     return significant(size) + "*" * (known < every) if known else MISSING
+
+
+def measured() -> dict[tuple[str, str, str], str]:
+    """Give the text of the largest error by engine, formulation and preset, from the measured table."""
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in ACCURACY.splitlines()]
+    own = [row for row in rows if len(row) > 6 and row[1] in {"joint", "contact"} and row[0] != "reference"]
+    return {(row[0], row[1], row[2]): cell(float(row[5]), *map(int, row[-1].split("/"))) for row in own}
 
 
 def is_no_cure(name: tuple[str, str, str], text: str) -> bool:
@@ -98,7 +104,7 @@ def measured_errors() -> dict[tuple[str, str], str]:
     """Give the text of each cell of the README's table by engine and formulation."""
     cells = {name: text.replace("*", r"\*") + NO_CURE * is_no_cure(name, text) for name, text in measured().items()}
     pairs = {name[:2] for name in cells}
-    return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in SHOWN) for pair in pairs}
+    return {pair: " → ".join(cells.get((*pair, preset), "–") for preset in PRESETS) for pair in pairs}
 
 
 def test_errors_in_the_table_of_results_are_those_of_the_measured_table() -> None:
@@ -122,7 +128,7 @@ def test_numbers_of_the_first_sentence_are_those_of_the_measured_table() -> None
 
 def test_the_largest_error_of_the_map_is_at_one_of_the_headlines_points() -> None:
     """So that five points of a report give the number of the whole map."""
-    quoted = {name for name, text in measured().items() if name[2] in SHOWN and text != UNSTEADY}
+    quoted = {name for name, text in measured().items() if name[2] in PRESETS and text != UNSTEADY}
     worst = re.findall(r"^- ([\w:@=-]+): worst at \(([\d.]+), ([\d.]+)\)", ACCURACY, re.MULTILINE)
     variants = {Variant.parse(name): (float(friction), float(eta)) for name, friction, eta in worst}
     places = [at for own, at in variants.items() if (own.engine, own.formulation, own.preset_name) in quoted]

@@ -13,7 +13,6 @@ derive such functions. It needs no matrix, and so is a limit independent of `ref
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reference_lcp.chain.drives import HarmonicBase, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
@@ -44,21 +43,6 @@ def closed_form_response(chain: Chain, drive: PeriodicDrive, *, stuck: bool = Fa
     ratio = complex(np.prod(eigenvalues * stiffness / (eigenvalues * stiffness + inertia)))
     # a force P0 on cell 1 is a base that moves by P0 / κ_c
     return ratio * drive.amplitude / (1.0 if isinstance(drive, HarmonicBase) else complex(np.polyval(spring, s)))
-
-
-def poles_and_zeros(chain: Chain) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Poles, shape (n, 4), and zeros, shape (n, 2) or (n, 3), of U_n / U0 in the plane of s [1/s].
-
-    U_n / U0 = Π (1 − s/z) / Π (1 − s/p) over all zeros z and poles p, as it is one at s = 0. Raises as
-    `closed_form_response`.
-    """
-    outer, inner, spring, resonator = _polynomials(chain)
-    numerator = np.polymul(spring, resonator)
-    poles = [
-        np.roots(np.polyadd(np.polyadd(outer, inner), eigenvalue * numerator))
-        for eigenvalue in row_eigenvalues(chain.cells)
-    ]
-    return np.array(poles, dtype=np.complex128), np.tile(np.roots(numerator).astype(np.complex128), (chain.cells, 1))
 
 
 def row_eigenvalues(cells: int) -> FloatArray:

@@ -99,6 +99,8 @@ class Trajectory:
     """μ of every contact, shape (n,), by which stick and slip are read; ``None`` of an engine, whose lane has it."""
     changes: Sequence[Any] | None = None
     """Transitions at their exact times, of a motion that was followed from event to event."""
+    slip: FloatArray | None = None
+    """ġ_T of every contact [m/s], shape (steps, c), of bodies that are no chain; else it is v̇_i − u̇_i."""
 
     @property
     def cells(self) -> int:
@@ -128,5 +130,7 @@ class Trajectory:
 
     @property
     def relative_velocity(self) -> FloatArray:
-        """ġ_T = v̇_i − u̇_i [m/s], shape (steps, n)."""
+        """ġ_T [m/s], shape (steps, n)."""
+        if self.slip is not None:
+            return self.slip
         return self.velocities[:, self.cells :] - self.velocities[:, : self.cells]

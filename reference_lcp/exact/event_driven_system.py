@@ -33,7 +33,7 @@ from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, EventDrivenModel, 
 from reference_lcp.exact.event_driven_kernel import FORCE_TOLERANCE
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, Stretch, harmonic_load, values
 from reference_lcp.exact.polynomial_roots import first_roots
-from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring, SystemTrajectory
+from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring
 from reference_lcp.lcp.time_step import REST_TOLERANCE, FrictionalStep, solve_step
 from reference_lcp.observables.stick_slip import mode_changes
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
@@ -56,16 +56,10 @@ class AmbiguousModes(RuntimeError):
 class SystemStretch(Stretch):
     """A stretch of the motion of a system."""
 
-    motion: FloatArray
-    """u and u̇, shape (SERIES_ORDER + 1, 2f)."""
     normal_force: FloatArray
-    """N [N], shape (SERIES_ORDER + 1, c)."""
-    friction: FloatArray
-    """λ_T [N], likewise."""
+    """N [N] of every contact, a series as `friction`."""
     slip: FloatArray
     """ġ_T [m/s], likewise."""
-    modes: Modes
-    """−1 and 1 for slip, 0 for rest, shape (c,); of a contact without normal force, the direction of its slip."""
     rates: FloatArray
     """A times the span, shape (d, d)."""
     held: FloatArray
@@ -76,18 +70,9 @@ class SystemStretch(Stretch):
         return self.powers(np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) @ series
 
     @property
-    def coefficients(self) -> FloatArray:
-        """U and u̇, as `motion`."""
-        return self.motion
-
-    @property
     def slipped(self) -> FloatArray:
         """Distance that every contact slides [m], shape (c,)."""
         return self.sliding_distance(self.start, self.end)
-
-    def states(self, elapsed: FloatArray) -> FloatArray:
-        """(u, u̇) at times after the start [s], shape (times,)."""
-        return self.powers(elapsed) @ self.motion
 
     def sliding_distance(self, start: float, end: float) -> FloatArray:
         """∫ |ġ_T| dt of every contact over the part of the stretch between two times [m], shape (c,)."""
@@ -120,7 +105,7 @@ class EventDrivenSystem:
         self.surface_rows = given @ self.rates(np.zeros((f, self.slip_rows.shape[1])))[2 * f :, 2 * f :]
         """Rows that give the acceleration of the ground under every contact from what is given, shape (c, d − 2f)."""
 
-    def motion(self, *, position: ArrayLike, velocity: ArrayLike, times: ArrayLike) -> SystemTrajectory:
+    def motion(self, *, position: ArrayLike, velocity: ArrayLike, times: ArrayLike) -> Trajectory:
         """Give the motion at `times`.
 
         Parameters
@@ -141,17 +126,17 @@ class EventDrivenSystem:
         stretches = list(self.stretches(position=position, velocity=velocity, end=float(rows[-1])))
         return self.sampled(stretches, rows)
 
-    def sampled(self, stretches: Sequence[SystemStretch], times: FloatArray) -> SystemTrajectory:
+    def sampled(self, stretches: Sequence[SystemStretch], times: FloatArray) -> Trajectory:
         """Read stretches at times [s], with the exact times of all changes of mode."""
         starts, system, f = np.array([own.start for own in stretches]), self.system, self.system.freedoms
         which = np.searchsorted([own.end for own in stretches[:-1]], times)
         s = (times - starts[which]) / stretches[0].span
         motion, friction, normal, slip = (
             values(np.array([getattr(own, name) for own in stretches]), which, s)
-            for name in ("motion", "friction", "normal_force", "slip")
+            for name in ("coefficients", "friction", "normal_force", "slip")
         )
         modes = np.array([own.modes for own in stretches])
-        return SystemTrajectory(
+        return Trajectory(
             time=times, positions=motion[:, :f], velocities=motion[:, f:], friction=friction, normal_force=normal,
             slip=slip, friction_coefficient=system.friction_coefficient,
             changes=mode_changes(modes, starts, system.friction_bound > 0, cyclic=False),
@@ -170,7 +155,7 @@ class EventDrivenSystem:
             tell()
             stretch = _Start(self, x, time, span).stretch(until)
             yield stretch
-            x = stretch.values(stretch.motion, stretch.end)[0]
+            x = stretch.values(stretch.coefficients, stretch.end)[0]
             time = until if until - stretch.end <= 2 * np.spacing(until) else stretch.end
             events += 1
             if time - counted_from > span:
@@ -249,7 +234,7 @@ class _Start:
         slip[:, self._modes == 0] = 0.0
         normal = self._series @ self._normal.T
         result = SystemStretch(
-            self._time, part * self._span, self._span, motion, normal, self._friction, slip, self._modes,
+            self._time, part * self._span, self._span, motion, self._friction, self._modes, normal, slip,
             self._rates, self._held,
         )  # fmt: skip
         ends = result.values(normal, [result.start, result.end])
@@ -419,8 +404,8 @@ class EventDrivenBodies(EventDrivenModel):
 
     def _jump(self, before: SystemStretch, after: SystemStretch) -> FloatArray:
         """Saltation matrix where contacts stop, turn round or leave their rest by themselves, shape (2f, 2f)."""
-        width, total = before.motion.shape[1], np.eye(before.motion.shape[1])
-        z = self.solver.extended(before.values(before.motion, before.end)[0], before.end)
+        width, total = before.coefficients.shape[1], np.eye(before.coefficients.shape[1])
+        z = self.solver.extended(before.values(before.coefficients, before.end)[0], before.end)
         rate, jump = before.rates @ z, (after.rates @ z - before.rates @ z)[:width]
         bound = self.solver.system.static_friction_coefficient[:, None] * self.solver.normal_forces(before.start)
         distance = bound - np.sign(before.held @ z)[:, None] * before.held

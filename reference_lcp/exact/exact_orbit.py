@@ -28,7 +28,7 @@ from reference_lcp.exact.mode_dynamics import values
 from reference_lcp.observables.stick_slip import Transition, mode_changes
 from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
-from reference_lcp.steady.attraction import attracts_all, largest_moving, without_dashpots
+from reference_lcp.steady.attraction import largest_multiplier, without_dashpots
 from reference_lcp.steady.orbits import orbit_status, periodic_orbits
 from reference_lcp.validation import FloatArray
 from reference_lcp.watching import tell
@@ -77,7 +77,7 @@ class ExactPeriod:
 
     lane: Lane
     segments: list[Any]
-    """`Segment`, or `SystemStretch` of bodies."""
+    """Each a `Segment`, or a `SystemStretch` of bodies."""
 
     @classmethod
     def following(cls, orbit: PeriodicOrbit, period: float) -> "ExactPeriod":
@@ -270,7 +270,7 @@ def exact_orbit(
 def _judged(orbit: PeriodicOrbit, period: float) -> tuple[PeriodicOrbit, ExactPeriod]:
     """Give an orbit with the period [s] that follows; without dashpots, its multipliers say whether it is reached."""
     exact = ExactPeriod.following(orbit, period)
-    if not (orbit.converged and orbit.lane.one_coefficient) or attracts_all(orbit.lane):
+    if not (orbit.converged and orbit.lane.one_coefficient) or orbit.lane.chain.damped:
         return orbit, exact
     jacobian = monodromy_matrix(event_driven_model(orbit.lane), exact.segments, 2 * np.pi / period)
-    return without_dashpots(orbit, largest_moving(jacobian)), exact
+    return without_dashpots(orbit, largest_multiplier(jacobian)), exact

@@ -229,7 +229,10 @@ def values(series: Any, rows: Any, s: Any) -> Any:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A stretch of motion in which no contact changes its mode; series are in powers of s = (t − start) / span."""
+    """A stretch of motion in which no contact changes its mode; series are in powers of s = (t − start) / span.
+
+    They have the shape (SERIES_ORDER + 1, width).
+    """
 
     start: float
     """[s]"""
@@ -237,44 +240,40 @@ class Stretch:
     """[s]"""
     span: float
     """[s]"""
+    coefficients: FloatArray = dataclasses.field(repr=False)
+    """Displacements and velocities; of a chain the drive's sine and cosine behind them."""
+    friction: FloatArray = dataclasses.field(repr=False)
+    """λ_T [N] of every contact."""
+    modes: NDArray[np.int8]
+    """−1 backward slip, 0 stick, +1 forward slip, shape (c,); without friction, the direction of the slip."""
 
     @property
     def end(self) -> float:
         """End [s]."""
         return self.start + self.duration
 
+    def states(self, elapsed: FloatArray) -> FloatArray:
+        """Displacements and velocities at times after the start [s], shape (times,), as rows."""
+        return self.powers(elapsed) @ self.coefficients
+
     def powers(self, elapsed: FloatArray) -> FloatArray:
         """Powers of s at times after the start [s], shape (times, SERIES_ORDER + 1)."""
         return np.vander(np.asarray(elapsed) / self.span, SERIES_ORDER + 1, increasing=True)
 
 
-@dataclass(frozen=True)
 class Segment(Stretch):
     """A stretch of the motion of a chain, at most one span long."""
-
-    coefficients: FloatArray = dataclasses.field(repr=False)
-    """z in powers of s, shape (SERIES_ORDER + 1, 4n + 2)."""
-    friction: FloatArray = dataclasses.field(repr=False)
-    """λ_T in powers of s [N], shape (SERIES_ORDER + 1, n)."""
-    modes: NDArray[np.int8]
-    """−1 backward slip, 0 stick, +1 forward slip; shape (n,)."""
-
-    @property
-    def cells(self) -> int:
-        """Number of cells n."""
-        return self.friction.shape[1]
 
     @property
     def slipped(self) -> FloatArray:
         """Change of the relative displacement of every contact [m], shape (n,)."""
-        n, s = self.cells, np.array([self.duration / self.span])
+        n, s = self.modes.size, np.array([self.duration / self.span])
         change = values(self.coefficients[None], np.zeros(1, dtype=np.intp), s)[0] - self.coefficients[0]
         return change[n : 2 * n] - change[:n]
 
     def states(self, elapsed: FloatArray) -> FloatArray:
         """(u, v, u̇, v̇) at times after the start [s], shape (times,); the result has (times, 4n)."""
-        n = self.cells
+        n, stuck = self.modes.size, np.flatnonzero(self.modes == 0)
         states: FloatArray = self.powers(elapsed) @ self.coefficients[:, : 4 * n]
-        stuck = np.flatnonzero(self.modes == 0)
         states[:, 3 * n + stuck] = states[:, 2 * n + stuck]
         return states

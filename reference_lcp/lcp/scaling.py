@@ -8,10 +8,6 @@ import numpy as np
 SCALING_SWEEPS = 50
 """Most sweeps of row and column scaling; problems in sensible units take two or three."""
 
-SMALLEST_SCALED = 2.0**-26
-"""Part of the largest entry of its row and of its column below which a scaled entry, which ought to be zero, does not
-count for the scaling: the root of round-off."""
-
 
 _called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 """Compiled for compiled callers alone."""
@@ -28,10 +24,7 @@ def power_of_two_scaling(M: Any) -> Any:
             if counts[i, j]:
                 exponents[i, j] = np.log2(abs(M[i, j]))
     rows, columns = np.empty(n), np.empty(n)
-    while True:
-        _geometric_means(counts, exponents, rows, columns)
-        if not _leave_out_small(counts, exponents, rows, columns):
-            break
+    _geometric_means(counts, exponents, rows, columns)
     for i in range(n):
         rows[i], columns[i] = np.exp2(np.rint(rows[i])), np.exp2(np.rint(columns[i]))
     return rows, columns
@@ -63,23 +56,3 @@ def _geometric_means(counts: Any, exponents: Any, rows: Any, columns: Any) -> No
             columns[j] = following
         if change < 1 / 4:
             break
-
-
-@_called
-def _leave_out_small(counts: Any, exponents: Any, rows: Any, columns: Any) -> bool:
-    """Let entries below `SMALLEST_SCALED` of their row and column count no more; whether there are any."""
-    n = counts.shape[0]
-    in_row, in_column = np.empty(n), np.empty(n)
-    for i in range(n):
-        in_row[i] = in_column[i] = -np.inf
-    for i in range(n):
-        for j in range(n):
-            if counts[i, j]:
-                scaled = exponents[i, j] + rows[i] + columns[j]
-                in_row[i], in_column[j] = max(in_row[i], scaled), max(in_column[j], scaled)
-    changed, small = False, np.log2(SMALLEST_SCALED)
-    for i in range(n):
-        for j in range(n):
-            if counts[i, j] and exponents[i, j] + rows[i] + columns[j] < small + min(in_row[i], in_column[j]):
-                counts[i, j], changed = False, True
-    return changed

@@ -167,19 +167,6 @@ class FrictionalSystem(Protocol):
         ...
 
 
-@dataclass(frozen=True, kw_only=True)
-class SystemTrajectory(Trajectory):
-    """The motion of a frictional system with f freedoms and c contacts; gaps are NaN where normal forces are given."""
-
-    slip: FloatArray
-    """ġ_T [m/s] as equation (6) gives it, shape (steps, c)."""
-
-    @property
-    def relative_velocity(self) -> FloatArray:
-        """ġ_T [m/s], shape (steps, c)."""
-        return self.slip
-
-
 def simulate_system(
     system: FrictionalSystem,
     *,
@@ -188,8 +175,8 @@ def simulate_system(
     time_step: float,
     steps: int,
     start: int = 0,
-) -> SystemTrajectory:
-    """Advance `system` by equations (5) and (7), Lemke's method in every step.
+) -> Trajectory:
+    """Advance `system` by equations (5) and (7), Lemke's method in every step; where N is given, gaps are NaN.
 
     Parameters
     ----------
@@ -217,10 +204,10 @@ def simulate_system(
     first = checked_count("start", start, 0)
     ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
     motion, contact = (ends.size, system.freedoms), (ends.size, system.contacts)
-    gaps, coefficient = np.empty(contact), np.zeros(system.contacts)
-    record = SystemTrajectory(
+    gaps, slip, coefficient = np.empty(contact), np.empty(contact), np.zeros(system.contacts)
+    record = Trajectory(
         time=dt * ends, positions=np.empty(motion), velocities=np.empty(motion), friction=np.empty(contact),
-        normal_force=np.empty(contact), normal_gap=gaps, slip=np.empty(contact), friction_coefficient=coefficient,
+        normal_force=np.empty(contact), normal_gap=gaps, slip=slip, friction_coefficient=coefficient,
     )  # fmt: skip
 
     def step_from(index: int, u: FloatArray, q: FloatArray) -> FrictionalStep:
@@ -233,7 +220,7 @@ def simulate_system(
         record.positions[row], record.velocities[row] = position_at_end, velocity_at_end
         record.normal_force[row], record.friction[row] = impulses.normal / dt, impulses.tangential / dt
         gaps[row] = np.nan if impulses.normal_gap is None else impulses.normal_gap
-        record.slip[row] = impulses.relative_velocity
+        slip[row] = impulses.relative_velocity
     return record
 
 

@@ -79,7 +79,7 @@ def contact_modes(motion: "PeriodicOrbit | Trajectory", stick_margin: float = ST
     direction = np.where(bound > 0, -trajectory.friction.T, slip)
     rows = (direction > 0).astype(np.int8) - (direction < 0)
     rows[np.abs(trajectory.friction.T) < (1 - stick_margin) * bound] = 0
-    if hasattr(trajectory, "slip"):
+    if trajectory.slip is not None:
         rows[(slip == 0) & (bound > 0)] = 0
     if orbit is not None and orbit.lane.preload is not None:
         for row, opened in zip(rows, _open(orbit).T, strict=True):
@@ -220,21 +220,17 @@ class TransitionMatch(NamedTuple):
     """How the transitions of one simulation fit to those of another."""
 
     errors: dict[TimedTransition, float]
-    """Time of the observed transition less that of the expected one, over the period, in [−window, window], by the
-    expected one; those that were not observed are left out."""
+    """Time of the observed transition less that of the expected one, over the period, by the expected
+    one; those that were not observed within `MATCHING_WINDOW` are left out."""
     spurious: list[TimedTransition]
     """Observed transitions that were not expected."""
 
 
 def match_transitions(
-    observed: Sequence[TimedTransition],
-    expected: Sequence[TimedTransition],
-    period: float,
-    window: float = MATCHING_WINDOW,
+    observed: Sequence[TimedTransition], expected: Sequence[TimedTransition], period: float
 ) -> TransitionMatch:
     """Pair transitions of the same cell to the same mode, one to one, the closest in cyclic time first."""
     checked_scalar("period", period, "> 0")
-    checked_scalar("window", window, "> 0")
     of_kind: dict[tuple[int, str], list[tuple[float, int]]] = {}
     for f, (cell, time, kind) in enumerate(observed):
         of_kind.setdefault((cell, kind), []).append((time, f))
@@ -246,7 +242,7 @@ def match_transitions(
     partner: dict[int, float] = {}
     taken: set[int] = set()
     for error, f, e in sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1])):
-        if abs(error) > window:
+        if abs(error) > MATCHING_WINDOW:
             break
         if e not in partner and f not in taken:
             partner[e] = error

@@ -7,7 +7,7 @@ import numpy as np
 
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.lcp.systems import MassSpringSystem, SystemTrajectory, simulate_system
+from reference_lcp.lcp.systems import MassSpringSystem, simulate_system
 from reference_lcp.schemes.bodies_kernel import advance_bodies
 from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray
@@ -31,7 +31,7 @@ class EulerBodies(LaneModel):
         contacts = np.ascontiguousarray(W.T), per_mass * W, W.T @ (per_mass * W)
         bounds = dt * system.friction_coefficient * normal
         record = advance_bodies(u, q, (*matrices, *contacts), loads, bounds, surfaces, dt)
-        return SystemTrajectory(
+        return Trajectory(
             time=self.lane.times(start, steps), positions=record[:, :f], velocities=record[:, f : 2 * f],
             friction=record[:, 2 * f : 2 * f + c], normal_force=normal,
             slip=record[:, 2 * f + c :], friction_coefficient=system.friction_coefficient,

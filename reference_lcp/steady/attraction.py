@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
+from reference_lcp.chain.simulation import OrbitStatus, PeriodicOrbit, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.anderson import StateScales
 from reference_lcp.validation import FloatArray
@@ -29,11 +29,6 @@ STANDING = 1e-3
 over their scales, of offsets that last: those of cells that stay stuck, and of masses so heavy that they stand."""
 
 
-def attracts_all(lane: Lane) -> bool:
-    """Whether every motion tends to the steady state, where friction is monotone: with a dashpot in every cell."""
-    return lane.chain.damped
-
-
 def without_dashpots(orbit: PeriodicOrbit, multiplier: float) -> PeriodicOrbit:
     """Judge a steady state of monotone friction in a chain with a cell without dashpot by its largest multiplier.
 
@@ -49,13 +44,11 @@ def without_dashpots(orbit: PeriodicOrbit, multiplier: float) -> PeriodicOrbit:
     return dataclasses.replace(orbit, status=OrbitStatus.PERIOD_LIMIT, reason=many)
 
 
-def largest_multiplier(simulation: Simulation, orbit: PeriodicOrbit) -> float:
-    """Largest factor by which a small distance from an orbit of `simulation`, of one lane, grows in a period."""
-    return largest_moving(jacobians(simulation, [orbit])[0])
+def largest_multiplier(jacobian: FloatArray) -> float:
+    """Largest factor by which a small distance grows in a period, by the Jacobian of scaled positions and velocities.
 
-
-def largest_moving(jacobian: FloatArray) -> float:
-    """Largest multiplier of a Jacobian of scaled positions and velocities, but for offsets that last."""
+    Offsets that last do not count.
+    """
     values, directions = np.linalg.eig(jacobian)
     speeds = np.linalg.norm(directions[len(jacobian) // 2 :], axis=0)
     moving = (np.abs(values - 1) > STANDING) | (speeds > STANDING)

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import PeriodicOrbit, common_cells
+from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL
-from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import (
     Mode,
     TimedTransition,
@@ -35,9 +34,6 @@ REFINEMENTS = (1, 2, 4)
 MARGINAL_STEPS = 3
 """Steps before a reversal in which a force below its bound would have held the contact, and which leave open whether it
 sticks there for a moment: the scheme stops contacts a step or two early or late, and steps of any size may agree."""
-
-BATCH = 450
-"""Cells of orbits that are refined together: records of more, over 32 MB, are new memory each time, which is slow."""
 
 
 @dataclass(frozen=True)
@@ -88,133 +84,92 @@ class SystemErrorBar:
 
 def measured_error_bar(
     orbit: PeriodicOrbit, *, tolerance: float = DEFAULT_RESIDUAL, max_periods: int = DEFAULT_PERIODS
-) -> ErrorBar:
-    """Measure the error of one orbit; see `measured_error_bars`."""
-    return measured_error_bars([orbit], tolerance=tolerance, max_periods=max_periods)[0]
-
-
-def measured_error_bars(
-    orbits: Sequence[PeriodicOrbit], *, tolerance: float = DEFAULT_RESIDUAL, max_periods: int = DEFAULT_PERIODS
-) -> list[ErrorBar]:
-    """Measure the errors of orbits of the Euler scheme, from their step Δt and from Δt/2 and Δt/4, together.
+) -> Any:
+    """Measure the error of an orbit of the Euler scheme, from its step Δt and from Δt/2 and Δt/4.
 
     Parameters
     ----------
-    orbits
-        The results whose errors are measured: of chains of one length, with one number of steps a period.
+    orbit
+        The result whose error is measured.
     tolerance, max_periods
         As for `periodic_orbits`, of the finer steps.
+
+    Returns
+    -------
+    ErrorBar or SystemErrorBar
+        The latter of bodies that are no chain.
 
     Raises
     ------
     ParameterError
-        If an argument is outside its range, or lengths or numbers of steps differ.
+        If an argument is outside its range.
     """
     checked_scalar("tolerance", tolerance, "> 0")
     checked_count("max_periods", max_periods)
-    if not orbits:
-        return []
-    together = max(1, BATCH // max(1, common_cells([orbit.lane for orbit in orbits])))
-    steps = {orbit.trajectory.steps for orbit in orbits}
-    if len(steps) > 1:
-        raise ParameterError(f"a batch holds periods of {sorted(steps)} steps; allowed: one number of steps")
-    bars: list[ErrorBar] = []
-    for first in range(0, len(orbits), together):
-        some = orbits[first : first + together]
-        inverse = PeriodInverse.of(some)
-        finer = refined_orbits(some, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
-        bars += error_bars_of([some, *finer], 0, inverse.amplification)
-    return bars
+    inverse = PeriodInverse.of([orbit])
+    finer = refined_orbits(orbit, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
+    return error_bar_of([orbit, *finer], 0, float(inverse.amplification[0]))
 
 
-def error_bars_of(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[Any]:
-    """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
-    chains = isinstance(ladder[0][0].lane.chain, Chain)
-    kind: Any = ErrorBar if chains else SystemErrorBar
-    levels: Any = _transmittance_bars if chains else _amplitude_bars
-    judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
-    modes = [[contact_modes(orbit) for orbit in orbits] for orbits in ladder]
-    changes = [list(map(transitions_between, *row)) for row in zip(modes, ladder, strict=True)]
-    stuck = np.array([[np.mean(read == 0, axis=0) for read in row] for row in modes])
-    stuck[~np.array([[orbit.converged for orbit in orbits] for orbits in ladder])] = np.nan
-    sticks = np.array([_sticks(row, stuck.shape[2]) for row in changes[place]])
-    marginal = [
-        _marginal_reversals(orbit, read, row)
-        for orbit, read, row in zip(judged, modes[place], changes[place], strict=True)
-    ]
-    sticks += [_count(row, stuck.shape[2]) * MARGINAL_STEPS for row in marginal]
-    of_stuck = richardson(steps, stuck, steps[place]).error + SAFETY * sticks / steps[place]
-    matched = [
-        _transition_times(orbits, row, place, own)
-        for orbits, row, own in zip(zip(*ladder, strict=True), zip(*changes, strict=True), marginal, strict=True)
-    ]
-    times = richardson(steps, np.hstack([times for times, _ in matched]), steps[place]).error
-    of_times = np.split(times, np.cumsum([part.shape[1] for part, _ in matched])[:-1])
-    return [
-        kind(
-            **level,
-            stuck_fraction=fraction,
-            transition_time=time + orbit.lane.time_step,
-            missing_transitions=missing,
-            steps_per_period=steps,
-        )
-        for level, fraction, time, (_, missing), orbit in zip(
-            levels(ladder, place, amplification), of_stuck, of_times, matched, judged, strict=True
-        )
-    ]
-
-
-def _transmittance_bars(
-    ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray
-) -> list[dict[str, float]]:
-    """Give the fields of each `ErrorBar` that the transmittance decides."""
-    steps = [orbits[0].trajectory.steps for orbits in ladder]
-    ratios = np.array(
-        [[complex_transmittance(orbit) if orbit.converged else np.nan for orbit in orbits] for orbits in ladder]
+def error_bar_of(orbits: Sequence[PeriodicOrbit], place: int, amplification: float) -> Any:
+    """Estimate the error of one of the orbits of a point, by ascending numbers of steps."""
+    judged, steps, cells = orbits[place], [own.trajectory.steps for own in orbits], orbits[0].trajectory.cells
+    modes = [contact_modes(orbit) for orbit in orbits]
+    changes = list(map(transitions_between, modes, orbits))
+    stuck = np.array([np.mean(read == 0, axis=0) for read in modes])
+    stuck[[not orbit.converged for orbit in orbits]] = np.nan
+    marginal = _marginal_reversals(judged, modes[place], changes[place])
+    sticks = _sticks(changes[place], cells) + _count(marginal, cells) * MARGINAL_STEPS
+    times, missing = _transition_times(orbits, changes, place, marginal)
+    kind, level = (
+        (ErrorBar, _transmittance_bar) if isinstance(judged.lane.chain, Chain) else (SystemErrorBar, _amplitude_bar)
     )
-    amplitudes = np.abs(ratios)
+    return kind(
+        **level(orbits, steps, place, amplification),
+        stuck_fraction=richardson(steps, stuck, steps[place]).error + SAFETY * sticks / steps[place],
+        transition_time=richardson(steps, times, steps[place]).error + judged.lane.time_step,
+        missing_transitions=missing,
+        steps_per_period=tuple(steps),
+    )
+
+
+def _transmittance_bar(
+    orbits: Sequence[PeriodicOrbit], steps: Sequence[int], place: int, amplification: float
+) -> dict[str, float]:
+    """Give the fields of an `ErrorBar` that the transmittance decides."""
+    ratios = np.array([complex_transmittance(orbit) if orbit.converged else np.nan for orbit in orbits])
+    amplitudes, phases = np.abs(ratios), np.angle(ratios * np.conj(ratios[place]))
     with np.errstate(divide="ignore"):
         levels = 20 * np.log10(amplitudes)
-    phases = np.angle(ratios * np.conj(ratios[place]))
-    by_amplitude, by_level, by_phase = (
-        richardson(steps, values, steps[place]) for values in (amplitudes, levels, phases)
-    )
-    bars = []
-    for k, orbit in enumerate(ladder[place]):
-        simulated, level = orbit.periods * orbit.trajectory.steps, float(levels[place, k])
-        unresolved = unresolved_amplitude(orbit.residual, float(amplification[k]), simulated, level)
-        bar = dict.fromkeys(("transmittance_db", "phase", "floor_db", "order", "extrapolated_db"), math.nan)
-        if unresolved >= amplitudes[place, k]:
-            largest = amplitudes[place, k] + unresolved + by_amplitude.error[k]
-            bar |= {"transmittance_db": math.nan if math.isnan(largest) else math.inf, "floor_db": decibel(largest)}
-            bar["phase"] = bar["transmittance_db"]
-        else:
-            bar["transmittance_db"] = float(by_level.error[k]) - amplitude_in_db(-unresolved, level)
-            bar["phase"] = float(by_phase.error[k]) + math.asin(unresolved / amplitudes[place, k])
-            bar |= {"order": float(by_level.order[k]), "extrapolated_db": float(by_level.extrapolated[k])}
-        bars.append(bar)
-    return bars
+    by_amplitude, by_level, by_phase = (richardson(steps, own, steps[place]) for own in (amplitudes, levels, phases))
+    orbit, amplitude, level = orbits[place], float(amplitudes[place]), float(levels[place])
+    unresolved = unresolved_amplitude(orbit.residual, amplification, orbit.periods * steps[place], level)
+    bar = dict.fromkeys(("transmittance_db", "phase", "floor_db", "order", "extrapolated_db"), math.nan)
+    if unresolved >= amplitude:
+        largest = amplitude + unresolved + float(by_amplitude.error)
+        bar["transmittance_db"] = bar["phase"] = math.nan if math.isnan(largest) else math.inf
+        return bar | {"floor_db": decibel(largest)}
+    bar["transmittance_db"] = float(by_level.error) - amplitude_in_db(-unresolved, level)
+    bar["phase"] = float(by_phase.error) + math.asin(unresolved / amplitude)
+    return bar | {"order": float(by_level.order), "extrapolated_db": float(by_level.extrapolated)}
 
 
-def _amplitude_bars(
-    ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray
-) -> list[dict[str, FloatArray]]:
-    """Give the fields of each `SystemErrorBar` that the amplitudes decide."""
-    steps, bars = [orbits[0].trajectory.steps for orbits in ladder], []
-    for growth, orbits in zip(amplification.tolist(), zip(*ladder, strict=True), strict=True):
-        known = [1.0 if orbit.converged else np.nan for orbit in orbits]
-        motions = [orbit.trajectory.positions for orbit in orbits]
-        swings = [own * np.ptp(motion, axis=0) / 2 for own, motion in zip(known, motions, strict=True)]
-        waves = [own * fundamental(motion) for own, motion in zip(known, motions, strict=True)]
-        turns = [np.angle(wave * np.conj(waves[place])) for wave in waves]
-        orbit, size = orbits[place], np.maximum(np.abs(waves[place]), np.finfo(float).tiny)
-        left = unresolved_amplitude(orbit.residual, growth, orbit.periods * orbit.trajectory.steps, 0.0)
-        left *= orbit.lane.drive.displacement_scale(orbit.lane.chain)
-        between = swings[place] * (1 - np.cos(np.pi / steps[place]))  # what a sine goes beyond its rows
-        phase = richardson(steps, turns, steps[place]).error + np.arcsin(np.minimum(1.0, left / size))
-        amplitude = richardson(steps, swings, steps[place]).error + left + between
-        bars.append({"amplitude": amplitude, "phase": np.minimum(phase, np.pi)})
-    return bars
+def _amplitude_bar(
+    orbits: Sequence[PeriodicOrbit], steps: Sequence[int], place: int, amplification: float
+) -> dict[str, FloatArray]:
+    """Give the fields of a `SystemErrorBar` that the amplitudes decide."""
+    known = [1.0 if orbit.converged else np.nan for orbit in orbits]
+    motions = [orbit.trajectory.positions for orbit in orbits]
+    swings = [own * np.ptp(motion, axis=0) / 2 for own, motion in zip(known, motions, strict=True)]
+    waves = [own * fundamental(motion) for own, motion in zip(known, motions, strict=True)]
+    turns = [np.angle(wave * np.conj(waves[place])) for wave in waves]
+    orbit, size = orbits[place], np.maximum(np.abs(waves[place]), np.finfo(float).tiny)
+    left = unresolved_amplitude(orbit.residual, amplification, orbit.periods * steps[place], 0.0)
+    left *= orbit.lane.drive.displacement_scale(orbit.lane.chain)
+    between = swings[place] * (1 - np.cos(np.pi / steps[place]))  # what a sine goes beyond its rows
+    phase = richardson(steps, turns, steps[place]).error + np.arcsin(np.minimum(1.0, left / size))
+    amplitude = richardson(steps, swings, steps[place]).error + left + between
+    return {"amplitude": amplitude, "phase": np.minimum(phase, np.pi)}
 
 
 def _sticks(changes: Sequence[Transition], cells: int) -> FloatArray:

@@ -19,7 +19,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS
 from reference_lcp.schemes.euler import euler_simulation
 from reference_lcp.steady.attraction import jacobians
-from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbits, searched
+from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits, searched
 from reference_lcp.validation import FloatArray
 
 LASTING = 1e-4
@@ -103,41 +103,31 @@ def beside_euler(
 
 
 def refined_orbits(
-    orbits: Sequence[PeriodicOrbit],
-    factors: Sequence[int],
-    inverse: PeriodInverse,
-    *,
-    tolerance: float,
-    max_periods: int,
-) -> list[list[PeriodicOrbit]]:
-    """Find the Euler scheme's steady states with several times as many steps a period: for each factor one a lane."""
-    ladder = [list(orbits)]
+    orbit: PeriodicOrbit, factors: Sequence[int], inverse: PeriodInverse, *, tolerance: float, max_periods: int
+) -> list[PeriodicOrbit]:
+    """Find the Euler scheme's steady states with several times as many steps a period: one for each factor."""
+    ladder = [orbit]
     for factor in factors:
-        lanes = [replace(orbit.lane, time_step=orbit.lane.time_step / factor) for orbit in orbits]
-        simulation, steps = euler_simulation(lanes), orbits[0].trajectory.steps * factor
-        start, near = _extrapolated(ladder, steps), [k for k, orbit in enumerate(ladder[-1]) if orbit.converged]
-        found: dict[int, PeriodicOrbit] = {}
-        if near:
-            newton, limit = inverse.newton[near], min(max_periods, NEWTON_PERIODS)
-            beside = searched(part_of(simulation, near), start.subset(near), steps, tolerance, limit, 1, newton)
-            found = {k: orbit for k, orbit in zip(near, beside, strict=True) if orbit.converged}
-        late = [k for k in range(len(lanes)) if k not in found]
-        if late:
-            balanced = periodic_orbits(part_of(simulation, late), steps, tolerance=tolerance, max_periods=max_periods)
-            found |= dict(zip(late, balanced, strict=True))
-        ladder.append([found[k] for k in range(len(lanes))])
+        simulation = euler_simulation([replace(orbit.lane, time_step=orbit.lane.time_step / factor)])
+        steps, found = orbit.trajectory.steps * factor, None
+        if ladder[-1].converged:
+            start, limit = _extrapolated(ladder, steps), min(max_periods, NEWTON_PERIODS)
+            (found,) = searched(simulation, start, steps, tolerance, limit, 1, inverse.newton)
+        if found is None or not found.converged:
+            (found,) = periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)
+        ladder.append(found)
     return ladder[1:]
 
 
-def _extrapolated(ladder: Sequence[Sequence[PeriodicOrbit]], steps: int) -> State:
+def _extrapolated(ladder: Sequence[PeriodicOrbit], steps: int) -> State:
     """State with so many steps, by the first order of the last two numbers of steps; that of the last one without."""
-    *_, last = ends = [State.stack([orbit.trajectory.end for orbit in orbits]) for orbits in ladder[-2:]]
-    if len(ends) == 1:
+    *before, last = [orbit.trajectory.end for orbit in ladder[-2:]]
+    if not before:
         return last
-    sizes = [1 / orbits[0].trajectory.steps for orbits in ladder[-2:]]
+    sizes = [1 / orbit.trajectory.steps for orbit in ladder[-2:]]
     part = (sizes[1] - 1 / steps) / (sizes[0] - sizes[1])
     return State(
-        last.positions + part * (last.positions - ends[0].positions),
-        last.velocities + part * (last.velocities - ends[0].velocities),
+        last.positions + part * (last.positions - before[0].positions),
+        last.velocities + part * (last.velocities - before[0].velocities),
         last.internal_state,
     )

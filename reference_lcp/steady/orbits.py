@@ -18,7 +18,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, FEWEST_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError
 from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch, StateScales
-from reference_lcp.steady.attraction import attracts_all, largest_multiplier, without_dashpots
+from reference_lcp.steady.attraction import jacobians, largest_multiplier, without_dashpots
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from reference_lcp.watching import tell
@@ -85,11 +85,6 @@ def periodic_orbits(
     return found if longest_multiple == 1 else _judged(found, simulation)
 
 
-def part_of(simulation: Simulation, lanes: Sequence[int]) -> Simulation:
-    """Give a simulation of some lanes; itself if they are all."""
-    return simulation if len(lanes) == len(simulation.lanes) else simulation.subset(lanes)
-
-
 def searched(
     simulation: Simulation,
     start: State,
@@ -124,8 +119,9 @@ def _judged(orbits: Sequence[PeriodicOrbit], simulation: Simulation) -> list[Per
     judged = list(orbits)
     for number, orbit in enumerate(orbits):
         known = orbit.trajectory.internal_state is None or orbit.lane.opens
-        if orbit.converged and known and orbit.lane.one_coefficient and not attracts_all(orbit.lane):
-            judged[number] = without_dashpots(orbit, largest_multiplier(simulation.subset([number]), orbit))
+        if orbit.converged and known and orbit.lane.one_coefficient and not orbit.lane.chain.damped:
+            jacobian = jacobians(simulation.subset([number]), [orbit])[0]
+            judged[number] = without_dashpots(orbit, largest_multiplier(jacobian))
     return judged
 
 

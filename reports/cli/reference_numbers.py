@@ -44,8 +44,6 @@ def numbers_of(state: SteadyState) -> dict[str, Any]:
             "order": bar.order,
             "extrapolated_db": bar.extrapolated_db,
         }
-    if state.exact_db is not None:
-        extra["exact_db"] = state.exact_db
     numbers = {
         "transmittance_db": state.transmittance_db,
         "phase_rad": state.phase,

@@ -29,7 +29,7 @@ def plot_motion(motion: PeriodicOrbit | Trajectory) -> "Figure":
     if isinstance(motion, PeriodicOrbit) and isinstance(motion.lane.chain, Chain):
         time, axis = trajectory.time / trajectory.time[-1], "time / period [-]"
         scales, titles = _of_chain(motion)
-    stuck, cells = contact_modes(motion) == 0, not hasattr(trajectory, "slip")
+    stuck, cells = contact_modes(motion) == 0, trajectory.slip is None
     rows = trajectory.cells if cells else max(trajectory.cells, trajectory.positions.shape[1])
     figure = Figure(figsize=(10, 1.3 * rows + 1.2), layout="constrained")
     axes = figure.subplots(rows, 3, sharex=True, sharey="col", squeeze=False)

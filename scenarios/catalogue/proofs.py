@@ -24,7 +24,7 @@ from reference_lcp.chain.preload import Preload
 from reference_lcp.errors import NotProven
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.prove import ProvenSteadyState, Uniqueness, prove
-from reference_lcp.one_call import steady_state
+from reference_lcp.one_call import exact_steady_state, steady_state
 from reference_lcp.validation import checked_count
 
 RESOLVED = {
@@ -146,8 +146,8 @@ def _floats(case: Case, state: ProvenSteadyState) -> dict[str, float]:
     """Give how far floating point and the scheme are from what is proven."""
     if case.modulation or case.cells > MOST_EXACT_CELLS:
         return {}
-    found, proven_db = steady_state(*case.setting, with_exact_value=True), state.transmittance_db.value
-    in_floats = math.nan if found.exact_db is None else found.exact_db
+    found, proven_db = steady_state(*case.setting), state.transmittance_db.value
+    in_floats = exact_steady_state(*case.setting).transmittance_db
     off = {"float_error": float(abs(Decimal(10 ** (in_floats / 20)) - state.transmittance.value))}
     if proven_db >= FLOOR_DB:
         bar = math.nan if found.error_bar is None else found.error_bar.transmittance_db

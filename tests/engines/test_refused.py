@@ -9,7 +9,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
-from tests.engines.scheme_oracle import STEPS, lane_of, run, with_coefficients
+from tests.engines.scheme_oracle import ROUND_OFF, STEPS, distance, lane_of, run, with_coefficients
 
 
 def stiff_lane() -> Lane:
@@ -49,6 +49,12 @@ REFUSED = [
 def test_what_an_engine_would_not_take_as_it_is_given_is_refused(name: str, lane: Lane, said: str) -> None:
     with pytest.raises(ParameterError, match=said):
         Variant.parse(name).build([lane]).advance(State.at_rest(1, lane.chain.cells), 0, STEPS)
+
+
+@pytest.mark.needs("pybullet")
+def test_the_longest_chain_that_pybullet_takes_moves_by_the_scheme() -> None:
+    lane, rest = lane_of(cells=63), State.at_rest(1, 63)
+    assert distance(lane, rest, run("pybullet", lane, rest, 100)) < ROUND_OFF
 
 
 @pytest.mark.needs("mujoco")

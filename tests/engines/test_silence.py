@@ -1,5 +1,8 @@
 """Engines in a Python that has just begun: imported late, nothing said, nothing written, however a motion ends."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -7,7 +10,6 @@ import pytest
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from tests.installed import each_engine
-from tests.quiet_python import python_in
 
 STOPS = ("drake", "exudyn-regularised", "exudyn-bristle")
 """Engines that end a motion that diverges with an error, as others do where a body leaves its plate."""
@@ -34,6 +36,11 @@ def test_it_is_imported_late_says_and_writes_nothing_and_survives_divergence(nam
     adapter = engine(name)
     assert isinstance(adapter, PipEngine)
     unstable = () if name in STOPS else ("joint", "contact") if name in ANYWHERE else ("joint",)
-    done = python_in(tmp_path, PROGRAM.format(module=adapter.module, name=name, unstable=unstable))
+    program = PROGRAM.format(module=adapter.module, name=name, unstable=unstable)
+    path = os.pathsep.join(filter(None, [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH")]))
+    done = subprocess.run(
+        [sys.executable, "-B", "-W", "error", "-c", program], cwd=tmp_path, env={**os.environ, "PYTHONPATH": path},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert list(tmp_path.iterdir()) == []

@@ -38,8 +38,6 @@ COLUMNS: Mapping[str, Mapping[str, Allowed]] = {
                "phase_deg": lambda both: open_level(both) * PHASE_OF_DB + WRITTEN_DEG},
     "scenarios": {"value": lambda both: both.unit_now.map(RESOLUTION).fillna(ROUND_OFF)},
     "edges": {"frequency_ratio": lambda both: numbers(both.width_before) + numbers(both.width_now)},
-    "reference": {"level_db": WRITTEN_DB, "phase_deg": WRITTEN_DEG, "error_bar_db": WRITTEN_DB, "exact_db": WRITTEN_DB,
-                  "proven_db": None, "stuck": None, "transitions": None},
 }  # fmt: skip
 """Folders of files: the columns that are compared, and what they may differ by."""
 
@@ -47,7 +45,6 @@ NAMES: Mapping[str, list[str]] = {
     "steady": ["config", "point"],
     "scenarios": ["scenario", "case", "config", "quantity"],
     "edges": ["config", "friction_ratio", "edge"],
-    "reference": ["point"],
 }
 """Columns that name a row of these files."""
 

@@ -9,12 +9,10 @@ normal forces that swing or open the contacts. The other files are
 
 - ``steady/ENGINE.csv``: the steady state of every preset at every point;
 - ``scenarios/ENGINE.csv``: the numbers of blocks and scenes;
-- ``edges/ENGINE.csv``: the edges of the attenuation band;
-- ``reference/reference.csv``: what ``multibody-xval reference`` says: level, error bar, exact and proven level.
+- ``edges/ENGINE.csv``: the edges of the attenuation band.
 """
 
 import itertools
-import math
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
@@ -35,9 +33,7 @@ from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.report_plan import grid
 from multibody_xval.scenarios.result_tables import is_reference
 from multibody_xval.scenarios.result_tables import points as table_of
-from multibody_xval.scenarios.ruler.proven import in_table, proven_levels
 from multibody_xval.scenarios.running.evaluate import Means, computed
-from reference_lcp.one_call import steady_state
 from reference_lcp.steady.richardson import amplitude_in_db
 from tests.golden.compare import COLUMNS, NAMES
 
@@ -142,22 +138,6 @@ def with_config(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(config=[str(Config(*row)) for row in rows])
 
 
-def reference(name: str, _means: Means) -> pd.DataFrame:
-    """Give what the reference says at every operating point with a constant normal force, with its error bar."""
-    rows = []
-    for point, (case, steps) in points().items():
-        if name == REFERENCE.engine and not case.modulation:
-            state = steady_state(*case.setting, steps_per_period=steps, with_exact_value=True)
-            proven, bar = proven_levels().get(in_table(case)), state.error_bar
-            rows.append({
-                "point": point, "level_db": state.transmittance_db, "phase_deg": math.degrees(state.phase),
-                "error_bar_db": bar and bar.transmittance_db, "exact_db": state.exact_db,
-                "proven_db": proven and proven.transmittance_db, "stuck": tuple(state.stuck_fraction),
-                "transitions": len(state.transitions),
-            })  # fmt: skip
-    return pd.DataFrame(rows)
-
-
 def write(folder: Path, part: str, name: str, table: pd.DataFrame) -> None:
     """Write the file of an engine; numbers of cells have spaces between."""
     columns = [*NAMES[part], *COLUMNS[part], *BESIDE.get(part, [])]
@@ -167,7 +147,7 @@ def write(folder: Path, part: str, name: str, table: pd.DataFrame) -> None:
 
 
 PARTS: Mapping[str, Callable[[str, Means], pd.DataFrame]] = {
-    "steady": steady, "scenarios": scenario_numbers, "edges": band_edges, "reference": reference,
+    "steady": steady, "scenarios": scenario_numbers, "edges": band_edges,
 }  # fmt: skip
 """Folders of files, and what gives the rows of an engine."""
 

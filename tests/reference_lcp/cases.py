@@ -13,7 +13,7 @@ from reference_lcp import (
     simulate_system,
 )
 from reference_lcp.chain.drives import PeriodicDrive
-from reference_lcp.steady.error_bar import ErrorBar, error_bars_of
+from reference_lcp.steady.error_bar import ErrorBar, error_bar_of
 from reference_lcp.steady.neighbours import PeriodInverse
 
 EXACT_DB = {
@@ -61,8 +61,7 @@ def euler_orbit(
 
 def error_bar(orbits, place: int = 0) -> ErrorBar:
     """The error bar of one of the orbits of a chain, by ascending numbers of steps."""
-    amplification = PeriodInverse.of([orbits[place]]).amplification
-    return error_bars_of([[orbit] for orbit in orbits], place, amplification)[0]
+    return error_bar_of(orbits, place, float(PeriodInverse.of([orbits[place]]).amplification[0]))
 
 
 def random_chain(rng: np.random.Generator, cells: int) -> Chain:

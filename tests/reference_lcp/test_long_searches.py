@@ -18,7 +18,6 @@ def setting(cells: int, friction_ratio: float = 0.3) -> tuple[Chain, HarmonicBas
 
 TOO_LONG = [
     (lambda own: steady_state(*own, with_error_bar=True), "an error bar"),
-    (lambda own: steady_state(*own, with_error_bar=False, with_exact_value=True), "an exact value"),
     (lambda own: exact_steady_state(*own), "the solver 'exact'"),
     (lambda own: steady_state(*own, solver="lemke"), "the solver 'lemke'"),
     (lambda own: simulate(*own, time_step=0.01, steps=1, solver="lemke"), "the solver 'lemke'"),
@@ -34,7 +33,7 @@ def test_a_chain_that_is_too_long_is_refused_with_the_range(call, name: str) -> 
 
 
 def test_without_friction_a_long_chain_has_its_exact_value() -> None:
-    assert exact_steady_state(*setting(LONGEST_CHAINS["an exact value"] + 1, friction_ratio=0.0)).orbit.converged
+    assert exact_steady_state(*setting(LONGEST_CHAINS["the solver 'exact'"] + 1, friction_ratio=0.0)).orbit.converged
 
 
 def test_too_many_steps_name_the_frequency_that_needs_fewer() -> None:

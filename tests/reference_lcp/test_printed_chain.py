@@ -16,10 +16,3 @@ def test_line_has_the_level_to_its_error_bar_and_the_cells_that_stick() -> None:
     assert abs(float(level) - state.transmittance_db) <= float(bar)
     assert float(bar) >= state.error_bar.transmittance_db
     assert repr(chain).endswith("dashpots 0.6325 and 0 N s/m, friction bound 0…300 N>")
-
-
-def test_line_counts_cells_in_many_places_and_says_that_a_motion_is_not_periodic_yet() -> None:
-    case = driven(0.6, cells=8, friction_ratio=[30.0, 0.0] * 4)
-    line = repr(steady_state(*case, with_error_bar=False, max_periods=1))
-    assert "of 8 contacts 4 stick, 0 stick and slip>" in line
-    assert "not certified (period limit)" in line

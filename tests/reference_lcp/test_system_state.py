@@ -22,7 +22,6 @@ from reference_lcp import (
     RickerPulse,
     Spring,
     State,
-    exact_steady_state,
     simulate,
     simulate_system,
     steady_state,
@@ -31,7 +30,7 @@ from reference_lcp import (
 )
 from reference_lcp.chain.drives import HarmonicForce
 from reference_lcp.exact.continuous_sliding import SlidingMotion
-from reference_lcp.exact.event_driven_system import EventDrivenBodies, system_of_lane
+from reference_lcp.exact.event_driven_system import EventDrivenBodies
 from reference_lcp.schemes.bodies import EulerBodies
 from tests.reference_lcp.exact.one_contact_systems import oscillator as forced_mass
 
@@ -113,16 +112,6 @@ def test_a_pulled_mass_slips_when_the_closed_form_says_and_so_does_one_on_a_belt
     assert [change.time for change in steps] == pytest.approx(times, abs=3e-3)
 
 
-def test_a_chain_body_by_body_has_the_steady_state_of_the_chain() -> None:
-    chain = Chain.from_ratios(cells=3, friction_ratio=0.3)
-    drive = HarmonicBase.from_ratio(chain, 0.9)
-    exact, state = exact_steady_state(chain, drive), steady_state(system_of_lane(Lane.periodic(chain, drive, 400)))
-    assert state.phase[2] == pytest.approx(exact.phase, abs=1e-12)
-    assert state.stuck_fraction == pytest.approx(exact.stuck_fraction, abs=1e-12)
-    assert [own[:1] + own[2:] for own in state.transitions] == [own[:1] + own[2:] for own in exact.transitions]
-    assert state.orbit.trajectory.outer_positions == pytest.approx(exact.orbit.trajectory.outer_positions, abs=1e-13)
-
-
 def test_the_compiled_scheme_of_bodies_is_lemkes_method_at_every_step() -> None:
     system, rest = coupled(), np.zeros(3)
     own = EulerBodies(Lane(system, HarmonicForce(1.0, 1.0, 1.0), 0.01)).run(State(rest[None], rest[None]), 5, 400)
@@ -155,11 +144,11 @@ def test_a_steady_state_of_coupled_contacts_repeats_and_its_jacobian_is_that_of_
 
     segments = after(x)
     assert {0, 1} <= set(np.ravel([np.abs(own.modes) for own in segments]).tolist())
-    end = segments[-1].values(segments[-1].motion, period)[0]
+    end = segments[-1].values(segments[-1].coefficients, period)[0]
     assert end == pytest.approx(x, abs=1e-10)
     way = 1e-6 * np.random.default_rng(1).normal(size=6)
     moved = after(x + way)[-1]
-    change = moved.values(moved.motion, period)[0] - end
+    change = moved.values(moved.coefficients, period)[0] - end
     assert model.monodromy(segments) @ way == pytest.approx(change, abs=1e-9)
 
 

@@ -37,13 +37,13 @@ def test_the_error_to_the_exact_motion_decides_and_how_much_does_not_count_is_gi
     (row,) = own(compare(before, now)).to_dict("records")
     assert (row["change"], row["version_before"], row["version_now"]) == ("regressed", "1.01", "1.02")
     exact = result_of(next(run for run in ruler([(CASE, STEPS)]) if run.config == EXACT)).transmittance
-    for side, factor in (("before", 1.01), ("now", 1.02)):
-        error = 100 * abs(with_bound(factor).transmittance / exact - 1)
-        assert row[f"error_percent_{side}"] == pytest.approx(error, rel=1e-9)
+    ratios = [with_bound(factor).transmittance for factor in (1.01, 1.02)]
+    for side, ratio in zip(("before", "now"), ratios, strict=True):
+        assert row[f"error_percent_{side}"] == pytest.approx(100 * abs(ratio / exact - 1), rel=1e-9)
     assert own(compare(now, before)).change.tolist() == ["improved"]
-    decibel = 20 * math.log10(1 + abs(with_bound(1.02).transmittance / with_bound(1.01).transmittance - 1))
-    assert own(compare(before, now, db=0.9 * decibel)).change.tolist() == ["regressed"]
-    assert own(compare(before, now, db=1.1 * decibel)).change.tolist() == ["unchanged"]
+    decibel = 20 * math.log10(1 + abs(ratios[1] / ratios[0] - 1))
+    for part, change in ((0.9, "regressed"), (1.1, "unchanged")):
+        assert own(compare(before, now, db=part * decibel)).change.tolist() == [change]
 
 
 SOUND, BROKEN = with_bound(1.0), failed("it crashed")
@@ -53,9 +53,7 @@ ENDED = [
     (SOUND, BROKEN, "missing", "periodic before, failed now: it crashed"),
     (SOUND, RESTLESS, "missing", "periodic before, not periodic now"),
     (SOUND, LONGER, "regressed", "stuck fraction 0.05"),
-    (LONGER, SOUND, "improved", "stuck fraction 0.05"),
     (BROKEN, SOUND, "improved", "failed before, periodic now: it crashed"),
-    (BROKEN, BROKEN, "unchanged", ""),
     (WITHOUT, SOUND, "new", "unsupported before, periodic now: not installed"),
 ]
 

@@ -69,15 +69,13 @@ def straight(eta: float) -> float:
     return 20 - 25 * eta
 
 
-def with_kink(eta: float) -> float:
-    """Falls by 500 dB, and from 0.8 on by 300 dB: crosses at 0.8 + 0.01 / 3."""
-    return min(1 - 500 * (eta - 0.8), 5.0) if eta < 0.8 else max(1 - 300 * (eta - 0.8), -20.0)
-
-
 CURVES: dict[str, tuple[Level, float]] = {
     "bent": (lambda eta: 40 * (0.8123**3 - eta**3), 0.8123),
     "steep": (lambda eta: -20 * np.tanh(200 * (eta - 0.8377)), 0.8377),
-    "kink": (with_kink, 0.8 + 1 / 300),
+    "kink": (
+        lambda eta: min(1 - 500 * (eta - 0.8), 5.0) if eta < 0.8 else max(1 - 300 * (eta - 0.8), -20.0),
+        0.8 + 1 / 300,
+    ),
     "jump": (lambda eta: 3.0 if eta < 0.8456789 else -15.0, 0.8456789),
     "through a point of the grid": (lambda eta: 30 * (0.8 - eta), 0.8),
 }
@@ -112,9 +110,8 @@ def always_below(eta: float) -> float:
 def test_an_edge_that_is_absent_says_why_and_agrees_if_the_reference_has_none() -> None:
     found = judged_edges(searched(always_below, {SHARES: always_below, OTHER: always_below}))
     absent = found[found.edge == "lower"]
-    assert set(absent.absent) == {"below 0 dB from 0.5 on"}
+    assert (set(absent.absent), set(absent.verdict)) == ({"below 0 dB from 0.5 on"}, {AGREES})
     assert absent.frequency_ratio.isna().all()
-    assert set(absent.verdict) == {AGREES}
 
 
 def test_an_edge_that_one_curve_alone_has_deviates_where_its_points_do() -> None:
@@ -127,40 +124,25 @@ def test_an_edge_that_one_curve_alone_has_deviates_where_its_points_do() -> None
 
 def test_an_edge_among_points_without_a_steady_state_is_not_known() -> None:
     found = judged_edges(searched(straight, {SHARES: lambda eta: math.nan if 0.75 < eta < 0.85 else straight(eta)}))
-    own = of(found, SHARES)
+    own, reference = of(found, SHARES), of(found, REFERENCE)
     assert math.isnan(own.frequency_ratio)
     assert own.absent.startswith("not periodic at")
-    assert own.verdict == UNKNOWN
-    assert of(found, REFERENCE).verdict == AGREES
+    assert (own.verdict, reference.verdict) == (UNKNOWN, AGREES)
 
 
-def copied(config: Config, factor: float, friction: float, etas: Iterable[float], cells: int = 7) -> pd.DataFrame:
+def copied(config: Config, factor: float) -> pd.DataFrame:
     """Give judged edges of a copy of the scheme whose friction bound is off by a factor."""
 
     def result(run: Run) -> Result:
-        case = replace(run.of(Case), friction_ratio=factor * friction)
-        return result_of(Run(REFERENCE, case, run.steps) if run.config == config else run)
+        own = replace(run.of(Case), friction_profile=factor)
+        return result_of(Run(REFERENCE, own, run.steps) if run.config == config else run)
 
-    cases = [Case(friction_ratio=friction, frequency_ratio=eta, cells=cells) for eta in etas]
+    cases = [Case(friction_ratio=0.3, frequency_ratio=eta) for eta in (0.6, 0.62, 0.65, 0.7, 1.0, 1.4)]
     return judged_edges(grown(result, [REFERENCE, config], cases))
-
-
-@pytest.mark.slow
-def test_beside_a_kink_a_sound_copy_has_the_edge_and_the_exact_one_is_the_exact_motions() -> None:
-    """With two cells a contact sticks for one step more just below the edge: the slope goes from 494 to 311 dB."""
-    found = copied(SHARES, 1.0, 0.1, [0.6, 0.8, 0.8505, 0.9, 1.1, 1.4], cells=2)
-    own, reference = of(found, SHARES), of(found, REFERENCE)
-    assert abs(own.frequency_ratio - reference.frequency_ratio) <= own.allowed <= 2e-6
-
-    def exact_level(eta: float) -> float:
-        return result_of(Run(EXACT, Case(friction_ratio=0.1, frequency_ratio=eta, cells=2), 400)).level_db
-
-    place = brentq(exact_level, reference.exact - 1e-5, reference.exact + 1e-5, xtol=1e-11)
-    assert abs(reference.exact - place) <= min(reference.exact_bar, 1e-7)
 
 
 @pytest.mark.parametrize(("config", "factor"), [(SHARES, 1.0), (SHARES, 1.01), (OTHER, 1.0)])
 def test_a_sound_copy_has_the_edge_and_one_whose_bound_is_a_hundredth_off_has_not(config, factor) -> None:
-    own = of(copied(config, factor, 0.3, [0.6, 0.62, 0.65, 0.7, 1.0, 1.4]), config)
+    own = of(copied(config, factor), config)
     assert own.verdict == (AGREES if factor == 1 else DEVIATES)
     assert factor == 1 or abs(own.frequency_ratio - own.reference) > 100 * own.allowed

@@ -16,9 +16,8 @@ def test_an_array_is_a_value_a_cell_of_the_references_own_chain() -> None:
     masses = np.array([1.0, 0.8, 1.2])
     data = sweep("reference", 0.0, 0.9, chain={"cells": 3, "mass_ratio": masses}, drive="force", amplitude=5.0)
     chain = Chain.from_ratios(friction_ratio=0.0, cells=3, mass_ratio=masses.tolist())
-    drive = HarmonicForce(5.0, 0.9 * chain.resonator_frequency)
-    expected = steady_state(chain, drive, with_error_bar=False).transmittance_db
-    assert float(data.transmittance_db.squeeze()) == pytest.approx(expected, abs=1e-6)
+    state = steady_state(chain, HarmonicForce(5.0, 0.9 * chain.resonator_frequency), with_error_bar=False)
+    assert float(data.transmittance_db.squeeze()) == pytest.approx(state.transmittance_db, abs=1e-6)
 
 
 def test_a_large_sweep_is_refused_without_a_yes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -37,7 +36,6 @@ SWEEP = {"friction_ratio": 0.3, "frequency_ratio": 0.9}
     ("function", "arguments", "message"),
     [
         (check, {"scenario": "static-hole"}, "scenario = 'static-hole' is unknown; .* did you mean static-hold?"),
-        (check, {"engines": []}, "engines = []; allowed: a name, or a list of names"),
         (
             sweep,
             {"chain": {"masratio": 1.0}},
@@ -45,7 +43,6 @@ SWEEP = {"friction_ratio": 0.3, "frequency_ratio": 0.9}
         ),
         (sweep, {"cells": 12}, "sweep has no argument 'cells'; allowed: in chain={'cells': ...}"),
         (sweep, {"friction_ratio": (0.1, 0.3)}, "(0.1, 0.3) is a tuple; allowed: [0.1, 0.3] for these values"),
-        (sweep, {"store": "a\x00b"}, "is no path"),
     ],
 )
 def test_mistake_is_named_before_any_work(function, arguments, message, monkeypatch: pytest.MonkeyPatch) -> None:

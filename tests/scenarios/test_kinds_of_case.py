@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from multibody_xval.engines.interface.scene import ArmScene, Box, ContactScene, JointScene, Shaker, SteppedWorld
-from multibody_xval.scenarios.cases.carrier_drives import Vibration
+from multibody_xval.engines.interface.scene import ArmScene, Box, ContactScene, Shaker, SteppedWorld
 from multibody_xval.scenarios.cases.motions import Block, BlockMotion, ChainMotion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion, Tone
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -31,9 +30,7 @@ SHAKEN = ContactScene(boxes=(Box(), Box(mass=2.0)), shaker=Shaker())
 CASES = [
     STEADY,
     DECAY,
-    BlockMotion(block=BLOCK, drive=Vibration(0.1, 0.01, 5.0), time=0.5, rows=50),
     ChainMotion(friction_ratio=0.1, drive=SweptSine(0.01, 1.0, 20.0, 3.0), time=3.0, rows=30),
-    BlockMotion(block=BLOCK, drive=SHAKING, time=0.5, rows=50, static_ratio=1.5),
     ChainMotion(friction_ratio=0.1, drive=HarmonicForce(1.0, 2.0), time=3.0, rows=30, shape="stretched"),
     SceneMotion(scene=SHAKEN, time=1.0, shake=(Tone(force=1.0, frequency=2.0),)),
     *(case for scenario in SCENARIOS.values() for case in scenario.cases.values()),
@@ -68,14 +65,9 @@ def test_rows_of_motions_are_at_the_same_times_whatever_the_steps_and_other_step
 
 
 BAD: list[tuple[Callable[[], object], str]] = [
-    (lambda: replace(DECAY, time=0.0), "time = 0"),
     (lambda: BlockMotion(block=BLOCK, drive=SHAKING, time=0.5, rows=50, static_ratio=0.9).lane(200), "static_ratio"),
     (lambda: replace(STEADY, modulation=0.5, modulation_multiple=0), "modulation_multiple = 0 "),
-    (lambda: replace(STEADY, modulation=0.5, modulation_phase=math.nan), "modulation_phase = nan "),
     (lambda: ContactScene(slope=math.radians(95)), "slope = 95°; allowed: >= 0 and < 90°"),
-    (lambda: ContactScene(grip=1.0, boxes=(Box(), Box())), "boxes = 2; allowed: 1 in a grip"),
-    (lambda: JointScene(kind="ball"), "kind = 'ball' is unknown; allowed: hinge, slide"),
-    (lambda: JointScene(damping=-1.0), "damping = -1.*allowed: >= 0"),
     (lambda: ArmScene(friction=()), "friction = .*at least one"),
 ]
 
@@ -95,15 +87,11 @@ def at(*places: float) -> SteppedWorld:
     return SteppedWorld(step=lambda: None, state=lambda: next(states))
 
 
-def test_a_scene_that_explodes_fails() -> None:
-    case = SceneMotion(scene=ContactScene(), time=1.0)
-    for place in (1e6, math.nan):
-        result = followed(case, 2, at(0.0, place))
-        assert (result.status, result.reason) == (Status.FAILED, "the scene exploded")
-
-
-def test_ways_of_a_box_count_from_where_it_has_settled() -> None:
+def test_ways_of_a_box_count_from_where_it_has_settled_and_a_scene_that_explodes_fails() -> None:
     result = followed(SceneMotion(scene=ContactScene(), time=1.0, settling=0.5), 2, at(0.001, 0.002, 0.004))
     assert np.allclose(result.series["along"], [0.001, 0.003])
     assert result.series["from the start"] == pytest.approx((0.004, 0.0, 0.0), abs=1e-12)
     assert result.series["time"] == (0.5, 1.0)
+    for place in (1e6, math.nan):
+        exploded = followed(SceneMotion(scene=ContactScene(), time=1.0), 2, at(0.0, place))
+        assert (exploded.status, exploded.reason) == (Status.FAILED, "the scene exploded")

@@ -11,11 +11,11 @@ from reference_lcp.errors import NotProven
 from reference_lcp.exact.event_driven import EventsAccumulate
 from reference_lcp.exact.event_driven_system import AmbiguousModes
 from reference_lcp.exact.proof.candidate import Candidate, candidate
-from reference_lcp.exact.proof.coulomb import Observed, OutOfOrder, Violation, observe
+from reference_lcp.exact.proof.coulomb import OutOfOrder, Violation, observe
 from reference_lcp.exact.proof.dynamics import Dynamics
 from reference_lcp.exact.proof.exact_chain import ExactChain
 from reference_lcp.exact.proof.krawczyk import Solution, boundaries, solve
-from reference_lcp.exact.proof.multipliers import multiplier_bound
+from reference_lcp.exact.proof.multipliers import contracts
 from reference_lcp.exact.proof.prove import Enclosure, ProvenSteadyState, ProvenTransition, Uniqueness
 from reference_lcp.exact.proof.repair import repaired, without_shortest
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN
@@ -42,8 +42,8 @@ def attempted(exact: ExactChain, digits: int) -> ProvenSteadyState:
         with ctx.workprec(factor * (int(3.33 * digits) + SPARE_BITS)):
             try:
                 dynamics = Dynamics(exact)
-                solution, observed, repairs = proven_or_repaired(dynamics, guess)
-                proven = _read(dynamics, solution, observed, repairs, digits)
+                solution, integrals, repairs = proven_or_repaired(dynamics, guess)
+                proven = _read(dynamics, solution, integrals, repairs, digits)
                 return replace(proven, seconds=time.monotonic() - began)
             except NotProven as problem:
                 reason = problem
@@ -51,8 +51,8 @@ def attempted(exact: ExactChain, digits: int) -> ProvenSteadyState:
     raise reason
 
 
-def proven_or_repaired(dynamics: Dynamics, guess: Candidate) -> tuple[Solution, Observed, int]:
-    """Prove a candidate, or others that follow from what refutes it."""
+def proven_or_repaired(dynamics: Dynamics, guess: Candidate) -> tuple[Solution, tuple[arb, arb], int]:
+    """Prove a candidate, or others that follow from what refutes it; gives `observe` too, and the number of repairs."""
     end = guess.start + float(dynamics.length)
     refuted: NotProven
     for repairs in range(MOST_REPAIRS + 1):
@@ -73,9 +73,11 @@ def proven_or_repaired(dynamics: Dynamics, guess: Candidate) -> tuple[Solution, 
     raise refuted
 
 
-def _read(dynamics: Dynamics, solution: Solution, observed: Observed, repairs: int, digits: int) -> ProvenSteadyState:
+def _read(
+    dynamics: Dynamics, solution: Solution, integrals: tuple[arb, arb], repairs: int, digits: int
+) -> ProvenSteadyState:
     """Read everything from a proven solution."""
-    real, imaginary = (2 * part / dynamics.length for part in (observed.sine, observed.cosine))
+    real, imaginary = (2 * part / dynamics.length for part in integrals)
     amplitude = (real**2 + imaginary**2).nonnegative_part().sqrt()
     if not amplitude > 0:
         raise NotProven(f"the last mass stands still to {float(amplitude.upper()):.1g} of the drive: it has no level")
@@ -85,8 +87,9 @@ def _read(dynamics: Dynamics, solution: Solution, observed: Observed, repairs: i
     times = [change for _, change, _ in transitions]
     if not all(float(number.rad()) < 10.0**-digits for number in (level, phase, *times)):
         raise NotProven(f"the precision does not suffice for {digits} digits")
-    bound, contracts = multiplier_bound(dynamics, solution)
-    unique = Uniqueness.CONTRACTION if contracts else Uniqueness.NOT_SHOWN
+    unique = Uniqueness.DAMPING
+    if not dynamics.exact.damped:
+        unique = Uniqueness.CONTRACTION if contracts(dynamics, solution) else Uniqueness.NOT_SHOWN
 
     def enclosed(number: arb) -> Enclosure:
         return _rounded(number, digits + 10)
@@ -97,11 +100,7 @@ def _read(dynamics: Dynamics, solution: Solution, observed: Observed, repairs: i
         phase=enclosed(phase),
         transitions=[ProvenTransition(cell, enclosed(when), MODE_OF_SIGN[mode]) for cell, when, mode in transitions],
         stuck_fraction=[enclosed(_stuck(dynamics, solution, cell)) for cell in range(dynamics.cells)],
-        largest_slip=enclosed(_largest_slip(dynamics, solution)),
-        margin=observed.margin,
-        multipliers_bound=bound,
-        unique_by=Uniqueness.DAMPING if dynamics.exact.damped else unique,
-        inequalities=observed.inequalities,
+        unique_by=unique,
         repairs=repairs,
         seconds=math.nan,
     )
@@ -126,31 +125,14 @@ def _transitions(dynamics: Dynamics, solution: Solution) -> list[tuple[int, arb,
     return sorted(changes, key=lambda change: (change[0], float(change[1].mid())))
 
 
-def _phases(solution: Solution, cell: int) -> list[tuple[int, int, int]]:
-    """Give events of a cell from zero, what follows, and whether the next event is one of the next map."""
-    own = [place for place, (other, _) in enumerate(solution.candidate.events) if other == cell]
-    following = [*own[1:], *own[:1]]
-    return [(place, after, int(after <= place)) for place, after in zip(own, following, strict=True)]
-
-
 def _stuck(dynamics: Dynamics, solution: Solution, cell: int) -> arb:
     """Part of the time that a contact sticks."""
     times, events = boundaries(dynamics, solution.candidate)[1:-1], solution.candidate.events
     if cell in solution.candidate.always_stuck:
         return arb(1)
+    own = [place for place, (other, _) in enumerate(events) if other == cell]
     total = arb(0)
-    for place, after, wraps in _phases(solution, cell):
-        if events[place][1] == 0:
-            total += (times[after] - times[place]) / dynamics.length + wraps
+    for place, after in zip(own, [*own[1:], *own[:1]], strict=True):
+        if events[place][1] == 0:  # the next event may be one of the next map
+            total += (times[after] - times[place]) / dynamics.length + (after <= place)
     return total
-
-
-def _largest_slip(dynamics: Dynamics, solution: Solution) -> arb:
-    """Largest distance that a contact with friction slips between two of its events."""
-    longest = arb(0)
-    for cell in dynamics.rubbing:
-        for place, after, wraps in _phases(solution, cell):
-            if solution.candidate.events[place][1]:
-                here, there = (solution.ends[end][dynamics.cells + cell][0] for end in (place, after))
-                longest = arb.max(longest, abs((dynamics.sign if wraps else 1) * there - here))
-    return longest

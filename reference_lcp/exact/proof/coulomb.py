@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from math import comb, inf, isnan, nan
+from math import comb
 from typing import NoReturn
 
 import numpy as np
@@ -71,44 +71,29 @@ class Part:
     """Negative in the last part, which begins at the end of its stretch."""
     tests: list[Polynomial]
     """What is to be positive, without the exact zeros."""
-    orders: list[int]
-    """Orders of these."""
     signals: list[Polynomial]
     """u of the last outer mass, sin ωt and cos ωt."""
 
 
-@dataclass(frozen=True)
-class Observed:
-    """What Coulomb's tests give on the way."""
+def observe(dynamics: Dynamics, solution: Solution) -> tuple[arb, arb]:
+    """Prove every inequality of Coulomb's law, or raise `NotProven`.
 
-    sine: arb
-    cosine: arb
-    """Integrals of the displacement of the last outer mass times sin ωt and cos ωt."""
-    margin: float
-    """Smallest distance of a sticking force from its mean bound, over that, away from events; ∞ if nothing sticks."""
-    inequalities: int
-
-
-def observe(dynamics: Dynamics, solution: Solution) -> Observed:
-    """Prove every inequality of Coulomb's law, or raise `NotProven`; integrate on the way."""
+    Gives what is integrated on the way: the displacement of the last outer mass times sin ωt, and times cos ωt.
+    """
     check_order(dynamics, solution)
-    sine, cosine, margin, count = arb(0), arb(0), inf, 0
+    sine, cosine = arb(0), arb(0)
     for j in range(len(solution.ends)):
         tests = list(_tests(dynamics, solution, j))
         parts = list(_parts(dynamics, solution, j, tests))
-        for polynomials in parts:
+        for part in parts:
             tell()
-            bounds = positive_bounds(polynomials.tests)
-            for place, (test, order, bound) in enumerate(zip(tests, polynomials.orders, bounds, strict=True)):
-                if not bound > -inf:
-                    _refuse(test, place, j, parts, violated=isnan(bound))
-                if not test.slips and not order:
-                    margin = min(margin, bound / float(dynamics.friction[test.cell].mid()))
-            count += len(tests)
-            u, *waves = map(arb_poly, polynomials.signals)
-            integrals = [abs(polynomials.step) * (u * wave).integral()(arb(1)) for wave in waves]
+            for place, (test, sign) in enumerate(zip(tests, signs(part.tests), strict=True)):
+                if sign is not True:
+                    _refuse(test, place, j, parts, violated=sign is False)
+            u, *waves = map(arb_poly, part.signals)
+            integrals = [abs(part.step) * (u * wave).integral()(arb(1)) for wave in waves]
             sine, cosine = sine + integrals[0], cosine + integrals[1]
-    return Observed(sine, cosine, margin, count)
+    return sine, cosine
 
 
 def check_order(dynamics: Dynamics, solution: Solution) -> None:
@@ -185,7 +170,7 @@ def _parts(dynamics: Dynamics, solution: Solution, stretch: int, tests: list[Tes
             orders = [test.orders[1] if last else 0 if column else test.orders[0] for test in tests]
             positive = [polynomial[order:] for polynomial, order in zip(polynomials, orders, strict=False)]
             origin = until if last else since + column * step
-            yield Part(float(origin.mid()), step, positive, orders, polynomials[len(tests) :])
+            yield Part(float(origin.mid()), step, positive, polynomials[len(tests) :])
 
 
 def _signals(dynamics: Dynamics) -> tuple[int, int, int]:
@@ -206,8 +191,8 @@ def _to_bernstein(precision: int) -> arb_mat:  # noqa: ARG001, balls are those o
     return arb_mat(rows)
 
 
-def positive_bounds(polynomials: list[Polynomial], depth: int = 0) -> list[float]:
-    """Lower bounds on [0, 1] of polynomials that are proven positive; −∞ if undecided, NaN if negative somewhere."""
+def signs(polynomials: list[Polynomial], depth: int = 0) -> list[bool | None]:
+    """Whether polynomials are proven positive on [0, 1], or negative somewhere; ``None`` if undecided."""
     if not polynomials:
         return []
     body = [[*polynomial[:BERNSTEIN], *[arb(0)] * (BERNSTEIN - len(polynomial))] for polynomial in polynomials]
@@ -215,26 +200,24 @@ def positive_bounds(polynomials: list[Polynomial], depth: int = 0) -> list[float
         row.append(around_zero(sum((abs(value) for value in polynomial[BERNSTEIN:]), arb(0))))
     values = (_to_bernstein(ctx.prec) * arb_mat(body).transpose()).transpose().tolist()
     return [
-        min(float(value.lower()) for value in row) if all(value > 0 for value in row) else _halved(polynomial, depth)
+        True if all(value > 0 for value in row) else _halved(polynomial, depth)
         for row, polynomial in zip(values, polynomials, strict=True)
     ]
 
 
-def _halved(polynomial: Polynomial, depth: int) -> float:
+def _halved(polynomial: Polynomial, depth: int) -> bool | None:
     """Give the same for one polynomial, from both halves of the interval."""
     whole = arb_poly(polynomial)
     if whole(arb(0)) < 0 or whole(arb(1)) < 0:
-        return nan
+        return False
     if depth == MOST_HALVINGS:
-        return -inf
-    smallest = inf
+        return None
     for start in (0, 1):
         half = whole(arb_poly([arb(start) / 2, arb(1) / 2]))
-        bound = positive_bounds([[half[k] for k in range(len(polynomial))]], depth + 1)[0]
-        if not bound > -inf:
-            return bound
-        smallest = min(smallest, bound)
-    return smallest
+        (sign,) = signs([[half[k] for k in range(len(polynomial))]], depth + 1)
+        if sign is not True:
+            return sign
+    return True
 
 
 def _refuse(test: Test, place: int, stretch: int, parts: list[Part], *, violated: bool) -> NoReturn:

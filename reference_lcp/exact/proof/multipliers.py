@@ -13,21 +13,20 @@ MOST_DOUBLINGS = 20
 """Squarings of the map's derivative: a million periods, in which a multiplier of 1 - 1e-6 shows."""
 
 
-def multiplier_bound(dynamics: Dynamics, solution: Solution) -> tuple[float, bool]:
-    """Bound the multipliers of one period of the drive, and say whether they are proven to be inside the unit circle.
+def contracts(dynamics: Dynamics, solution: Solution) -> bool:
+    """Whether all multipliers, but for offsets of contacts that always stick, are proven to be inside the unit circle.
 
     The Jacobian on the wide box of the proof often suffices; where not, that on the enclosure of the solution is taken.
     """
-    bound, contracts = _bound(dynamics, solution.candidate, solution.jacobian)
-    if contracts:
-        return bound, True
+    if _contracts(dynamics, solution.candidate, solution.jacobian):
+        return True
     equations, candidate = Equations(dynamics, solution.candidate), solution.candidate
     box = [arb(candidate.state[k]) for k in candidate.unknown] + [arb(time) for time in candidate.times]
     rows, _ = equations.shoot(box, solution.flows, gradients=True)
-    return _bound(dynamics, candidate, arb_mat([row[1:] for row in rows]))
+    return _contracts(dynamics, candidate, arb_mat([row[1:] for row in rows]))
 
 
-def _bound(dynamics: Dynamics, candidate: Candidate, jacobian: arb_mat) -> tuple[float, bool]:
+def _contracts(dynamics: Dynamics, candidate: Candidate, jacobian: arb_mat) -> bool:
     """Eliminate the times of events, and square the derivative M of the map: multipliers are within ‖M^p‖^(1/p).
 
     M is taken in coordinates in which the energy is the sum of squares: there it does not expand, so that balls of its
@@ -41,17 +40,15 @@ def _bound(dynamics: Dynamics, candidate: Candidate, jacobian: arb_mat) -> tuple
         M -= arb_mat([row[size:] for row in rows[m:]]) * by_time.solve(by_state)
     scale = arb_mat(_energy_root(dynamics, candidate.unknown).tolist())
     M = scale * M * scale.inv()
-    best, per_period = float("inf"), 2 if dynamics.exact.half else 1 / dynamics.exact.cycle
-    for doubling in range(MOST_DOUBLINGS):
+    for _ in range(MOST_DOUBLINGS):
         tell()
         norm = sum((abs(entry) ** 2 for entry in M.entries()), arb(0)).sqrt().upper()
         if not norm.is_finite():
             break
-        best = min(best, float(norm) ** (per_period / 2**doubling))
         if norm < 1:
-            return best, True
+            return True
         M = M * M
-    return best, False
+    return False
 
 
 def _energy_root(dynamics: Dynamics, unknown: list[int]) -> NDArray[np.floating]:

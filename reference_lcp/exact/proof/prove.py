@@ -69,16 +69,7 @@ class ProvenSteadyState:
     """All changes between stick and slip, by cell and then by time."""
     stuck_fraction: list[Enclosure]
     """Part of the period that each contact sticks; zero without friction."""
-    largest_slip: Enclosure
-    """Largest distance that a contact slips at a time, over the displacement scale."""
-    margin: float
-    """Smallest distance of a sticking force from its bound, over the bound, where it is not about to leave it; ∞ if
-    nothing sticks."""
-    multipliers_bound: float
-    """Upper bound of all multipliers of a period, but for offsets of contacts that always stick."""
     unique_by: Uniqueness
-    inequalities: int
-    """Number of inequalities of Coulomb's law that have been proven on intervals."""
     repairs: int
     """How often the order of events has been corrected."""
     seconds: float

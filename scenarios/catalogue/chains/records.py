@@ -22,7 +22,7 @@ from reference_lcp.errors import ParameterError
 
 EXAMPLE = Path(__file__).with_name("example_record.csv")
 """Synthetic and earthquake-like, 600 samples in 12 s: noise with the spectrum of Kanai and Tajimi (H. Tajimi, Proc. 2nd
-World Conf. Earthquake Eng., 1960) between 2 and 12 Hz, under an envelope; `tests.scenarios.catalogue.example_record`
+World Conf. Earthquake Eng., 1960) between 2 and 12 Hz, under an envelope; `tests.scenarios.catalogue.test_records`
 makes it."""
 
 REST = 200

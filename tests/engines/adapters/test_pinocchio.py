@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from reference_lcp.chain.drives import HarmonicBase
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from tests.engines.scheme_oracle import STEPS, distance, lane_of, run, scheme
+from tests.engines.scheme_oracle import STEPS, chain_of, distance, lane_of, run, scheme
 
 pytestmark = pytest.mark.needs("pinocchio")
 
@@ -16,8 +14,7 @@ REST = State.at_rest(1, 7)
 
 def nanometres(friction_ratio: float) -> Lane:
     """The canonical chain, moved by a nanometre."""
-    chain = Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=1e-9)
-    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, 1e-9), STEPS)
+    return chain_of(1.0, 1e3, 1e-9, friction_ratio)
 
 
 @pytest.mark.parametrize("preset", ["tuned", "default"])

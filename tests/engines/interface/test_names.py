@@ -26,8 +26,6 @@ def named(*names: str) -> list[str]:
     ("name", "variants"),
     [
         ("mujoco", "mujoco"),
-        ("mujoco:all", "mujoco mujoco:contact"),
-        ("mujoco:joint:all", "mujoco mujoco:joint:default"),
         ("mujoco:all:all", "mujoco mujoco:joint:default mujoco:contact mujoco:contact:newton mujoco:contact:default"),
         ("mujoco:all:recommended", "mujoco:joint:recommended mujoco:contact:recommended"),
     ],
@@ -48,7 +46,6 @@ def test_all_engines_are_each_joint_and_tuned_and_a_name_counts_once() -> None:
         ("mujocko:all", "engine = 'mujocko' is unknown; allowed: reference"),
         ("mujoco:all:best", "preset of mujoco = 'best' is unknown; allowed: tuned, recommended, default, newton"),
         ("mujoco:glue:all", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
-        ("all:joint:best", "preset of all = 'best' is unknown"),
         ("mujoco:all:noslip_iterations=3", "sets noslip_iterations=3 in several variants; allowed: in one"),
     ],
 )

@@ -90,15 +90,13 @@ def test_a_formula_is_a_number_at_every_time_step(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("[own]", "[mine]", "table of .*/presets.toml = 'mine' is unknown; allowed: own, all, tuned, joint, contact"),
         ("shares_scheme = true", "shares = true", "key of .*/presets.toml, joint:tuned = 'shares' is unknown"),
         ("[joint.hard.set]", "[joint.hard.set]\nsweep = [3, 'x']", "option of .*joint:hard.set = 'sweep' is unknown"),
         ("-0.5(1/h)²", "__import__('os')", "joint:hard.set: rate = .* is no formula"),
         ("rate = 1.0", "rate = 1.0\nrate = 2.0", "/presets.toml cannot be read: .*line"),
         ('base = "tuned"', 'base = "turned"', "base of .*joint:hard = 'turned' is unknown; allowed: tuned, default"),
-        ('accuracy_reason = "it is soft"', "", "joint:hard: accuracy_reason is empty"),
     ],
-)  # fmt: skip
+)
 def test_a_mistake_is_one_line_with_file_preset_and_key(tmp_path, old, new, said) -> None:
     assert old in SOUND
     with pytest.raises(ParameterError, match=said) as problem:

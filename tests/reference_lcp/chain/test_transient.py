@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from multibody_xval.scenarios.cases.motions import drive_data
-from reference_lcp import Chain, FilteredNoise, ParameterError, RecordedBase, RickerPulse, SweptSine
+from reference_lcp import FilteredNoise, ParameterError, RecordedBase, RickerPulse, SweptSine
 
 PULSE = RickerPulse(0.01, 30.0, 0.4)
 NOISE = FilteredNoise(0.01, 6.0, 60.0, 40.0, 2.0, seed=3)
@@ -72,12 +72,6 @@ def test_noise_of_one_seed_is_the_same_at_any_times_and_that_of_another_is_not()
     assert abs(np.corrcoef(NOISE.displacement(time), other.displacement(time))[0, 1]) < 0.5
 
 
-def test_base_loads_the_chain_through_spring_and_dashpot() -> None:
-    chain, time = Chain.from_ratios(damping_ratio=0.2), np.linspace(0, 1, 11)
-    expected = 1000.0 * PULSE.displacement(time) + chain.chain_damping[0] * PULSE.velocity(time)
-    assert PULSE.load(chain, time) == pytest.approx(expected)
-
-
 RECORD = RecordedBase((1.0, 1.5, 1.7, 2.6, 3.0), (0.2, 0.3, -0.1, 0.4, 0.25))
 
 
@@ -88,17 +82,6 @@ def test_record_passes_through_its_samples_from_its_first_one_and_is_at_rest_out
     assert RECORD.displacement(np.array([-1.0, 9.0])) == pytest.approx([0.0, 0.05])
     assert np.all(RECORD.velocity(np.array([-1.0, 0.0, 2.0, 3.0])) == pytest.approx(0, abs=1e-14))
     assert (RECORD.amplitude, RECORD.duration) == pytest.approx((0.3, 2.0))
-
-
-def test_finely_sampled_sine_is_interpolated_to_fourth_order_and_its_velocity_to_third() -> None:
-    """A cubic spline's error falls 16 times for half of the spacing, that of its slope 8 times."""
-    errors, fine = [], np.linspace(0, 2 * np.pi, 2001)
-    for samples in (41, 81):
-        times = np.linspace(0, 2 * np.pi, samples)
-        base = RecordedBase(tuple(times.tolist()), tuple((1 - np.cos(times)).tolist()))
-        errors.append([base.displacement(fine) - (1 - np.cos(fine)), base.velocity(fine) - np.sin(fine)])
-    coarse, half = np.max(np.abs(errors), axis=2)
-    assert coarse / half == pytest.approx([16, 8], rel=0.1)
 
 
 def test_records_differ_in_their_parameters_where_a_sample_does() -> None:

@@ -81,7 +81,7 @@ def test_law_of_friction_holds_in_every_stretch_of_coupled_contacts(kinetic, ext
         times = np.linspace(stretch.start, stretch.end, 7)
         motion, normal, friction, slip = (
             stretch.values(series, times)
-            for series in (stretch.motion, stretch.normal_force, stretch.friction, stretch.slip)
+            for series in (stretch.coefficients, stretch.normal_force, stretch.friction, stretch.slip)
         )
         assert motion[0] == pytest.approx(before, abs=1e-9)
         before = motion[-1]

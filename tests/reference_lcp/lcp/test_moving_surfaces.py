@@ -91,13 +91,3 @@ def test_bead_in_a_rough_ring_slows_as_one_over_time() -> None:
         assert np.max(np.abs(np.hypot(*motion.positions.T) - radius)) < radius * (speed * end / steps / radius) ** 2
     assert fitted_order(errors) == pytest.approx(1.0, abs=0.1)
     assert errors[-1] < 4e-3
-
-
-def test_turning_ring_catches_the_bead_at_the_speed_of_its_rim() -> None:
-    mu, radius, speed, rim = 0.4, 0.5, 2.0, 1.0
-    caught = radius / mu * (1 / rim - 1 / speed)
-    motion = moved(bead_inside_a_rough_ring(mu, radius, rim), 1e-3, 1500, [radius, 0.0], [0.0, speed])
-    stuck = np.abs(motion.relative_velocity[:, 0]) < ROUND_OFF
-    assert motion.time[np.argmax(stuck)] == pytest.approx(caught, abs=5e-3)
-    assert np.all(stuck[motion.time > caught + 5e-3])
-    assert motion.normal_force[-1, 0] == pytest.approx(rim**2 / radius, rel=1e-2)

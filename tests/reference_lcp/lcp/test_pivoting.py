@@ -1,8 +1,5 @@
-"""One source for two ways to run it, and problems on which round-off leads a path astray."""
+"""Problems on which round-off leads a path astray."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +8,6 @@ import pytest
 from reference_lcp.lcp import pivoting
 from reference_lcp.lcp.lemke import LemkeStatus, lemke
 from tests.reference_lcp.cases import natural_residual
-from tests.reference_lcp.lcp.collection import CASES
 
 DATA = Path(__file__).parent / "data"
 RESIDUAL = 1e-10
@@ -22,27 +18,6 @@ def literature_case(name):
     numbers = (DATA / name).read_text().split()
     n, values = int(numbers[0]), numbers[6:]
     return np.array(values[: n * n], dtype=float).reshape(n, n).T, np.array(values[n * n : n * n + n], dtype=float)
-
-
-LARGEST = 20
-"""Variables of the largest problem that Python solves too: it takes seconds for one of fifty."""
-
-
-def solved_collection():
-    """Solution, pivots, status and basis of every case, one after the other in one array."""
-    results = [lemke(M, q) for M, q in CASES.values() if q.size <= LARGEST]
-    status = list(LemkeStatus)
-    return np.concatenate([[*r.z, *r.w, *r.basic, r.pivots, r.residual, status.index(r.status)] for r in results])
-
-
-def test_python_and_numba_run_the_same_lines_to_the_same_numbers() -> None:
-    program = f"from {__name__} import solved_collection; print(solved_collection().tobytes().hex())"
-    interpreted = subprocess.run(
-        [sys.executable, "-c", program], env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, cwd=Path(__file__).parents[3],
-        capture_output=True, check=True, timeout=300,
-    )  # fmt: skip
-    same = np.frombuffer(bytes.fromhex(interpreted.stdout.decode()))
-    assert np.array_equal(same, solved_collection(), equal_nan=True)
 
 
 def test_ties_of_integers_are_broken_as_exact_arithmetic_breaks_them() -> None:
@@ -61,14 +36,6 @@ def test_a_tie_of_all_rows_is_broken_by_the_last_column_that_tells_them_apart(n)
     row, x = pivoting._leaving_row(identity, np.vstack([identity, ones]), np.arange(n), ones, ones)
     assert row == n - 1
     assert x.tolist() == ones.tolist()
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_every_covering_vector_leads_to_a_solution_of_the_degenerate_problem(seed) -> None:
-    M, q = literature_case("lcp_tobenna.dat")
-    result = lemke(M, q, covering=np.random.default_rng(seed).uniform(0.5, 2, q.size))
-    assert result.solved
-    assert natural_residual(M, q, result.z) <= RESIDUAL
 
 
 def test_bimatrix_game_has_solutions_that_no_path_finds_and_none_is_made_up() -> None:

@@ -47,16 +47,6 @@ def test_pushed_box_slides_where_mu_is_below_half_its_width_over_the_height_of_t
         assert np.max(np.abs(motion.relative_velocity[:, 1])) < ROUND_OFF
 
 
-def test_sliding_box_leans_on_its_front_foot_by_the_moments_of_push_and_friction() -> None:
-    """(λ_front − λ_rear) b/2 = P (h − s) + μ m g s, with s the height of the centre of mass."""
-    mu, mass, centre, height = 0.2, 2.0, 0.8, 1.2
-    push = 1.3 * mu * mass * GRAVITY
-    motion = moved(pushed_box(mu=mu, push=push), 1e-3, 100)
-    difference = 2 * (push * (height - centre) + mu * mass * GRAVITY * centre)
-    assert np.allclose(motion.normal_force[:, 1] - motion.normal_force[:, 0], difference, rtol=1e-8)
-    assert np.allclose(motion.friction, -mu * motion.normal_force, rtol=1e-8)
-
-
 def sliding_rod(mu, angle=0.7, length=1.0):
     """Painlevé's rod (mass 1) with one end on a plane; freedoms x, y of its centre and its angle."""
 

@@ -13,6 +13,7 @@ from tests.reference_lcp.published.anchors import (
     brake,
     coupled_clutches,
     exact_values,
+    friction_oscillator,
     half_turns,
     rows,
     sdnd100,
@@ -82,3 +83,29 @@ def test_published_clutches_close_one_after_the_other_and_wrong_ones_are_found(c
     motion = EventDrivenSystem(coupled_clutches(**clutches)).motion(**START, times=time)
     own = [motion.positions[:, 0], motion.velocities[:, 0], *motion.relative_velocity.T]
     assert least < np.max(np.abs(np.array(own) - published)) / CLUTCH_UNCERTAINTY < most
+
+
+SCHEME_UNCERTAINTY = 0.03
+"""Of Siconos's x and v: each of seven reversals falls within a step h, which leaves open 2 F h = 0.02."""
+
+OSCILLATOR = {"position": [12.0], "velocity": [6.0]}
+
+
+@pytest.mark.parametrize(("bound", "right"), [(1.0, True), (1.01, False)])
+def test_published_rows_of_the_oscillator_are_those_of_the_exact_motion(bound, right) -> None:
+    time, x, v, _ = rows("friction_oscillator")
+    motion = EventDrivenSystem(friction_oscillator(bound)).motion(**OSCILLATOR, times=time)
+    errors = np.abs(np.array([motion.positions[:, 0] - x, motion.velocities[:, 0] - v]))
+    assert bool(np.max(errors) <= SCHEME_UNCERTAINTY) is right
+
+
+def test_oscillator_turns_where_the_closed_form_does_and_stays_at_the_last() -> None:
+    """Each half turn loses two F / k, until F holds what is left: the seventh place is 2 nearer to zero each time."""
+    first = math.hypot(13.0, 6.0) - 1.0
+    places = (-1.0) ** np.arange(7) * (first - 2 * np.arange(7))
+    times = math.atan2(6.0, 13.0) + math.pi * np.arange(7)
+    motion = EventDrivenSystem(friction_oscillator()).motion(**OSCILLATOR, times=[*times, 24.0, 100.0])
+    assert motion.positions[:7, 0] == pytest.approx(places, abs=1e-12)
+    assert motion.velocities[:7, 0] == pytest.approx(0, abs=1e-12)
+    assert motion.velocities[-2:, 0].tolist() == [0, 0]
+    assert motion.positions[-2:, 0] == pytest.approx(2 - places[-1], abs=1e-12)

@@ -1,11 +1,10 @@
 """What dies out ends at zero: subnormal numbers are slow, and no motion of a chain; all others are as they were."""
 
-import numba
 import numpy as np
 import pytest
 
 from reference_lcp import Chain, CompiledSimulation, Lane, State, StillBase
-from reference_lcp.schemes.subnormals import IS_X86, flush_subnormals, restore
+from reference_lcp.schemes.subnormals import IS_X86
 
 pytestmark = pytest.mark.skipif(not IS_X86, reason="the control register is set on x86-64 only")
 
@@ -34,15 +33,3 @@ def test_a_linear_motion_is_the_same_to_the_last_bit_at_any_size_of_normal_numbe
     large, small = (CompiledSimulation([lane()]).advance(everywhere(size), 0, STEPS) for size in (1.0, power))
     assert np.array_equal(small.positions, power * large.positions)
     assert np.array_equal(small.velocities, power * large.velocities)
-
-
-def test_the_register_is_set_between_the_two_calls_only() -> None:
-    @numba.njit
-    def products(x):
-        before = x * 0.875
-        register = flush_subnormals()
-        inside = x * 0.75
-        restore(register)
-        return before, inside, x * 0.625
-
-    assert products(SUBNORMAL) == (SUBNORMAL * 0.875, 0.0, SUBNORMAL * 0.625)

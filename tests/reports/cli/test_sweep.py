@@ -14,7 +14,7 @@ from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.model import Config, Run, failed
 from multibody_xval.scenarios.store import opened
 from multibody_xval.scenarios.sweeps.dataset import read_dataset
-from multibody_xval.scenarios.sweeps.file import EXAMPLE, read_sweep
+from multibody_xval.scenarios.sweeps.file import read_sweep
 
 pytestmark = pytest.mark.usefixtures("here")
 
@@ -51,7 +51,6 @@ def cells(printed: str) -> dict[str, list[str]]:
 def test_the_example_is_printed_as_it_is_read(tmp_path: Path, capsys) -> None:
     assert run_command(app, ["example"]) == ExitCode.DONE
     (tmp_path / "own.toml").write_text(capsys.readouterr().out)
-    assert (tmp_path / "own.toml").read_text() == EXAMPLE
     assert read_sweep(tmp_path / "own.toml").points == 3 * 3 * 14
 
 
@@ -76,19 +75,14 @@ def test_out_of_the_store_nothing_is_run_and_the_same_is_written(done: Path, mon
     assert cells(capsys.readouterr().out)["mujoco"][:3] == ["4", "0", "2"], "agrees, deviates, not run"
 
 
-def test_a_failure_is_counted_shown_not_obeyed_and_kept_until_it_is_asked_for_again(done, tmp_path, capsys) -> None:
-    """With a reason that a terminal or a spreadsheet would obey."""
+def test_a_failure_is_counted_and_kept_until_it_is_asked_for_again(done, tmp_path, capsys) -> None:
     for name in ("own.toml", "own.sqlite"):
         shutil.copy(done / name, tmp_path)
     case = replace(read_sweep(tmp_path / "own.toml").places[1].case, frequency_ratio=1.5)
     with opened(tmp_path / "own.sqlite") as store:
-        store.add({Run(Config("mujoco"), case, case.steps(400)): failed("\x1b[2J\u202e\n[red]=1+1")})
-    assert run(tmp_path, "--no-run", "--out", str(tmp_path / "own.csv")) == ExitCode.DONE
-    printed = capsys.readouterr().out
-    assert "mujoco: 1 point: \\x1b[2J\\u202e\\n[red]=1+1" in printed.replace("\n", "")
-    assert printed.splitlines()[-1].endswith("none deviates. 1 have no verdict.")
-    for text in (printed, (tmp_path / "own.csv").read_text()):
-        assert not {"\x1b", "\u202e"} & set(text)
-    for options, shown in (([], True), (["--retry-failed"], False)):
+        store.add({Run(Config("mujoco"), case, case.steps(400)): failed("it\ncrashed\x1b[2J")})
+    for options, shown in (["--no-run"], True), ([], True), (["--retry-failed"], False):
         assert run(tmp_path, *options) == ExitCode.DONE
-        assert ("1 point" in capsys.readouterr().out) == shown
+        printed = capsys.readouterr().out
+        assert ("mujoco: 1 point: it\\ncrashed\\x1b[2J" in printed.replace("\n", "")) == shown
+        assert printed.splitlines()[-1].endswith("none deviates. 1 have no verdict.") == shown

@@ -21,32 +21,19 @@ from reference_lcp.errors import ParameterError
 from tests.reports.conftest import SWEEP, kept
 
 
-@pytest.fixture(scope="module")
-def folder(stored: list[Stored], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("report")
-    write_page(stored, folder, "multibody-xval report", left_out="Left out: nothing.")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def page(folder: Path) -> str:
-    return (folder / "index.html").read_text(encoding="utf-8")
-
-
-def test_every_section_that_has_results_is_there(page: str) -> None:
+def test_every_section_and_every_file_that_the_page_names_is_there(stored: list[Stored], tmp_path: Path) -> None:
+    write_page(stored, tmp_path, "multibody-xval report", left_out="Left out: nothing.")
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
     found = re.findall(r'<section id="(\w+)"', page)
     assert found == ["headline", *(name for name in SECTIONS if name != "claims")], "claims need the paper's chain"
     assert "Left out: nothing." in page
     names = re.findall(r'\sid="([^"]+)"', page)
     assert len(names) == len(set(names))
-
-
-def test_every_file_that_the_page_names_is_there(page: str, folder: Path, stored: list[Stored]) -> None:
     named = set(re.findall(r'href="([\w/]+\.(?:csv|pdf))"', page))
     figures = {"headline", "transmittance", "errors", "edges", "stick_slip"}
     assert {f"figures/{name}.pdf" for name in figures} <= named
-    assert [name for name in named if not (folder / name).stat().st_size] == []
-    assert len(pd.read_csv(folder / "points.csv")) == sum(row.run.config.preset_name != "exact" for row in stored)
+    assert [name for name in named if not (tmp_path / name).stat().st_size] == []
+    assert len(pd.read_csv(tmp_path / "points.csv")) == sum(row.run.config.preset_name != "exact" for row in stored)
 
 
 def test_stores_of_two_environments_make_one_page(results: dict[Run, Result], tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ import json
 import math
 import re
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -18,7 +17,6 @@ from multibody_xval.reports.cli.recipe import app
 from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue import recipes
-from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number, with_recipe
 from multibody_xval.scenarios.running.evaluate import Means
@@ -73,17 +71,27 @@ def test_below_it_stand_the_numbers_of_the_table_that_the_command_writes(name) -
     assert recipe_text(name) == pages().with_numbers(recipe_text(name), name, rows[rows.engine == name])
 
 
-@pytest.mark.needs("mujoco")
-def test_the_command_measures_the_numbers_of_mujoco_s_page(monkeypatch) -> None:
-    few = [SCENARIOS[name] for name in ("slope-hold", "stack-hold", "conveyor", "joint-hold")]
+@pytest.mark.parametrize(
+    ("name", "few", "cured"),
+    [
+        pytest.param(name, few, cured, id=name, marks=pytest.mark.needs(name))
+        for name, few, cured in (
+            ("mujoco", ("slope-hold", "stack-hold", "conveyor", "joint-hold"), 7 * [True]),
+            ("pybullet", ("joint-hold", "arm-hold"), [True, True, False, False]),
+        )
+    ],
+)
+def test_the_command_measures_the_numbers_of_a_page(name, few, cured, monkeypatch) -> None:
+    """PyBullet's recipe cures a joint and no arm."""
     scenes_of = recipes.scenes_of
-    monkeypatch.setattr(recipes, "scenes_of", lambda kind: [own for own in scenes_of(kind) if own in few])
+    monkeypatch.setattr(recipes, "scenes_of", lambda kind: [own for own in scenes_of(kind) if own.name in few])
     monkeypatch.setattr(recipes, "step_ratio", lambda *_: 1.0)
-    worst, _ = recipes.recipe_results("mujoco", Means(workers=1))
-    assert len(worst) == 7
+    worst, _ = recipes.recipe_results(name, Means(workers=1))
+    assert worst.cured.tolist() == cured
     for number, own in worst.iterrows():
-        row = " | ".join([number, printed_number(own.default), with_recipe(own.recommended, cured=own.cured)])
-        assert f"| {row} |" in recipe_text("mujoco")
+        default, recommended = (float(f"{value:.4g}") for value in (own.default, own.recommended))  # as in answers.csv
+        row = " | ".join([number, printed_number(default), with_recipe(recommended, cured=own.cured)])
+        assert f"| {row} |" in recipe_text(name)
 
 
 WORST = {
@@ -105,23 +113,6 @@ def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cure
     assert [tuple(own.values()) for own in scenes.values()] == [
         (2.0, 0.0, True), (2.0, 1.0, False), ("never", None, True), (1.0, "failed", False),
     ]  # fmt: skip
-
-
-@pytest.mark.needs("pybullet")
-def test_a_recipe_cures_a_joint_and_no_arm(monkeypatch) -> None:
-    """By what is left over what is allowed."""
-    few = {name: SCENARIOS[name] for name in ("joint-hold", "arm-hold")}
-    cases = {"arm-hold": {"3 hinges": SCENARIOS["arm-hold"].cases["3 hinges, load 0.9"]}}
-    scenes = [replace(own, cases=cases.get(name, own.cases)) for name, own in few.items()]
-    monkeypatch.setattr(recipes, "scenes_of", lambda kind: scenes if kind == Formulation.JOINT else [])
-    monkeypatch.setattr(recipes, "step_ratio", lambda *_: 1.0)
-    worst, _ = recipes.recipe_results("pybullet", Means(workers=1))
-    assert worst.cured.to_dict() == {
-        "joint-hold, turning [µrad/s]": True, "joint-hold, drift [µm/s]": True,
-        "arm-hold, turning [µrad/s]": False, "arm-hold, turned [mrad]": False,
-    }  # fmt: skip
-    assert worst.recommended.iloc[0] == 0
-    assert worst.default.iloc[0] == pytest.approx(1.6355e6, rel=1e-4)
 
 
 def test_the_page_is_printed_as_it_is(capsys) -> None:

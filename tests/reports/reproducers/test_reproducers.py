@@ -6,18 +6,20 @@ import re
 import subprocess
 import sys
 from collections.abc import Sequence
+from datetime import date
+from pathlib import Path
 
 import pytest
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.engines.interface.variant import variants_of
+from multibody_xval.engines.interface.variant import GENERAL, variants_of
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.reproducers import questions
 from multibody_xval.reports.reproducers.questions import SHOWN, Number, Reproduction, reproduction
-from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, header, script
+from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, script
 from multibody_xval.scenarios.cases.motions import Motion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -26,6 +28,7 @@ from multibody_xval.scenarios.model import Config, failed
 from multibody_xval.scenarios.running.evaluate import Means
 from multibody_xval.scenarios.store import Stored
 from reference_lcp.errors import ParameterError
+from tests.scenarios.in_this_process import result_of
 
 ALONE = """
 import ast, importlib, os, runpy, sys
@@ -51,21 +54,54 @@ for script in sys.argv[1:]:
 CODE = 'x"""\nimport os; os.system("touch run")\n"""\\'
 """A version that leaves the docstring of a script."""
 
-LANES = [name for name in SHOWN if not isinstance(next(iter(SCENARIOS[name].cases.values())), SceneMotion)]
-"""Scenarios of chains and blocks."""
+
+@pytest.fixture(autouse=True)
+def computes_here(monkeypatch) -> None:
+    """Compute numbers of scripts in this process."""
+    monkeypatch.setattr(questions, "computed", lambda runs, *_: [Stored(run, "1", result_of(run)) for run in runs])
+
+
+SCENES = {
+    name: case.formulation
+    for name in SHOWN
+    if isinstance(case := next(iter(SCENARIOS[name].cases.values())), SceneMotion)
+}
+"""Scenarios of scenes; the others are of chains and blocks."""
 
 STATIC = "static-above-kinetic"
 
+Place = tuple[Config, str, str | None]
+"""A configuration, a scenario, and one of its cases instead of the one that is shown."""
 
-def lanes_of(config: Config) -> list[str]:
-    """Give those that an engine can represent."""
-    return [name for name in LANES if name != STATIC or config.preset.static_friction]
+WITHOUT = {("box2d3", "spin"), ("pymunk", "spin"), ("genesis", "held-while-shaken")}
+"""Scenes that are not in the plane, and one that an adapter does not push."""
 
+CASES = dict.fromkeys([("box2d3", "pushed-from-rest"), ("pymunk", "pushed-from-rest")], "1.2 μmg, 0°")
+"""Cases in the plane."""
+
+
+def has_script(config: Config, scenario: str) -> bool:
+    """Tell whether there is a script of a scenario."""
+    own, formulation = engine(config.engine), Formulation(config.formulation)
+    if scenario not in SCENES:
+        every = formulation in own.reproducers and not config.preset.optional
+        return every and (scenario != STATIC or config.preset.static_friction)
+    is_scene = formulation == SCENES[scenario] and config.preset_name in GENERAL and own.scene_gap(formulation) is None
+    return is_scene and (config.engine, scenario) not in WITHOUT
+
+
+PLACES: dict[str, list[Place]] = {
+    name: [
+        (config, scenario, CASES.get((name, scenario)))
+        for config in variants_of(name, optional=True) for scenario in SHOWN if has_script(config, scenario)
+    ]
+    for name in engine_names()
+}  # fmt: skip
 
 MEANS, NUMBER = Means(workers=1), Number(0.5, 1.0)
 
-MOST_LINES = 61
-"""A script stays readable in a tracker."""
+MOST_LINES, MOST_LINES_OF_SCENES = 61, 104
+"""A script stays readable in a tracker; that of a scene has the lines by which its adapter makes bodies."""
 
 DIGITS = 1e-11
 """The script prints twelve digits."""
@@ -103,21 +139,12 @@ def per_metre(shown: Reproduction, value: float) -> float:
     return 0.0  # a slip is seen at the end of a step, and does not move by as little as a round-off
 
 
-WITH_TEMPLATE = [
-    config for name in engine_names() for config in variants_of(name)
-    if Formulation(config.formulation) in engine(name).reproducers
-]  # fmt: skip
-
-TEMPLATES = list(dict.fromkeys(f"{each.engine}:{each.formulation}" for each in WITH_TEMPLATE))
-
-
-def check_size(texts: Sequence[str], most_lines: int) -> None:
-    """Look at the size of scripts, and whether they are Python."""
-    for text in texts:
-        lines = text.splitlines()
-        assert len(lines) <= most_lines
-        assert max(map(len, lines)) <= LONGEST_LINE
-        compile(text, "reproducer.py", "exec")
+def check_size(text: str, scenario: str) -> None:
+    """Look at the size of a script, and whether it is Python."""
+    lines = text.splitlines()
+    assert len(lines) <= (MOST_LINES_OF_SCENES if scenario in SCENES else MOST_LINES)
+    assert max(map(len, lines)) <= LONGEST_LINE
+    compile(text, "reproducer.py", "exec")
 
 
 def python_of(config: Config) -> str:
@@ -141,13 +168,17 @@ def printed_one_by_one(texts: Sequence[str], folder, config: Config) -> list[flo
     return [float(re.fullmatch(r".*: (\S+).* \(exact: \S+\)", line).group(1)) for line in lines]
 
 
-def own_number(config: Config, scenario: str) -> tuple[str, float, float]:
+def own_number(place: Place) -> tuple[str, float, float]:
     """Give a script, the suite's number, and how far both may be from each other."""
-    shown = checked(str(config), scenario)
+    config, scenario, case = place
+    shown = checked(str(config), scenario, case)
     number = shown.number(MEANS)
-    left = VALUE_LEFT.get(str(config), 0.0) if shown.quantity.name == "value" else 0.0
-    allowed = (DIGITS + left) * abs(number.value) + per_metre(shown, number.value) * position_tolerance(shown)
-    return script(shown, number), number.value, allowed
+    text, allowed = script(shown, number), DIGITS * abs(number.value)
+    check_size(text, scenario)
+    if scenario not in SCENES:
+        left = VALUE_LEFT.get(str(config), 0.0) if shown.quantity.name == "value" else 0.0
+        allowed += left * abs(number.value) + per_metre(shown, number.value) * position_tolerance(shown)
+    return text, number.value, allowed
 
 
 def position_tolerance(shown: Reproduction) -> float:
@@ -170,51 +201,74 @@ SPOILT = [
     ("exudyn-regularised:joint:default", "static-hold", "zone = [0.001]", "zone = [0.00101]"),
     ("ode", "static-hold", "world.setCFM(0.0)", ""),
     ("sapien:contact:default", "static-hold", "enable_tgs=True", "enable_tgs=False"),
+    ("mujoco:contact:recommended", "slope-hold", 'impratio="10000.0"', ""),
+    ("mujoco:contact:recommended", "spin", "20.0", "40.0"),
+    ("mujoco:joint:default", "joint-stop", "20.0", "40.0"),
+    ("pybullet:contact:default", "slide-to-stop", "rub = 0.5", "rub = 0.495"),
+    ("pybullet:contact:recommended", "conveyor", "rub = 0.5", "rub = 0.495"),
+    ("pybullet:joint:recommended", "joint-stop", "20.0", "40.0"),
 ]
-"""Scripts, and what is an option of their preset: a sweep, friction at rest, a zone, softness, a solver."""
+"""Scripts, and what they have of a preset or a scene: a sweep, friction at rest, a zone, softness, a speed."""
 
 
 @pytest.mark.parametrize(
     ("name", "scenario", "old", "new"),
-    [pytest.param(*own, marks=pytest.mark.needs(own[0].partition(":")[0])) for own in SPOILT],
+    [
+        pytest.param(
+            *own, marks=[pytest.mark.needs(own[0].partition(":")[0]), *[pytest.mark.slow] * (own[1] == STATIC)]
+        )
+        for own in SPOILT
+    ],
 )
-def test_script_prints_the_number_that_the_suite_has_and_another_without_an_option(
-    name: str, scenario: str, old: str, new: str, tmp_path
+def test_script_prints_the_number_that_the_suite_has_and_another_where_it_is_changed(
+    name: str, scenario: str, old: str, new: str, tmp_path: Path
 ) -> None:
     config = Config.parse(name)
-    text, value, allowed = own_number(config, scenario)
+    text, value, allowed = own_number((config, scenario, None))
     assert old in text
     printed, spoilt = printed_one_by_one([text, text.replace(old, new)], tmp_path, config)
     assert printed == pytest.approx(value, rel=0, abs=allowed)
     assert spoilt != pytest.approx(value, rel=0, abs=2 * allowed)
 
 
+def todays(places: Sequence[Place]) -> list[Place]:
+    """Give half of the places of some presets, the other half tomorrow: each scenario with every second preset.
+
+    The options of a preset stand in lines of their own, which are the same in every scenario.
+    """
+    today, by_scenario = date.today().toordinal(), dict[str, list[Place]]()
+    for own in places:
+        by_scenario.setdefault(own[1], []).append(own)
+    every = enumerate(by_scenario.values(), today)
+    return [own for number, presets in every for own in (presets[number % 2 :: 2] or presets)]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_scripts_alone_print_the_numbers_that_the_suite_has(template, tmp_path) -> None:
-    """Those of all presets and scenarios, one after the other."""
-    missing = engine(template.partition(":")[0]).unavailable_reason()
+@pytest.mark.parametrize(
+    ("name", "formulation"), sorted({(name, own[0].formulation) for name, every in PLACES.items() for own in every})
+)
+def test_scripts_alone_print_the_numbers_that_the_suite_has(name: str, formulation: str, tmp_path: Path) -> None:
+    """Those of all scenarios, one after the other."""
+    missing = engine(name).unavailable_reason()
     if missing is not None:
         pytest.skip(missing)
-    configs = [config for config in WITH_TEMPLATE if f"{config.engine}:{config.formulation}" == template]
-    own = {(str(config), name): own_number(config, name) for config in configs for name in lanes_of(config)}
-    texts = [text for text, *_ in own.values()]
-    check_size(texts, MOST_LINES)
-    printed = printed_one_by_one(texts, tmp_path, configs[0])
-    numbers = dict(zip(own, printed, strict=True))
+    asked = todays([own for own in PLACES[name] if own[0].formulation == formulation])
+    texts, values, allowed = zip(*map(own_number, asked), strict=True)
+    printed = printed_one_by_one(texts, tmp_path, asked[0][0])
     off = {
-        place: (numbers[place], value)
-        for place, (_, value, allowed) in own.items()
-        if numbers[place] != pytest.approx(value, rel=0, abs=allowed, nan_ok=True)
+        (str(place[0]), place[1]): (own, value)
+        for place, own, value, most in zip(asked, printed, values, allowed, strict=True)
+        if own != pytest.approx(value, rel=0, abs=most, nan_ok=True)
     }
     assert off == {}
 
 
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_script_is_short_enough_for_a_tracker(template: str) -> None:
-    """That of every scenario, with one preset; the test above has all of them."""
-    config = next(config for config in WITH_TEMPLATE if f"{config.engine}:{config.formulation}" == template)
-    check_size([script(checked(str(config), name), NUMBER) for name in lanes_of(config)], MOST_LINES)
+@pytest.mark.parametrize("name", [name for name, own in PLACES.items() if own])
+def test_scripts_of_an_engine_are_short_enough_for_a_tracker(name: str) -> None:
+    """Those of every scenario with one preset, whether the engine is installed or not; the test above has all."""
+    one_preset = {(config.formulation, scenario): (config, scenario, case) for config, scenario, case in PLACES[name]}
+    for config, scenario, case in one_preset.values():
+        check_size(script(checked(str(config), scenario, case), NUMBER), scenario)
 
 
 def statements(text: str) -> list[str]:
@@ -232,18 +286,27 @@ def test_a_version_that_is_code_stays_a_text_of_the_script(monkeypatch) -> None:
     text = script(shown, NUMBER)
     assert statements(text) == expected
     assert "touch run" in ast.get_docstring(ast.parse(text))
-    assert len(text.splitlines()) <= MOST_LINES
+    check_size(text, "static-hold")
 
 
-def test_a_number_that_there_is_none_of_has_no_script(monkeypatch) -> None:
+def test_what_has_no_number_or_no_script_is_refused(monkeypatch) -> None:
+    with pytest.raises(ParameterError, match=r"turn = 0\.5 of a box on its plane; allowed in two dimensions: 0"):
+        checked("box2d3:contact:default", "slope-hold", "load 0.5, turned")
     monkeypatch.setattr(questions, "computed", lambda runs, *_: [Stored(run, "1", failed("it hangs")) for run in runs])
     with pytest.raises(ParameterError, match=r"mujoco has no number of '1 kg, load 0\.99': it hangs"):
         checked("mujoco", "static-hold").number(MEANS)
 
 
-def test_a_block_that_never_slips_has_no_number_in_the_header() -> None:
-    text = header(checked("mujoco", "breakaway"), Number(math.nan, 1.0))
-    assert text.endswith("breakaway: 1 kg, 2 ms. Exact: 1; the cross-validation suite has no number.")
+@pytest.mark.parametrize(
+    ("name", "scenario", "shown"),
+    [
+        ("mujoco", "stack-hold", "mujoco:contact:recommended"),
+        ("mujoco", "joint-hold", "mujoco:joint:recommended"),
+        ("mujoco:contact:default", "stack-hold", "mujoco:contact:default"),
+    ],
+)
+def test_a_bare_engine_shows_the_recipe_in_the_formulation_of_the_scene(name, scenario, shown) -> None:
+    assert checked(name, scenario).run.config == Config.parse(shown)
 
 
 def test_figure_3_is_asked_from_rest() -> None:

@@ -16,7 +16,12 @@ from multibody_xval.scenarios.catalogue.blocks.static_friction import STATIC_ABO
 from multibody_xval.scenarios.catalogue.blocks.thrown import STOPPING_DISTANCE
 from multibody_xval.scenarios.catalogue.chains import broadband
 from multibody_xval.scenarios.catalogue.chains import steady_states as chains
-from multibody_xval.scenarios.catalogue.chains.closed_forms import DEN_HARTOG, FRICTIONLESS_LIMIT, LOCKED_LIMIT
+from multibody_xval.scenarios.catalogue.chains.closed_forms import (
+    DEN_HARTOG,
+    FRICTIONLESS_LIMIT,
+    LOCKED_LIMIT,
+    ONE_CONTACT,
+)
 from multibody_xval.scenarios.catalogue.chains.free_decay import FREE_DECAY
 from multibody_xval.scenarios.catalogue.chains.long_run import LONG_RUN
 from multibody_xval.scenarios.catalogue.chains.normal_forces import MODULATED_NORMAL_FORCE
@@ -45,6 +50,7 @@ SMALL = {
     "without friction": FRICTIONLESS_LIMIT,
     "locked": only(LOCKED_LIMIT, "η_r 1.1"),
     "den Hartog": DEN_HARTOG,
+    "one contact": only(ONE_CONTACT, "6 masses"),
     "normal force": only(MODULATED_NORMAL_FORCE, CLOSED, OPENS),
     "decay": only(FREE_DECAY, "inner masses let go"),
     "pulse": replace(broadband.RICKER_PULSE, cases=broadband.followed(PULSE.drive, 40, (0.03,))),
@@ -84,7 +90,8 @@ def stronger(factor: float) -> Callable[[AnyCase], AnyCase]:
     def change(case: AnyCase) -> AnyCase:
         if isinstance(case, BlockMotion):
             return pressed(factor)(case)
-        return replace(case, friction_ratio=factor * case.friction_ratio)  # type: ignore[union-attr, operator]
+        assert case.friction_profile == 1  # type: ignore[union-attr]
+        return replace(case, friction_profile=factor)
 
     return change
 
@@ -108,6 +115,8 @@ MISTAKES = [
     ("wide range", stronger(1.01), T, T),
     ("den Hartog", stronger(1.001), T, set()),
     ("den Hartog", stronger(1.05), T, T),
+    ("one contact", stronger(1.001), T, set()),
+    ("one contact", stronger(1.05), T, T),
     ("graded", lambda own: replace(own, friction_ratio=own.friction_ratio[::-1]), {*T, "missed", "stuck fraction"}, T),
     ("without friction", lambda own: replace(own, friction_ratio=0.01), T, T),
     ("locked", lambda own: replace(own, friction_ratio=0.5), T, T),

@@ -6,12 +6,10 @@ from dataclasses import replace
 import pytest
 
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.motion_tables import series
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.scenes import scene
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status
 from multibody_xval.scenarios.report_plan import HEADLINE, HEADLINE_STEPS, grid, report_runs
-from multibody_xval.scenarios.result_tables import full_name
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.judge import AGREES, DEVIATES
 from multibody_xval.scenarios.store import Stored
@@ -41,12 +39,6 @@ def test_scenes_are_judged_of_recipes_alone_and_a_stated_drift_is_allowed() -> N
         assert table.value.tolist() == pytest.approx([drift, 0.0])
         assert table.judged.all()
     assert not numbers(SLOPE, [box(default, 0.0)]).judged.any()
-
-
-def test_series_are_a_row_a_number() -> None:
-    table = series([SLOPE], [box(RECIPE, 1.0)], {full_name(RECIPE)})
-    along = table[table.series == "along"]
-    assert along[["case", "row", "value"]].to_numpy().tolist() == [["load 0.5, 1 ms", 1, 2e-6]]
 
 
 def test_every_scenario_plans_the_runs_of_its_ruler_and_says_what_it_asks() -> None:

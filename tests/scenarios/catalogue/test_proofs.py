@@ -99,8 +99,6 @@ def test_linear_limits_in_closed_form_are_what_is_proven() -> None:
     free = [case for case in proven() if case.friction_ratio == 0]
     locked = [case for case in proven() if case.friction_ratio == 5 and case.cells == 3]
     assert (len(free) > 50, len(locked)) == (True, 2)
-    for limit, cases in enumerate((free, locked)):
-        for case in cases:
-            assert not proven_levels()[case].events
-            own = proven()[case]
-            assert abs(linear_limits(case)[limit] - own) <= FLOATS * max(1.0, abs(own))
+    for case, limit in [*((own, 0) for own in free), *((own, 1) for own in locked)]:
+        assert not proven_levels()[case].events
+        assert abs(linear_limits(case)[limit] - proven()[case]) <= FLOATS * max(1.0, abs(proven()[case]))

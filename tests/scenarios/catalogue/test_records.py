@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from multibody_xval.scenarios.cases.motions import ChainMotion
@@ -14,8 +15,28 @@ from multibody_xval.scenarios.model import Run
 from multibody_xval.scenarios.ruler.judge import AGREES
 from multibody_xval.scenarios.store import Stored
 from reference_lcp import ParameterError, RecordedBase
-from tests.scenarios.catalogue.example_record import PEAK, example_samples
 from tests.scenarios.in_this_process import SHARES, only, result_of
+
+PEAK = 0.01
+"""The largest displacement of the example [m]."""
+
+
+def example_samples() -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and displacements [m] of the example, shape (600,), rounded as in the file.
+
+    Noise of evenly drawn phases with the spectrum of Kanai and Tajimi, (1 + 4 ζ_g² r²) / ((1 − r²)² + 4 ζ_g² r²)
+    with r = ω / ω_g, of a firm soil (H. Tajimi, Proc. 2nd World Conf. Earthquake Eng., 1960), here of the displacement,
+    between 2 and 12 Hz, under the envelope (t/2 s) exp(1 − t/2 s) (1 − (t/T)⁴)², which begins and ends at rest. Slower
+    shaking would set the whole chain swinging, for much longer than the record lasts.
+    """
+    time, omega = 0.02 * np.arange(600), 2 * np.pi * np.arange(2.0, 12.0, 0.05)
+    r, damping = omega / (2 * np.pi * 4.0), 0.6
+    ground = (2 * damping * r) ** 2
+    amplitude = np.sqrt((1 + ground) / ((1 - r**2) ** 2 + ground))
+    phase = 2 * np.pi * np.random.Generator(np.random.PCG64(20)).random(omega.size)
+    envelope = time / 2 * np.exp(1 - time / 2) * (1 - (time / time[-1]) ** 4) ** 2
+    shaking = envelope * (np.sin(np.outer(time, omega) + phase) @ amplitude)
+    return np.round(time, 2), np.round(PEAK * shaking / np.max(np.abs(shaking)), 8)
 
 
 def test_example_record_is_its_formula_and_small() -> None:
@@ -58,8 +79,6 @@ COARSE = "\n".join(f"{0.06 * k:.4f},{0.01 * math.sin(k)}" for k in range(50)).en
         (b"\xff\xfe\x00\x01", "record {file} cannot be read: 'utf-8' codec"),
         (GOOD + b"0.4\n", "line 5 of record {file} has 1 columns; allowed: 2, time [s] and displacement [m]"),
         (GOOD + b"0.4,nan\n", "'nan' in line 5 of record {file} is not a number; allowed: finite numbers"),
-        (GOOD + b"0.4,1e999\n", "'1e999' in line 5 of record {file} is not a number; allowed: finite numbers"),
-        (GOOD + b"0.4,\n", "'' in line 5 of record {file} is not a number"),
         (GOOD + b"0.3,1\n", "record {file}: time = 0.3 s in sample 5 of the record; allowed: > 0.3 s"),
         (b"0,1\n1,1\n2,1\n3,1\n", "displacement = 1 m throughout; allowed: a base that moves"),
         (COARSE, "too coarse: samples are up to 0.06 s apart; allowed: <= 0.0496"),

@@ -63,11 +63,11 @@ def test_the_answers_are_those_of_this_machine(cluster) -> None:
 
 def test_a_run_that_hangs_or_crashes_fails_alone(cluster) -> None:
     runs = [run for name in ("faulty-hang", "faulty-crash") for run in runs_of(name, 0.5, 0.6)]
-    found = computed(runs, Means(scheduler=cluster[0], seconds_a_run=3.0))
-    assert [own.result.status for own in found if own.run.case.frequency_ratio == 0.6] == [Status.PERIODIC] * 2
-    reasons = {own.run.config.engine: own.result.reason for own in found if own.result.status is Status.FAILED}
-    assert "time limit" in reasons["faulty-hang"]
-    assert "SIGSEGV" in reasons["faulty-crash"]
+    hung, sound, crashed, other = (own.result for own in computed(runs, Means(scheduler=cluster[0], seconds_a_run=3.0)))
+    assert sound.status is other.status is Status.PERIODIC
+    assert hung.status is crashed.status is Status.FAILED
+    assert "time limit" in hung.reason
+    assert "SIGSEGV" in crashed.reason
 
 
 def test_nobody_at_the_address_is_a_line_and_is_no_longer_asked(monkeypatch) -> None:

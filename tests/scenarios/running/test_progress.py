@@ -1,10 +1,7 @@
 """What is said of a command while it computes: step, part, time left, the first result."""
 
-from pathlib import Path
-
 from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, Status
 from multibody_xval.scenarios.running import progress
-from multibody_xval.scenarios.running.evaluate import Means, computed
 from multibody_xval.scenarios.running.progress import shown
 
 
@@ -27,13 +24,3 @@ def test_a_line_has_step_part_and_time_left_from_the_start(capsys, monkeypatch) 
         "step 1 of 2, grid: 50 of 100 runs, about 10 s left",
         "step 1 of 2, grid: 100 of 100 runs",
     ]
-
-
-def test_what_a_store_has_is_neither_counted_nor_the_first_result(tmp_path: Path, capsys) -> None:
-    means = Means(store=tmp_path / "results.sqlite", workers=1)
-    computed([run_at(1), run_at(2)], means, "grid")
-    assert capsys.readouterr().err.splitlines()[-1] == "grid: 2 of 2 runs"
-    computed([run_at(1), run_at(2)], means, "grid", then=[("more", lambda table: [run_at(3)] * (len(table) == 2))])
-    first, second, *_ = capsys.readouterr().err.splitlines()
-    assert first == "step 2 of 2, more: 0 of 1 runs, about 1 s left"
-    assert second.startswith("first result: reference, friction 0.3, frequency 0.503")

@@ -7,10 +7,9 @@ import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.model import REFERENCE, Config, Result, Run, Status
-from multibody_xval.scenarios.result_tables import points
+from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.ruler.proven import proven
-from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies import accuracy_map
 from multibody_xval.scenarios.studies import laws as study
 from multibody_xval.scenarios.studies.step_study import MOST_STEPS, TIMED, finer, remarks, step_runs, step_table
@@ -23,7 +22,7 @@ def accuracy(factor: Callable[[Run], complex] = lambda _: 1.0) -> pd.Series:
     runs = [run for run in accuracy_map.map_runs([TUNED]) if run.config == TUNED]
     results = {run: Result(status=Status.PERIODIC, transmittance=proven()[run.case] * factor(run), stick_velocity=0.0)
                for run in runs}  # fmt: skip
-    (row,) = accuracy_map.accuracies(judged(points([Stored(run, "1", own) for run, own in results.items()]))).iloc
+    (row,) = accuracy_map.accuracies(judged(points(now(results)))).iloc
     return row
 
 
@@ -53,22 +52,23 @@ A_STEP, PERIODS = 3e-6, 20
 
 def stepped(steps: Sequence[int], error_db: Callable[[int], float] = lambda steps: 4 / steps) -> pd.DataFrame:
     """Give points that are off by an error, and take some time a step."""
-
-    def result(run: Run) -> Result:
-        ratio = proven()[run.case] * 10 ** (error_db(run.steps) / 20)
-        seconds = A_STEP * PERIODS * run.steps
-        return Result(status=Status.PERIODIC, transmittance=ratio, periods=PERIODS, seconds=seconds)
-
-    runs = [run for run in step_runs([DEFAULT], steps) if run.config == DEFAULT and run.steps in steps]
-    return points([Stored(run, "1", result(run)) for run in runs])
+    asked = [run for run in step_runs([DEFAULT], steps) if run.config == DEFAULT and run.steps in steps]
+    results = {
+        run: Result(
+            status=Status.PERIODIC, transmittance=proven()[run.case] * 10 ** (error_db(run.steps) / 20),
+            periods=PERIODS, seconds=A_STEP * PERIODS * run.steps,
+        )
+        for run in asked
+    }  # fmt: skip
+    return points(now(results))
 
 
 def test_error_and_cost_are_read_from_results_by_ascending_steps() -> None:
-    own = step_table(judged(stepped([800, 100, 400])))
-    assert own.steps.tolist() == [100, 400, 800]
-    assert own.error_db.tolist() == pytest.approx([4 / 100, 4 / 400, 4 / 800])
+    own, steps = step_table(judged(stepped([800, 100, 400]))), np.array([100, 400, 800])
+    assert own.steps.tolist() == steps.tolist()
+    assert own.error_db.tolist() == pytest.approx(4 / steps)
     assert own.step_seconds.tolist() == pytest.approx([A_STEP] * 3)
-    assert own.seconds.tolist() == pytest.approx([A_STEP * PERIODS * steps for steps in (100, 400, 800)])
+    assert own.seconds.tolist() == pytest.approx(A_STEP * PERIODS * steps)
     assert own.milliseconds[1] == pytest.approx(1e3 * A_STEP / TIMED.lane(400).time_step)
     assert own["product"][1] == pytest.approx(own.error_db[1] * own.milliseconds[1])
 
@@ -77,10 +77,8 @@ def test_steps_are_doubled_only_where_the_error_falls_and_no_farther_than_the_mo
     for error_db, count in ((0.89, 0), (0.91, 1)):
         table = step_table(judged(stepped([50, 400], {50: 1.0, 400: error_db**3}.__getitem__)))
         assert len(remarks(table)) == count, "it has to fall at every doubling"
-    falls = finer(stepped([400, 800]))
-    assert ({run.steps for run in falls}, {run.config for run in falls}) == ({1600}, {DEFAULT})
-    assert finer(stepped([400, 800], lambda _: 1.0)) == []
-    assert finer(stepped([MOST_STEPS // 2, MOST_STEPS])) == []
+    assert {(run.steps, run.config) for run in finer(stepped([400, 800]))} == {(1600, DEFAULT)}
+    assert finer(stepped([400, 800], lambda _: 1.0)) == finer(stepped([MOST_STEPS // 2, MOST_STEPS])) == []
 
 
 def test_soft_friction_of_a_joint_is_what_its_law_says_and_far_from_coulombs() -> None:

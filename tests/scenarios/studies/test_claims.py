@@ -87,12 +87,12 @@ def test_claims_hold_for_the_reference_with_the_published_edges(reference) -> No
     assert "none up to 3 at 0.1, 0.3, 0.6" in study.claims(*reference).numbers[0]
 
 
-@pytest.mark.parametrize(("friction", "number"), [(0.1, 0), (5.0, 1), (5.0, 2)])
-def test_a_claim_whose_points_are_missing_is_open_and_says_which(friction: float, number: int) -> None:
+def test_a_claim_whose_points_are_missing_is_open_and_says_which() -> None:
     whole = known(made())
     assert [answer for answer, _, _ in study.answers(whole)] == EXPECTED
-    text = f"missing: the band at friction ratio {friction:g}"
-    assert study.answers(whole.drop(index=friction))[number] == (study.OPEN, text, "")
+    for friction, number in ((0.1, 0), (5.0, 1), (5.0, 2)):
+        text = f"missing: the band at friction ratio {friction:g}"
+        assert study.answers(whole.drop(index=friction))[number] == (study.OPEN, text, "")
 
 
 @pytest.mark.parametrize(

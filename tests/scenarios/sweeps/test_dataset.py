@@ -54,8 +54,7 @@ def file(data: xr.Dataset, tmp_path: Path) -> Path:
 
 
 def test_axes_are_in_the_order_of_the_sweep_and_everything_has_a_unit(data: xr.Dataset) -> None:
-    sizes = {"configuration": 2, "friction_ratio": 2, "frequency_ratio": 2, "cells": 2, "cell": 2}
-    assert dict(data.sizes) == sizes
+    assert dict(data.sizes) == dict.fromkeys(("configuration", "friction_ratio", "frequency_ratio", "cells", "cell"), 2)
     assert data.friction_ratio.values.tolist() == [0.3, 0.1]
     assert data.transmittance_db.attrs["units"] == "dB"
     for name in ("friction_ratio", "frequency_ratio", "cells", "error_db", "exact_deg", "seconds", "stuck_fraction"):
@@ -85,20 +84,14 @@ def test_where_a_sweep_has_no_point_it_is_missing_and_a_tolerance_decides_instea
     assert set(by_tolerance(table, 10.0).verdict) == {"agrees"}
 
 
-def with_attribute(value: str) -> Callable[[xr.Dataset], xr.Dataset]:
-    return lambda data: data.assign_attrs(sweep=value)
-
-
 FOREIGN = json.dumps({"engines": ["nope"], "grid": {"friction_ratio": [0.1], "frequency_ratio": [0.1]}})
 
 SPOILT: dict[str, Callable[[xr.Dataset], Any]] = {
     "the data have no attribute 'sweep'": lambda data: data.drop_attrs(),
-    "attribute 'sweep' of the data: .*; allowed": with_attribute("[" * 5000),
-    "attribute 'sweep' of the data: engine = 'nope' is unknown": with_attribute(FOREIGN),
+    "attribute 'sweep' of the data: engine = 'nope' is unknown": lambda data: data.assign_attrs(sweep=FOREIGN),
     "not as a sweep gives them: .*exact_real.*; allowed: ": lambda data: data.drop_vars("exact_real"),
     "not as a sweep gives them: Unable to parse string": lambda data: data.assign(transmittance_db=data.status),
     "friction_ratio = -0.3": lambda data: data.assign_coords(friction_ratio=[-0.3, 0.1]),
-    "engine = 'mujocko' is unknown": lambda data: data.assign_coords(configuration=["mujocko", "mujoco"]),
     "data is a DataFrame; allowed: the dataset of a sweep": lambda _: pd.DataFrame(),
 }  # fmt: skip
 
@@ -109,15 +102,11 @@ def test_what_no_sweep_has_given_is_refused(data: xr.Dataset, message: str) -> N
         judged_table(SPOILT[message](data))
 
 
-NO_NETCDF = r"own\.nc cannot be read: .*; allowed: NetCDF"
-
-
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("own.nc", b"text", NO_NETCDF),
-        ("own.nc", b"\x89HDF\r\n\x1a\n" + bytes(100), NO_NETCDF),
-        ("own.nc", b"CDF\x01" + bytes(100), NO_NETCDF),
+        ("own.nc", b"text", r"own\.nc cannot be read: .*; allowed: NetCDF"),
+        ("own.nc", b"CDF\x01" + bytes(100), r"own\.nc cannot be read: .*; allowed: NetCDF"),
         ("own.txt", b"", "the ending '.txt'; allowed"),
         ("none.nc", None, "no such file"),
     ],
@@ -155,9 +144,8 @@ def test_a_small_file_of_huge_arrays_is_refused(data: xr.Dataset, tmp_path: Path
 @pytest.mark.parametrize("ending", [".nc", ".csv"])
 def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(data: xr.Dataset, tmp_path: Path, ending: str) -> None:
     """A limit on the size of files stands for the disk."""
-    file = tmp_path / f"old{ending}"
+    file, old = tmp_path / f"old{ending}", resource.getrlimit(resource.RLIMIT_FSIZE)
     file.write_bytes(kept := b"what was there before")
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, old[1]))
     try:
         with pytest.raises(RunError, match=r"cannot be written: .*; it is as it was"):
@@ -165,5 +153,3 @@ def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(data: xr.Dataset, tmp
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, old)
     assert (list(tmp_path.iterdir()), file.read_bytes()) == ([file], kept)
-    write_dataset(data, file)
-    assert file.stat().st_size > 100

@@ -26,18 +26,16 @@ SLIDING = [name for name in problems() if name not in ("block-held", "chain-fric
 """Problems in which a contact slides."""
 
 
-def example(language: str, folder: Path, files: Iterable[Path], change: tuple[str, str] | None = None):
+def example(language: str, folder: Path, files: Iterable[Path], change: tuple[str, str] = ("", "")):
     """Run a copy of a runner with its example engine on files; a text of the engine is changed."""
     ending, compiler = LANGUAGES[language]
     if compiler and not shutil.which(compiler[0]):
         (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{compiler[0]} is not installed")
     for file in RUNNERS.glob("*.*"):
         shutil.copy(file, folder)
-    if change:
-        example = folder / f"example.{ending}"
-        text = example.read_text()
-        assert text.count(change[0]) == 1
-        example.write_text(text.replace(*change))
+    text = (folder / f"example.{ending}").read_text()
+    assert not change[0] or text.count(change[0]) == 1
+    (folder / f"example.{ending}").write_text(text.replace(*change))
     if compiler:
         subprocess.run(compiler, cwd=folder, check=True, capture_output=True, text=True)
     command = ["./example"] if compiler else [sys.executable, "example.py"]

@@ -111,10 +111,7 @@ def test_floating_point_is_within_its_error_of_what_is_proven(name) -> None:
     assert [(change.cell, change.kind) for change in proof.transitions] == changes
     times = [change.time / state.orbit.lane.drive.period for change in state.transitions]
     assert [float(change.time_over_period.value) for change in proof.transitions] == pytest.approx(times, abs=1e-11)
-    slips = np.array(state.travels) / state.orbit.lane.drive.amplitude
-    assert float(proof.largest_slip.value) == pytest.approx(np.max(slips, initial=0.0), abs=1e-10)
     assert str(proof.unique_by) == unique_by
-    assert (proof.multipliers_bound < 1) == (unique_by != "not shown")
 
 
 @pytest.mark.parametrize("make", [HarmonicBase, HarmonicForce])
