@@ -8,7 +8,7 @@ from multibody_xval.engines.box2d3.joint import Box2DJointLane
 from multibody_xval.engines.box2d3.scene import STEP, contacts, joints
 from multibody_xval.engines.interface.preset_file import presets_of
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from multibody_xval.engines.interface.tolerances import SINGLE_RESIDUAL
+from multibody_xval.engines.interface.tolerances import SUBSTEPS_RESIDUAL
 from multibody_xval.engines.shared.pip_engine import PipEngine
 from multibody_xval.engines.shared.script_units import script_in_units
 
@@ -26,7 +26,7 @@ class Box2D3(PipEngine):
         friction_law=FrictionLaw.COULOMB,
         presets=presets_of(Path(__file__).with_name("presets.toml"), "Box2D"),
         precision="single",
-        residual=SINGLE_RESIDUAL,
+        residual=SUBSTEPS_RESIDUAL,
         notes=(
             "Coulomb's law, in single precision. Contacts are soft across, and exact along. By default a step has four "
             "substeps, springs are joints, implicit and therefore damping, and bodies that move slower than 0.05 m/s "
