@@ -16,7 +16,7 @@ STIFFEST = 0.125
 """Frequency of contacts over that of substeps, at most: Box2D's own bound."""
 
 ROUNDINGS = 4
-"""Of the velocities and forces of a step that friction is read from."""
+"""Of the velocities and forces in each substep, that friction is read from: with fewer, slip is read as stick."""
 
 
 class Box2DContactLane(PressedLane, Box2DLane):
@@ -71,6 +71,7 @@ class Box2DContactLane(PressedLane, Box2DLane):
         (friction, normal), speed = read.swapaxes(0, 1), np.abs(motions[:, -self._chain.cells :])
         bound = self._chain.friction_coefficient * self._chain.normal_force
         momentum = self._chain.inner_mass * np.maximum(speed[1:], speed[:-1]) / self._time_step
-        full = np.abs(friction) > bound - ROUNDINGS * SINGLE * (momentum + bound)
+        roundings = ROUNDINGS * self._preset["sub_step_count"]
+        full = np.abs(friction) > bound - roundings * SINGLE * (momentum + bound)
         friction = np.where(full, np.copysign(bound, friction), friction)
         return friction * self._units.force, normal * self._units.force

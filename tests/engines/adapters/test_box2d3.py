@@ -25,7 +25,7 @@ def test_friction_of_a_contact_has_its_bound_from_the_first_step_on() -> None:
     assert distance(lane, state, run("box2d3:contact", lane, state, 20)) <= 20 * SINGLE
 
 
-@pytest.mark.parametrize("preset", ["tuned", "default"])
+@pytest.mark.parametrize("preset", ["tuned", "default", "recommended"])
 def test_friction_read_from_momentum_is_the_bound_while_a_disc_slides(preset: str) -> None:
     lane, fast = lane_of(), np.zeros((1, 14))
     fast[0, 7:] = 100 * AMPLITUDE
