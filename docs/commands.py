@@ -1,40 +1,34 @@
-"""The page of all commands with their options, from the commands themselves.
-
-The documentation calls `write` before it is built; what it writes is not kept.
-"""
+"""All commands with their options, from the commands themselves: a part of the page of commands (`docs/tables.py`)."""
 
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from multibody_xval.reports.cli import scenario
 from multibody_xval.reports.cli.console_script import COMMANDS, loaded
+from multibody_xval.reports.cli.run import STUDIES
 
-INTRODUCTION = """# Commands and options
-
-All commands are those of `multibody-xval`; `multibody-xval COMMAND --help` prints what is here.
-[](exit_codes.md) has the exit codes, [](glossary.md) the words.
-"""
+SHARED = {*scenario.names()} - STUDIES.keys()
+"""Commands that are made when they are used, and have the options of all scenarios."""
 
 
-def write(page: Path) -> None:
-    """Write the page as Markdown."""
-    lines = [INTRODUCTION]
-    for name in COMMANDS:
-        lines += _command([name], loaded(name))
-    page.write_text("\n".join(lines), encoding="utf-8")
+def lines() -> list[str]:
+    """Give the lines of all commands."""
+    found = [line for name in COMMANDS for line in _command([name], loaded(name))]
+    return "\n".join(found).strip().splitlines()
 
 
 def _command(path: list[str], command: Any, above: list[str] | None = None) -> Iterator[str]:
-    """Give the lines of a command, then those of the ones below it, unless they have names of their own."""
+    """Give the lines of a command, then those of the ones below it, but for `SHARED`."""
     name = " ".join(path)
-    yield from ("", f"{'#' * (len(path) + 1)} `{name}`", "", *_help(command.help))
+    yield from ("", f"{'#' * (len(path) + 2)} `{name}`", "", *_help(command.help))
     options = list(_options(command.params))
     if options and options == above:
         yield "Options: as above."
     elif options:
         yield from ("| option | what it does |", "|---|---|", *options)
-    below = getattr(command, "commands", {})
+    below = {child: own for child, own in getattr(command, "commands", {}).items() if child not in SHARED}
     before: list[str] = []
     for child, own in below.items():
         yield from _command([*path, child], own, before)

@@ -1,82 +1,31 @@
 """Configuration of the documentation: `python -m sphinx -W -j auto -b html docs docs/_build`."""
 
 import re
-import runpy
-import sys
 from html import escape
 from importlib.metadata import version as version_of
-from pathlib import Path
 
 import ziamath
 from docutils.nodes import SkipNode
-
-DOCS = Path(__file__).parent
-VERDICTS = DOCS / "verdicts"
-sys.path += [str(DOCS), str(VERDICTS)]
 
 project = "multibody-xval"
 author = "the authors of multibody-xval"
 project_copyright = author
 version = release = version_of("multibody-xval")
 
-extensions = [
-    "myst_nb",
-    "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
-    "numpydoc",
-    "sphinx.ext.viewcode",
-    "sphinx_copybutton",
-]
-exclude_patterns = ["_build", "jupyter_execute"]
+extensions = ["myst_parser", "sphinx_copybutton"]
+exclude_patterns = ["_build"]
 html_theme = "furo"
 html_title = "multibody-xval"
 html_static_path = ["_static"]
 html_css_files = ["page.css"]
 html_math_renderer = "svg"
 
-myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
+myst_enable_extensions = ["amsmath", "dollarmath"]
 myst_heading_anchors = 3
-nb_execution_mode = "force"
-nb_execution_raise_on_error = True
-nb_execution_timeout = 300
-nb_merge_streams = True
-nb_output_stderr = "remove"  # bars of progress
-
-python_maximum_signature_line_length = 100
-autodoc_member_order = "bysource"
-autodoc_typehints = "signature"
-default_role = "py:obj"
-numpydoc_show_class_members = False
 suppress_warnings = ["myst.header"]
 
 MATH_SIZE = 17
 """Pixels: as high as the text beside it."""
-
-HANDS = 6
-"""Of how many parts, about, the pages are read on two processors."""
-
-_LITERAL = re.compile(r"(``.+?``|`.+?`)")
-_FLOAT_ARRAY = "numpy.ndarray[tuple[~typing.Any, ...], ~numpy.dtype[~numpy.float64]]"
-_ARRAY_LIKE = re.compile(r"~?\S*_Buffer \|.*?_NestedSequence\[(?:~?[\w.]+ \| )*~?[\w.]+\]")
-
-
-def bars_are_absolute_values(_app, _what, _name, _object, _options, lines):
-    """Escape |x| in docstrings, which reStructuredText would take for a substitution."""
-    for index, line in enumerate(lines):
-        parts = _LITERAL.split(line)
-        lines[index] = "".join(part if part.startswith("`") else part.replace("|", r"\|") for part in parts)
-
-
-def short_types(_app, _what, _name, _object, _options, signature, returned):
-    """Give types of arrays the names that the code gives them."""
-
-    def shortened(text):
-        if text is None:
-            return None
-        text = text.replace("~" + _FLOAT_ARRAY, "FloatArray").replace(_FLOAT_ARRAY, "FloatArray")
-        return _ARRAY_LIKE.sub("ArrayLike", text)
-
-    return shortened(signature), shortened(returned)
 
 
 def drawn(source, inline):
@@ -100,33 +49,15 @@ def visit_display_math(writer, node):
     raise SkipNode
 
 
-def no_tree_beside_sources(_app, page, _template, context, _doctree):
-    """Show no tree of pages beside a source file: it is made anew for every page, which takes a sixth of a second."""
-    if page.startswith("_modules/"):
-        context.pop("toctree", None)
-
-
-def write_pages(_app):
-    """Write the pages of verdicts and of scenes from their tables, and that of commands from the commands."""
-    import commands
-    import pages
-
-    pages.write(VERDICTS / "verdicts.csv", VERDICTS)
-    runpy.run_path(str(DOCS / "scenes" / "pages.py"))["write"]()
-    commands.write(DOCS / "commands.md")
-
-
-def deal_out(_app, _environment, pages):
-    """Deal the pages out like cards: neighbours are read side by side, and notebooks, which take longest, are such."""
-    pages[:] = [page for first in range(HANDS) for page in pages[first::HANDS]]
+def name_files_of_the_source(_app, _page, text):
+    """Name Markdown files outside this folder, to which GitHub can link and the built pages cannot."""
+    text[0] = re.sub(
+        r"\[([^\]]+)\]\(((?:\.\./)+(?:CONTRIBUTING|CHANGELOG|scenarios/truth/README)\.md)\)", r"\1 (`\2`)", text[0]
+    )
 
 
 def setup(app):
     """Connect what is above; pages are read and written side by side with ``-j auto``."""
-    app.connect("builder-inited", write_pages)
-    app.connect("env-before-read-docs", deal_out)
+    app.connect("source-read", name_files_of_the_source)
     app.add_html_math_renderer("svg", (visit_inline_math, None), (visit_display_math, None))
-    app.connect("html-page-context", no_tree_beside_sources, priority=400)
-    app.connect("autodoc-process-docstring", bars_are_absolute_values, priority=900)
-    app.connect("autodoc-process-signature", short_types)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,27 +1,70 @@
 """Pages of the documentation that are made by programs, and its pictures, are what these programs make now."""
 
 import re
-import runpy
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import variants_of
 
+from .programs import program
+
 DOCS = Path(__file__).parents[1] / "docs"
 
 
-def drawn(table: Path, picture: Path) -> list[float]:
-    """Draw a table by the documentation's own program, and give the markers."""
-    runpy.run_path(str(DOCS / "pictures.py"))["draw_errors"](table, picture)
-    return markers(picture)
+PAGES = sorted([DOCS.parent / "README.md", *DOCS.rglob("*.md")])
+NAMES = [str(path.relative_to(DOCS.parent)) for path in PAGES]
+
+
+def test_there_are_few_pages_and_the_first_one_leads_to_each() -> None:
+    first, *others = ("index.md", *(str(path.relative_to(DOCS).with_suffix("")) for path in DOCS.rglob("*.md")))
+    listed = re.findall(r"^[\w/]+$", (DOCS / first).read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(["index", *listed]) == sorted(others)
+    assert len(others) <= 25
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_made_parts_of_a_page_are_what_the_data_give_now(page: Path) -> None:
+    """Tables, recipes, options of commands: `python docs/tables.py` writes them anew."""
+    text = page.read_text(encoding="utf-8")
+    assert program("tables").made(text) == text
+
+
+@pytest.mark.parametrize("cell", ["| MuJoCo | 7,294 |", "| Drake | 9,281 | 63 |"])
+def test_another_number_in_a_made_part_is_put_right(cell: str) -> None:
+    text = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+    assert cell in text
+    assert program("tables").made(text.replace(cell, cell.replace("2", "1"))) == text
+
+
+def headings(page: Path) -> list[str]:
+    """Give the names under which GitHub links to the headings of a page."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return [
+        re.sub(r"[^\w\- ]", "", own.lower()).replace(" ", "-") for own in re.findall(r"^#+ (.*)", text, re.MULTILINE)
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_every_link_has_a_text_and_leads_to_a_file_of_the_source(page: Path) -> None:
+    """So that GitHub shows what the built pages show."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    links = re.findall(r"\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)", text)
+    for label, place in links:
+        assert label.strip(), place
+        path, _, heading = place.partition("#")
+        if "://" not in place:
+            file = page.parent / path if path else page
+            assert file.is_file(), place
+            assert not heading or heading in headings(file), place
 
 
 @pytest.mark.parametrize("file", ["tiny_engine/__init__.py", "pyproject.toml"])
 def test_engine_that_is_shown_is_the_one_that_passes_the_contract(file: str) -> None:
-    page = (DOCS / "tutorials/own_engine.md").read_text(encoding="utf-8")
+    page = (DOCS / "how_to/add_engine.md").read_text(encoding="utf-8")
     assert f"\n{(DOCS.parent / 'tests/plugin' / file).read_text(encoding='utf-8')}```\n" in page
 
 
@@ -31,32 +74,36 @@ def markers(picture: Path) -> list[float]:
 
 
 def test_picture_is_that_of_the_measured_table_and_of_another_table_another_one(tmp_path: Path) -> None:
-    shown, table = markers(DOCS / "_static" / "errors.svg"), (DOCS / "accuracy.md").read_text(encoding="utf-8")
+    shown, table = markers(DOCS / "_static" / "errors.svg"), pd.read_csv(DOCS / "results/accuracy.csv")
+    program("pictures").draw_errors(DOCS / "results/accuracy.csv", tmp_path / "errors.svg")
     assert len(shown) > 60
-    assert drawn(DOCS / "accuracy.md", tmp_path / "errors.svg") == pytest.approx(shown, abs=0.5)
-    row = next(line for line in table.splitlines() if line.startswith("| mujoco | joint | default |"))
-    (tmp_path / "accuracy.md").write_text(table.replace(row, row.replace(row.split("|")[6], " 1.000 ", 1)))
-    assert drawn(tmp_path / "accuracy.md", tmp_path / "errors.svg") != pytest.approx(shown, abs=0.5)
+    assert markers(tmp_path / "errors.svg") == pytest.approx(shown, abs=0.5)
+    other = (table.engine == "mujoco") & (table.formulation == "joint") & (table.preset == "default")
+    table.assign(**{"map, 800 [dB]": table["map, 800 [dB]"].mask(other, 1.0)}).to_csv(tmp_path / "accuracy.csv")
+    program("pictures").draw_errors(tmp_path / "accuracy.csv", tmp_path / "errors.svg")
+    assert markers(tmp_path / "errors.svg") != pytest.approx(shown, abs=0.5)
 
 
 def test_table_of_engines_has_all_that_were_measured_with_licence_version_precision_and_page() -> None:
-    versions = re.search(r"^Versions: (.*);", (DOCS / "accuracy.md").read_text(encoding="utf-8"), re.MULTILINE)
+    versions = re.search(r"\bVersions: (.*);", (DOCS / "results/chain.md").read_text(encoding="utf-8"), re.MULTILINE)
     measured = dict(entry.split(" ") for entry in versions[1].split(", "))
     index = (DOCS / "engines" / "index.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| \[([^]]+)\]\((\w+)\.md\)[^|]*\| ([\d.]+), (\w+) \| ([^|]+) \|", index, re.MULTILINE)
+    rows = re.findall(r"^\| \[([^]]+)\]\((\w+)\.md[^)]*\)[^|]*\| ([\d.]+), (\w+) \| ([^|]+) \|", index, re.MULTILINE)
     expected = set()
     for name in measured.keys() - {"reference"}:
-        own, page = engine(name).capabilities, "exudyn" if name.startswith("exudyn-") else name.replace("-", "_")
+        own = engine(name).capabilities
         licence = own.licence.removeprefix("LicenseRef-").replace("A-O", "A O")
-        expected.add((re.split(r" \(|,", own.title)[0], page, measured[name], own.precision, licence))
+        expected.add((re.split(r" \(|,", own.title)[0], measured[name], own.precision, licence))
     assert len(rows) == len(measured) - 1
-    assert set(rows) == expected
+    assert {(title, *others) for title, _, *others in rows} == expected
     assert all((DOCS / "engines" / f"{page}.md").is_file() for _, page, *_ in rows)
 
 
 @pytest.mark.parametrize("name", [name for name in engine_names() if name != "reference"])
 def test_table_of_laws_has_every_preset_that_states_how_it_steps_and_no_other(name: str) -> None:
-    rows = re.findall(rf"^\| ({name}:\S+) \|", (DOCS / "laws.md").read_text(encoding="utf-8"), re.MULTILINE)
+    rows = re.findall(
+        rf"^\| ({name}:\S+) \|", (DOCS / "theory/step_models.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
     stating = [
         f"{own.engine}:{own.formulation}:{own.preset_name}"
         for own in variants_of(name, optional=True)
@@ -67,7 +114,7 @@ def test_table_of_laws_has_every_preset_that_states_how_it_steps_and_no_other(na
 
 
 def test_table_of_stated_accuracies_is_that_of_the_presets() -> None:
-    page = (DOCS / "agreement.md").read_text(encoding="utf-8")
+    page = (DOCS / "theory/agreement.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `([\w:-]+)` \| ([\d.–]+) \| ([\d.–]+) \| ([\d.–]+) \| (.*) \|$", page, re.MULTILINE)
     shown = {name: (*(float(value.replace("–", "0")) for value in values), why) for name, *values, why in rows}
     every = [own for name in engine_names() for own in variants_of(name, optional=True) if own.preset.accuracy]
@@ -81,3 +128,30 @@ def test_table_of_stated_accuracies_is_that_of_the_presets() -> None:
         )
         for own in every
     }
+
+
+def test_every_number_of_scenes_is_in_one_table() -> None:
+    numbers = pd.read_csv(DOCS / "scenes/answers.csv").number.unique()
+    patterns = program("tables").SCENE_TABLES.values()
+    often = {number: sum(bool(re.search(own, number)) for own in patterns) for number in numbers}
+    assert {number for number, count in often.items() if count != 1} == {
+        name for name in often if name.startswith("cost")
+    }
+
+
+def test_no_page_has_a_word_that_readers_should_not_meet() -> None:
+    """`python docs/words.py` names them, and what to write."""
+    assert not [*program("words").by_hand()]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a lane of unsteady motion", ["lane", "unsteady"]),
+        ("Coulomb's law; `truth list` and the option --store", []),
+        ("the engine's own law, 400 steps a period", ["law", "steps a period"]),
+        ("```\na lane\n```\nboxes hop", ["hop"]),
+    ],
+)
+def test_words_are_found_in_prose_and_not_in_code(text: str, words: list[str]) -> None:
+    assert sorted(hit.word for hit in program("words").found("page", text)) == sorted(words)

@@ -95,8 +95,8 @@ def test_the_door_imports_nothing_before_a_name_is_used_and_a_room_not_by_its_ba
 @pytest.mark.slow
 def test_a_study_of_a_graded_chain_takes_twenty_lines(tmp_path: Path) -> None:
     """That of the tutorial: sweep, figure, edges, stick and slip."""
-    page = (ROOT / "docs/tutorials/own_chain.md").read_text(encoding="utf-8")
-    (study,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    page = (ROOT / "docs/how_to/chains_and_sweeps.md").read_text(encoding="utf-8")
+    study = re.search(r"## A study in twenty lines\n.*?```python\n(.*?)```", page, flags=re.DOTALL)[1]
     assert len(study.splitlines()) <= 20
     done = python(tmp_path, "-c", study, MPLBACKEND="agg")
     assert done.returncode == 0, done.stderr

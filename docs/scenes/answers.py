@@ -1,6 +1,6 @@
 """Writes `answers.csv`: the worst number of every scene, with default options and with the recipe, and its cost.
 
-The same numbers then stand in the recipes, beside the adapters.
+The same numbers then stand in the recipes, next to the adapters; `docs/tables.py` writes them into README and pages.
 
 ``python docs/scenes/answers.py [STORE]`` runs what the store lacks, for all engines that are installed: ten minutes.
 Rows of the others stay.

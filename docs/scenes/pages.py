@@ -1,74 +1,20 @@
-"""The heat map of scenes, which the documentation calls `write` for before it is built, and what recipes give.
+"""What a recipe gives, in numbers: the part of each recipe below what is written by hand, from `answers.csv`."""
 
-Recipes are pages beside the adapters: what to write, by hand, and below it what it gives, from `answers.csv`.
-"""
-
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
-from multibody_xval.reports.formatting import environment
 from multibody_xval.scenarios.catalogue.worst_numbers import NOT_CURED, printed_number, with_recipe
 
-FOLDER = Path(__file__).parent
-
 FENCE = "```"
-
-DECADES = 6
-"""Shades of the heat map: decades of a number over the smallest one that counts as none."""
 
 NOT_CURED_MEANS = (
     f"*{NOT_CURED.capitalize()}*: more than twice what is allowed with the recipe, too. "
     "Where the lines above name no other option, none is known."
 )
-
-LEAST = {"µm/s": 0.1, "µrad/s": 0.1, "%": 0.1, "mm": 0.1, "mrad": 1.0, "°": 0.1, "ms": 1.0}
-"""By unit, what counts as none."""
-
-
-def write(table: Path = FOLDER / "answers.csv", folder: Path = FOLDER) -> None:
-    """Write the heat map as HTML."""
-    rows = pd.read_csv(table)
-    pages = {name: f"../engines/{_page(name)}.html" for name in rows.engine.unique()}
-    (folder / "heat_map.html").write_text(heat_map(rows[~rows.number.str.startswith("cost")], pages), encoding="utf-8")
-
-
-def heat_map(rows: pd.DataFrame, pages: Mapping[str, str]) -> str:
-    """Give a table of numbers and engines, default options over the recipe, in shades of the recipe's.
-
-    `pages` are linked, by the name of the engine.
-    """
-    engines = list(dict.fromkeys(rows.engine))
-    values: dict[Any, list[float]] = rows.set_index(["number", "engine"])[["default", "recommended"]].T.to_dict("list")
-    cells = {
-        number: [_cell(number, values.get((number, name), [])) for name in engines] for number in rows.number.unique()
-    }
-    titles = {name: registry.engine(name).capabilities.title for name in engines}
-    template = environment().from_string((FOLDER / "heat_map.jinja").read_text(encoding="utf-8"))
-    return template.render(titles=titles, cells=cells, pages=pages)
-
-
-def _cell(number: str, values: Sequence[float]) -> tuple[int, list[str]] | None:
-    """Give the shade of a cell and its lines; ``None`` of an empty one."""
-    known = [value for value in values if not math.isnan(value)]
-    if not known:
-        return None
-    first, *others = dict.fromkeys(printed_number(value).replace("-", "−") for value in known)
-    return _shade(number, known[-1]), [first, *(f"→ {text}" for text in others)]
-
-
-def _shade(number: str, value: float) -> int:
-    """Give the decades of a number over what counts as none."""
-    least = LEAST[number.rpartition("[")[2].rstrip("]")]
-    if not math.isfinite(value):
-        return DECADES
-    return min(DECADES, max(0, math.ceil(math.log10(max(abs(value), least) / least))))
 
 
 def _reaches(name: str) -> Iterator[str]:
@@ -84,12 +30,6 @@ def _reaches(name: str) -> Iterator[str]:
         texts = [f"*{kind}* {', '.join(own)}" for kind, own in kinds.items()]
         yield f"- {formulation}: {'; '.join(texts) or 'nothing'}."
     yield ""
-
-
-def _page(name: str) -> str:
-    """Give the page of an engine; both of Exudyn's have one."""
-    own = name.replace("-", "_")
-    return own if (FOLDER.parent / "engines" / f"{own}.md").is_file() else own.partition("_")[0]
 
 
 def with_numbers(text: str, name: str, rows: pd.DataFrame) -> str:

@@ -112,7 +112,8 @@ def written(setting: SceneSetting, option: str) -> str:
 
 
 def _text(values: Any) -> str:
-    return " ".join(repr(value) for value in ([values] if isinstance(values, int | float) else values))
+    several = [values] if isinstance(values, int | float) else values
+    return " ".join(repr(value).removesuffix(".0") for value in several)
 
 
 def contact_world(scene: ContactScene, setting: SceneSetting) -> tuple[Any, Any]:

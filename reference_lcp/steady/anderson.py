@@ -40,11 +40,21 @@ DEPENDENT = 0.1
 CANCELLED = 0.7
 """A difference of which less is left is made orthogonal once more: about 1/√2, as Daniel et al. advise."""
 
-LEAST_PATIENCE = 100
-"""Periods, at least, in which a search has to halve its best residual, or it is given up."""
+SHORTEST_PATIENCE = 25
+"""Periods without a better residual, at least, after which a lane starts again from its best iterate.
 
-PATIENCE_PER_CELL = 20
+Mixing can be caught where contacts change between stick and slip from one iterate to the next. The history is then
+dropped, and plain periods, at every new start half as many again, lead out of the place.
+"""
+
+PATIENCE_PER_CELL = 5
 """The same for each cell: a Krylov method may stand still until it has as many differences as dimensions, 4 a cell."""
+
+HOPELESS = 4
+"""Times the patience in which a search has to halve its best residual, or it is given up."""
+
+LARGEST_RISE = 1e3
+"""Residual over the best one beyond which a lane starts again from its best iterate at once: it has mixed noise."""
 
 VECTORS = 32
 """Numbers that a compiled loop takes at once; vectors that are shorter by a few have zeros at their end."""
@@ -217,14 +227,14 @@ def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any, follo
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: int) -> Any:
-    """`_mixed` for the listed lanes of the histories (lanes, rows, d)."""
+def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
+    """`_mixed` for the listed lanes of the histories (lanes, rows, d), each with its own `kept`."""
     _, rows, d = x.shape
     q = np.zeros((rows, -(-d // VECTORS) * VECTORS))
     g, r = np.empty((rows, d)), np.empty((rows + 1, rows))
     following = np.empty((lanes.shape[0], d))
     for k in range(lanes.shape[0]):
-        _mixed(x[lanes[k]], f[lanes[k]], newest, kept, q, g, r, following[k])
+        _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]], q, g, r, following[k])
     return following
 
 
@@ -258,13 +268,17 @@ class FixedPointSearch:
         cells = simulation.lanes[0].chain.freedoms // 2
         count, width = len(simulation.lanes), 2 * simulation.lanes[0].chain.freedoms
         self._most_differences = differences = min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
-        self._patience = max(LEAST_PATIENCE, PATIENCE_PER_CELL * cells)
+        self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
         self._x = np.zeros((count, differences + 1, width))
         self._f = np.zeros((count, differences + 1, width))
-        self._plain = WARM_UP_PERIODS if newton is None else 1
+        self._age = np.zeros(count, dtype=int)
+        self._plain = np.full(count, WARM_UP_PERIODS if newton is None else 1)
+        self._plain_next = np.full(count, WARM_UP_PERIODS)
+        self._stalled = np.zeros(count, dtype=int)
         self._halved = np.full(count, np.inf)
         self._since_halved = np.zeros(count, dtype=int)
         self.best = np.zeros((count, width))
+        self._best_change = np.zeros((count, width))
         self.best_residual = np.full(count, np.inf)
         self.periods = np.zeros(count, dtype=int)
         self._last_residual = np.full(count, np.inf)
@@ -284,15 +298,14 @@ class FixedPointSearch:
             change = self._scales.vectors(end, self._active) - following
             f = self._step(change)
             self._x[self._active, row], self._f[self._active, row] = following, f
-            stays = self._note(following, self._scales.residuals(following, change))
+            stays = self._note(following, f, self._scales.residuals(following, change))
             tell(SEARCH, period + 1, periods)
             if not np.any(stays):
                 return
             if not np.all(stays):
                 self._active = self._active[stays]
                 self._part = self._simulation.subset(self._active)
-            kept = min(max(period - self._plain + 1, 0), self._most_differences)
-            following = _mixed_lanes(self._x, self._f, self._active, row, kept)
+            following = self._following(row)
 
     def _step(self, change: FloatArray) -> FloatArray:
         """What is added to each active lane's iterate where nothing is mixed: a period's change, or Newton's step."""
@@ -309,24 +322,41 @@ class FixedPointSearch:
             # a start without internal state is recorded with zeros: the residual of such a period is one
             every = np.ones((self.best.shape[0], factor.shape[1]))
             self._x, self._f = _widened(self._x, every), _widened(self._f, every)
-            self.best = _widened(self.best, every)
+            self.best, self._best_change = _widened(self.best, every), _widened(self._best_change, every)
         if np.any(factor != 1):
             for history in (self._x, self._f):
                 history[self._active] *= factor[:, None]
-            self.best[self._active] *= factor
+            for best in (self.best, self._best_change):
+                best[self._active] *= factor
         return factor
 
-    def _note(self, x: FloatArray, residual: FloatArray) -> Any:
+    def _following(self, row: int) -> FloatArray:
+        """Next iterate of every active lane: mixed, plain, or from the best one again."""
+        lanes = self._active
+        rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
+        caught = lanes[(self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))]
+        self._x[caught, row] = self.best[caught]
+        self._f[caught, row] = self._best_change[caught]
+        self._age[caught], self._stalled[caught] = 0, 0
+        self._plain[caught] = self._plain_next[caught]
+        self._plain_next[caught] += self._plain_next[caught] // 2
+        kept = np.clip(self._age - self._plain + 1, 0, self._most_differences)
+        self._age[self._active] += 1
+        return _mixed_lanes(self._x, self._f, self._active, row, kept)
+
+    def _note(self, x: FloatArray, f: FloatArray, residual: FloatArray) -> Any:
         """Store the best iterate of each active lane; give which lanes go on."""
         self._last_residual[self._active] = residual
         self.periods[self._active] += 1
+        self._stalled[self._active] += 1
         better = residual < self.best_residual[self._active]
         lanes = self._active[better]
         self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
+        self._best_change[lanes], self._stalled[lanes] = f[better], 0
         self._since_halved[self._active] += 1
         halved = self._active[residual < self._halved[self._active] / 2]
         self._halved[halved], self._since_halved[halved] = self.best_residual[halved], 0
-        hopeful = self._since_halved[self._active] < self._patience
+        hopeful = self._since_halved[self._active] < HOPELESS * self._patience
         return (residual > self._tolerance) & (residual < LARGEST_RESIDUAL) & hopeful
 
     def starts(self, lanes: Sequence[int] | NDArray[np.intp]) -> State:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 Pair = Annotated[
     list[str] | None,
     engine_option(
-        "Instead of stores, what is before and what is now: both compute 24 points. An engine alone stands for its "
-        "presets default, recommended and tuned.",
+        "Instead of results files: what is before, and what is now. Both compute 24 points. An engine alone stands "
+        "for its presets default, recommended and tuned.",
         "ENGINE[:FORMULATION[:PRESET]]",
     ),
 ]
@@ -44,8 +44,8 @@ MOST_ROWS = 20
 
 @app.command()
 def compare(
-    first: Annotated[Path | None, typer.Argument(help="The store before.")] = None,
-    second: Annotated[Path | None, typer.Argument(help="The store now.")] = None,
+    first: Annotated[Path | None, typer.Argument(help="The results file before.")] = None,
+    second: Annotated[Path | None, typer.Argument(help="The results file now.")] = None,
     pair: Pair = None,
     store: Store = None,
     workers: Workers = None,
@@ -58,15 +58,15 @@ def compare(
     ] = False,
     out: Outs = None,
 ) -> None:
-    """Compare two stores point by point, or two configurations: versions of an engine, sets of options, engines.
+    """Compare two results files point by point, or two configurations: versions of an engine, options, engines.
 
     Points are matched by configuration, case and steps per period; the versions and options of engines may differ, and
-    are printed. Two configurations that differ in options alone are matched where each store has one of their preset.
-    Of several versions of an engine in a store the last counts; run NAME --no-run shows the installed one.
+    are printed. Two configurations that differ in options alone are matched if each file has one of their preset.
+    Of several versions of an engine in a file the last counts; run NAME --no-run shows the installed one.
 
-    Each point is improved, regressed or unchanged by its error to the exact motion: that of the transmittance, and of
-    the part of the period that contacts stick. It is missing where there is no steady state any more, and unknown where
-    it has changed and neither store has the exact motion.
+    Each point is improved, regressed or unchanged: the error of its transmittance, or of the time for which contacts
+    stick, is smaller, larger or as before. It is missing if there is no steady state any more, and unknown if it has
+    changed and neither file has the exact motion.
 
     Exit code 0: nothing is worse; 1: a point has regressed, is missing, or its change is unknown; 2: wrong input, or no
     point in common; 3: results or --out could not be written; 130: interrupted.

@@ -19,6 +19,7 @@ COMMANDS = {
     "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
     "reproduce": ("reproduce", "Print a script that shows a number in an engine's own API."),
     "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
+    "translate": ("translate", "Find options of another engine with which boxes move the same."),
     "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
 }
 """The module of `multibody_xval.reports.cli` that has each command, and what the command does in a sentence."""

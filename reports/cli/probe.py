@@ -1,4 +1,4 @@
-"""``multibody-xval probe``: what creeps in a model of one's own, and what the recipe makes of it."""
+"""``multibody-xval probe``: what drifts in a user's own model, and whether the recipe helps."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ import typer
 
 from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.options import AsJson
+from multibody_xval.reports.cli.probe_finding import ends, finding, largest, seconds, units, velocity
 
 if TYPE_CHECKING:
-    from multibody_xval.engines.mujoco.probe import Creep, Probe
+    from multibody_xval.engines.mujoco.probe import Held, Probe
 
 NAMES = 6
 """Of what was not tested, printed at most."""
@@ -36,14 +37,14 @@ def probe(
     free: Annotated[bool, typer.Option("--free", help="Let the base of a URDF move.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Measure what creeps in a MuJoCo model of one's own: as it is, with each line of the recipe, and with all.
+    """Measure what drifts in your own MuJoCo model: as it is, with each line of the recipe, and with all.
 
     Watched is what friction should hold: pairs of geoms and joints whose friction stays below its bound in one of the
     runs. The model starts at its first keyframe, with the controls of that; without one at its own pose, with controls
     at zero. Each row of --ctrl, with the time since the start in seconds, holds until the next one. Nothing sleeps.
-    Creep is the mean slip velocity of the fastest point; the cost of a step is one over that of the model as it is. A
-    joint that moves at the start is watched until friction has stopped it. The file is never changed. Other engines
-    have no such probe.
+    Drift is the mean slip velocity of the fastest point; the cost per step is relative to that of the model as it is.
+    Where nothing loads friction, the lines are not tried one by one. A joint that moves at the start is watched until
+    friction has stopped it. The file is never changed. Other engines have no such probe.
     Exit code 0: printed; 2: wrong input: the model does not load, has no friction, explodes, or nothing in it rests;
     130: interrupted.
 
@@ -65,77 +66,52 @@ def probe(
 
 
 def _print_tables(found: Probe) -> None:
-    """Print what is to be known, a row a line of the recipe, a row for all that is held, and the finding."""
+    """Print what is to be known, what friction should hold and stop, what each line changes, and the finding."""
     from multibody_xval.scenarios.terminal_table import print_table
 
     for note in (*found.notes, *_more_notes(found)):
         print(textwrap.fill(visible(note), 80))
-    first, *_, last = found.costs
-    units = dict.fromkeys(held.unit for held in found.held)
-    rows = []
-    for line, cost in found.costs.items():
-        creeps = (_number(_worst(found, line, unit)) for unit in units)
-        times = (_seconds(stop.times[line]) for stop in found.stops)
-        rows.append((line, *creeps, *times, f"×{cost:.2f}" if math.isfinite(cost) else "explodes"))
-    if found.stops:
-        rows.append(("exact", *("" for _ in units), *(_seconds(stop.exact) for stop in found.stops), ""))
-    stops = (f"{stop.name} stops after" for stop in found.stops)
-    print_table(("model", *(f"largest creep, {unit}" for unit in units), *stops, "cost of a step"), rows)
+    first, last = ends(found)
     if found.held:
-        columns = ("what should hold", "load", "unit", first, "law", last, "law")
-        print_table(columns, [_row(held, first, last) for held in found.held])
-    print(visible(_finding(found)))
+        columns = ("what should hold", "load", "unit", "as it is", "with recipe")
+        print_table(columns, [_held_row(held, first, last) for held in found.held])
+    if found.stops:
+        headings = ("friction stops", "exact", "as it is", "with recipe")
+        stops = [(stop.name, stop.exact, stop.times[first], stop.times[last]) for stop in found.stops]
+        print_table(headings, [(name, *map(seconds, times)) for name, *times in stops])
+    if len(found.costs) > 1:
+        drifts = (f"largest drift, {unit}" for unit in units(found))
+        late = ["last stop"] if found.stops else []
+        print_table(("options", *drifts, *late, "cost per step"), [_line_row(found, line) for line in found.costs])
+    print(textwrap.fill(visible(finding(found)), 80))
+
+
+def _held_row(held: Held, first: str, last: str) -> tuple[str, ...]:
+    drifts = (velocity(1e6 * held.drift[line]) for line in (first, last))
+    return held.name, f"{held.load:.3g}", held.unit, *drifts
+
+
+def _line_row(found: Probe, line: str) -> tuple[str, ...]:
+    """Give the row of a line of the recipe."""
+    cost = found.costs[line]
+    if not math.isfinite(cost):
+        return line, *("" for _ in units(found)), *([""] if found.stops else []), "explodes"
+    last = [seconds(max(stop.times[line] for stop in found.stops))] if found.stops else []
+    return line, *(velocity(largest(found, line, unit)) for unit in units(found)), *last, f"×{cost:.2f}"
 
 
 def _more_notes(found: Probe) -> Iterator[str]:
     """Say what was not tested, and where the solver did not converge."""
+    from multibody_xval.engines.mujoco.probe.friction import MARGIN
+
     if found.not_loaded:
         more = len(found.not_loaded) - NAMES
         names = ", ".join(found.not_loaded[:NAMES]) + (f" and {more} more" if more > 0 else "")
-        yield f"Not loaded, so not tested: {names}."
-    first, *_, last = found.costs
-    for line in (first, last):
+        yield f"Not tested, since less than {MARGIN:g} of the friction is used: {names}."
+    first, last = ends(found)
+    for line in dict.fromkeys((first, last)):
         if count := found.unfinished.get(line):
             yield f"The solver stopped at its limit in {count} of {found.watched} steps ({line})."
-
-
-def _row(held: Creep, first: str, last: str) -> tuple[str, ...]:
-    numbers = (_number(numbers.get(line)) for line in (first, last) for numbers in (held.creep, held.law))
-    return held.name, f"{held.load:.3g}", held.unit, *numbers
-
-
-def _worst(found: Probe, line: str, unit: str) -> float:
-    """Give the largest creep of a line; infinite where something slides."""
-    known = [held.creep[line] for held in found.held if held.unit == unit and not math.isnan(held.creep[line])]
-    return max(known, default=math.nan)
-
-
-def _finding(found: Probe) -> str:
-    """Say in one line what the recipe makes of it."""
-    first, *_, last = found.costs
-    if found.held:
-        units = dict.fromkeys(held.unit for held in found.held)
-        numbers = ([_number(_worst(found, line, unit)) for line in (first, last)] for unit in units)
-        pairs = (f"{' → '.join(own)} {unit}" for unit, own in zip(units, numbers, strict=True))
-        return f"Largest creep, {first} → {last}: {'; '.join(pairs)}."
-    if found.stops:
-        stop = max(found.stops, key=lambda each: each.times[first])
-        known = "" if math.isnan(stop.exact) else f"; exact: {_seconds(stop.exact)}"
-        return (
-            f"{stop.name} stops after {_seconds(stop.times[first])}, {_seconds(stop.times[last])} with {last}{known}."
-        )
-    return "Nothing was tested; the lines above say why."
-
-
-def _number(value: float | None) -> str:
-    """Write a velocity in millionths."""
-    if value is None or math.isnan(value):
-        return "" if value is None else "–"
-    return f"{1e6 * value:.4g}" if math.isfinite(value) else "slides"
-
-
-def _seconds(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.3g} s" if math.isfinite(value) else "never"
 
 
 def _as_json(found: Probe) -> dict[str, object]:
@@ -143,8 +119,10 @@ def _as_json(found: Probe) -> dict[str, object]:
     held = [
         {
             "name": each.name, "load": each.load, "unit": each.unit,
-            "creep": {line: _known(1e6 * value) for line, value in each.creep.items()},
-            "law": {line: _known(1e6 * value) for line, value in each.law.items()},
+            "loaded": each.loaded,
+            "drift": {line: _known(1e6 * value) for line, value in each.drift.items()},
+            "predicted": {line: _known(1e6 * value) for line, value in each.predicted.items()},
+            "settled": each.settled,
         }
         for each in found.held
     ]  # fmt: skip
@@ -158,7 +136,7 @@ def _as_json(found: Probe) -> dict[str, object]:
     return {
         "cost": {line: _known(cost) for line, cost in found.costs.items()}, "held": held,
         "not_loaded": found.not_loaded, "stops": stops, "watched": found.watched, "unfinished": found.unfinished,
-        "notes": found.notes,
+        "notes": found.notes, "finding": finding(found),
     }  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def recipe(
     store: Store = None,
     computing: Computing,
 ) -> None:
-    """Print what to write in one's own model so that friction holds, in the engine's own syntax, and what that gives.
+    """Print what to write in your model so that friction holds, in the engine's own syntax, and what that gives.
 
     Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe. "Not
     cured": with the recipe, too, they are more than twice what is allowed.

@@ -60,6 +60,7 @@ def scene_lines(shown: Reproduction, number: Number) -> str:
     parts = [
         *["\n".join(["import sys", "", *own.switches])] * bool(own.switches),
         "\n".join(imports_of(own.imports | {"import numpy as np", "import math"}, read)),
+        "\n".join(own.starts),
         "\n".join(
             [
                 f"TIME_STEP = {time_step!r}  # s",

@@ -45,6 +45,8 @@ class Lines:
     imports: set[str] = field(default_factory=set)
     switches: set[str] = field(default_factory=set)
     """What is set of `sys` before an engine is imported."""
+    starts: set[str] = field(default_factory=set)
+    """What is set of an engine once it is imported."""
     constants: dict[str, ast.expr] = field(default_factory=dict)
     models: dict[str, str] = field(default_factory=dict)
     """Names of long texts."""
@@ -202,10 +204,15 @@ class _Specialiser(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> Any:
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if name.startswith("import_"):
-            self.lines.imports.add(f"import {name.removeprefix('import_')}")
-            own = [line for line in ast.walk(tree_of(self.scope.module[name])) if isinstance(line, ast.Assign)]
-            self.lines.switches |= {text for text in map(ast.unparse, own) if text.startswith("sys.")}
-            return ast.Name(name.removeprefix("import_"), ast.Load())
+            module = name.removeprefix("import_")
+            self.lines.imports.add(f"import {module}")
+            lines = list(ast.walk(tree_of(self.scope.module[name])))
+            switches, starts = (
+                {ast.unparse(line) for line in lines if isinstance(line, kind)} for kind in (ast.Assign, ast.Expr)
+            )
+            self.lines.switches |= {text for text in switches if text.startswith("sys.")}
+            self.lines.starts |= {text for text in starts if text.startswith(f"{module}.") and not text.endswith("()")}
+            return ast.Name(module, ast.Load())
         target = None if name in self.scope.local else self.scope.module.get(name)
         if isinstance(target, FunctionType) and target.__module__.startswith(SUITE):
             given = {own: self.scope.value(value) for own, value in _given(target, node).items()}

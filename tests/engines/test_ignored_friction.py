@@ -1,6 +1,6 @@
 """A friction that an engine reads and does not use: a block on a slide, in each engine's own interface, glides freely.
 
-Rows of ``docs/questions/ignored_friction.md``. A test that fails tells that a version of an engine has begun to use it.
+Rows of ``docs/how_to/fix_creep.md``. A test that fails tells that a version of an engine has begun to use it.
 """
 
 import logging

@@ -54,7 +54,7 @@ def smallest_noticed(scenario: str, preset: str, fault: str) -> str:
     """Give the smallest size that is noticed: larger ones are noticed, too."""
     first = bisect_left(SIZES, True, key=lambda size: is_noticed(scenario, preset, fault, size))
     if first == len(SIZES):
-        return "not noticed"
+        return "not found"
     return f"{SIZES[first]:.1e}" if first else f"≤ {SIZES[0]:.0e}"
 
 

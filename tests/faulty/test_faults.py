@@ -133,7 +133,7 @@ def test_report_fails_by_every_fault_and_finds_nothing_wrong_with_the_sound_copy
 
 
 def shown(failed: Mapping[str, set[str]]) -> str:
-    """Give the rows of docs/noticed_faults.md: clauses that fewest faults turn red come first."""
+    """Give the rows of docs/theory/agreement.md: clauses that fewest faults turn red come first."""
     often = Counter(clause for clauses in failed.values() for clause in clauses)
     rows = []
     for name, clauses in failed.items():

@@ -1,58 +1,44 @@
-"""What creeps in a user's own model: as it is, and with the options of the presets ``recommended``.
+"""What drifts in a user's own model: as it is, and with the options of the presets ``recommended``.
 
 Every contact pair and every joint with friction is watched that friction should hold by Coulomb's law.
 """
 
 import math
-import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.mujoco.probe import friction, stops
 from multibody_xval.engines.mujoco.probe.friction import RESTING, Motion, NotJudged
-from multibody_xval.engines.mujoco.probe.lines import (
-    ALL,
-    AS_IT_IS,
-    WITH_SWEEPS,
-    recipe_lines,
-    with_options,
-    with_sweeps,
-)
+from multibody_xval.engines.mujoco.probe.lines import AS_IT_IS, RECIPE, WITH_SWEEPS, recipe_lines, with_options
 from multibody_xval.engines.mujoco.probe.load import Loaded, loaded
 from multibody_xval.engines.mujoco.probe.start import Start, started
 from multibody_xval.engines.mujoco.probe.stops import Stop
+from multibody_xval.engines.mujoco.probe.watch import WATCHED, Run, costs, run_watched
 from multibody_xval.engines.mujoco.simulation import no_warning_file
 from reference_lcp.errors import ParameterError, shown
 from reference_lcp.validation import checked_count, checked_scalar
 
-BLOCKS, BLOCK_TIME = 8, 0.01
-"""How often the cost of a step is taken, in turns, and for how long each time [s]; the least counts."""
-
-WATCHED = 1000
-"""Steps of a run that are looked at, at most: looking takes longer than the step of a small model."""
-
-GOLDEN = (math.sqrt(5) - 1) / 2
-"""Where in a stretch of steps the one is that is looked at moves by this part: no drive's period agrees with it."""
-
 
 @dataclass(frozen=True)
-class Creep:
+class Held:
     """What friction should hold: a pair of geoms, a joint or a tendon."""
 
     name: str
     unit: str
     load: float
     """Largest part of the bound, in the first line in which it is loaded and held."""
-    creep: Mapping[str, float]
-    """By line; infinite where it slides, NaN where it lost touch, or the model exploded."""
-    law: Mapping[str, float]
-    """What the law of a joint's friction predicts, by line; none of contacts and of what the law does not have."""
+    loaded: Mapping[str, bool]
+    """By line: whether friction has something to hold."""
+    drift: Mapping[str, float]
+    """By line; infinite where it slides or lost contact, NaN where it touches at times, or the model exploded."""
+    predicted: Mapping[str, float]
+    """Drift of a joint by the formula of MuJoCo's friction, by line; none of contacts and of joints without one."""
+    settled: Mapping[str, float]
+    """How far a joint moved before it was watched, by line [m] or [rad]; none of contacts."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +46,11 @@ class Probe:
     """What was measured in a model."""
 
     costs: Mapping[str, float]
-    """Cost of a step, by line, over that of the model as it is; NaN where it exploded."""
-    held: tuple[Creep, ...]
+    """Cost of a step, by line, over that of the model as it is; NaN where it exploded.
+
+    As it is alone where there is nothing to hold or to stop; the recipe is last where there is.
+    """
+    held: tuple[Held, ...]
     not_loaded: tuple[str, ...]
     """Names of what has friction that nothing loads."""
     stops: tuple[Stop, ...]
@@ -71,19 +60,6 @@ class Probe:
     """Number of these steps."""
     notes: tuple[str, ...]
     """What is to be known beside the numbers, a sentence each."""
-
-
-@dataclass
-class _Run:
-    """A model that was watched."""
-
-    data: Any
-    motions: dict[str, Motion] = field(default_factory=dict)
-    stopped: dict[int, float] = field(default_factory=dict)
-    """Time by degree of freedom [s]."""
-    unfinished: int = 0
-    exploded: float = math.nan
-    """When [s]."""
 
 
 def probe(
@@ -97,7 +73,7 @@ def probe(
     floor: bool = False,
     free: bool = False,
 ) -> Probe:
-    """Measure creep and cost of a model, as it is and with the options that `presets` change.
+    """Measure drift and cost of a model, as it is and with the options that `presets` change.
 
     Parameters
     ----------
@@ -135,100 +111,58 @@ def probe(
         with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
             tenths = len(models) * ((before + steps) // tenth)
             advance = partial(progress.advance, progress.add_task("tenths of a simulated second", total=tenths))
-            runs = {
-                line: _run(model, start, skipped, (before, steps, tenth), advance) for line, model in models.items()
-            }
-        if WITH_SWEEPS in runs and _sweeps_help(runs[WITH_SWEEPS], runs[ALL]):
-            models, runs = with_sweeps(models), with_sweeps(runs)
+            runs: dict[str, Run] = {}
+            for line in (AS_IT_IS, RECIPE, *models):
+                if line not in runs and (len(runs) < 2 or _has_work(runs)):
+                    runs[line] = run_watched(models[line], start, skipped, (before, steps, tenth), advance)
+        order = _order(runs, list(models))
+        models, runs = {line: models[line] for line in order}, {line: runs[line] for line in order}
         result = _result(models, runs, min(steps, WATCHED), (own, start, state, skipped))
         _check(path, runs[AS_IT_IS], result, (skipped, settling, own.notes))
         return result
 
 
-def _run(
-    model: Any, start: Start, skipped: NotJudged, steps: tuple[int, int, int], advance: Callable[[], None]
-) -> _Run:
-    """Let a model settle and watch it; `steps` are those before, those watched, and those that `advance` counts."""
-    import mujoco
-
-    run = _Run(start.data(model))
-    data, moving, (settling, watched, counted_steps) = run.data, stops.thrown(model, run.data), steps
-    bad = [int(getattr(mujoco.mjtWarning, f"mjWARN_{name}")) for name in ("BADQPOS", "BADQVEL", "BADQACC")]
-    looked = _looked_at(watched)
-    for step in range(-settling, watched):
-        start.drive(model, data)
-        mujoco.mj_step(model, data)
-        if data.warning.number[bad].any():
-            return _Run(data, exploded=(settling + step) * model.opt.timestep)
-        for dof in [dof for dof in moving if abs(data.qvel[dof]) < stops.STOPPED]:
-            moving.remove(dof)
-            run.stopped[dof] = data.time
-        if step == 0 and moving:  # what friction has not stopped yet holds nothing
-            skipped = replace(skipped, dofs=skipped.dofs | set(moving))
-        if step in looked:
-            _look(model, run, skipped)
-        if (settling + step + 1) % counted_steps == 0:
-            advance()
-    return run
+def _has_work(runs: Mapping[str, Run]) -> bool:
+    """Tell whether friction has something to hold or to stop, so that it is worthwhile to try each line."""
+    return any(run.moving or any(motion.loaded for motion in run.whole().values()) for run in runs.values())
 
 
-def _sweeps_help(kept: _Run, off: _Run) -> bool:
-    """Tell whether a model with sweeps without softness creeps less than one without, and stops no joint later."""
+def _order(runs: Mapping[str, Run], lines: Sequence[str]) -> list[str]:
+    """Give the lines that were run, the recipe last: with the model's own sweeps where these help."""
+    if not _has_work(runs):
+        return [AS_IT_IS]
+    kept = [WITH_SWEEPS] if WITH_SWEEPS in runs else []
+    best = [RECIPE, *kept] if kept and _sweeps_help(runs[WITH_SWEEPS], runs[RECIPE]) else [*kept, RECIPE]
+    return [line for line in lines if line not in best] + best
+
+
+def _sweeps_help(kept: Run, off: Run) -> bool:
+    """Tell whether a model with sweeps without softness drifts less than one without, and stops no joint later."""
     late = any(time > off.stopped.get(dof, math.inf) for dof, time in kept.stopped.items())
     return not late and kept.stopped.keys() >= off.stopped.keys() and _largest(kept) < _largest(off)
 
 
-def _largest(run: _Run) -> float:
-    """Give the largest creep of what is loaded and held; infinite where nothing is, as in a model that explodes."""
-    held = (motion.creep for motion in run.motions.values() if motion.loaded and motion.held)
+def _largest(run: Run) -> float:
+    """Give the largest drift of what is loaded and held; infinite where nothing is, as in a model that explodes."""
+    held = (motion.drift for motion in run.whole().values() if motion.loaded and motion.held)
     return max(held, default=math.inf)
 
 
-def _looked_at(steps: int) -> set[int]:
-    """Give all steps, or `WATCHED` of them: one in each stretch, of as many as there are, never at one phase."""
-    if steps <= WATCHED:
-        return set(range(steps))
-    length = steps / WATCHED
-    return {int((number + number * GOLDEN % 1) * length) for number in range(WATCHED)}
-
-
-def _look(model: Any, run: _Run, skipped: NotJudged) -> None:
-    """Take a step into the means."""
-    data = run.data
-    run.unfinished += _stopped_at_limit(model, data)
-    for act in (*friction.contacts(model, data, skipped), *friction.joints(model, data, skipped)):
-        run.motions.setdefault(act.name, Motion(act.unit, act.row)).add(act)
-
-
-def _stopped_at_limit(model: Any, data: Any) -> bool:
-    """Tell whether the solver had its last iteration and has not converged; sweeps of noslip count on after it."""
-    import mujoco
-
-    last, tolerance = model.opt.iterations - 1, model.opt.tolerance
-    if last >= mujoco.mjNSOLVER:  # of which MuJoCo keeps nothing
-        return bool((data.solver_niter >= model.opt.iterations).any())
-    gradients = model.opt.solver != mujoco.mjtSolver.mjSOL_PGS
-    for island in np.flatnonzero(data.solver_niter >= model.opt.iterations).tolist():
-        end = data.solver[island * mujoco.mjNSOLVER + last]
-        if end.improvement >= tolerance and (not gradients or end.gradient >= tolerance):
-            return True
-    return False
+Whole = Mapping[str, Mapping[str, Motion]]
+"""By line, what touched or was loaded in each step that was looked at."""
 
 
 def _result(
-    models: Mapping[str, Any], runs: Mapping[str, _Run], watched: int, begin: tuple[Loaded, Start, Any, NotJudged]
+    models: Mapping[str, Any], runs: Mapping[str, Run], watched: int, begin: tuple[Loaded, Start, Any, NotJudged]
 ) -> Probe:
     """Put together what was measured."""
     own, start, state, skipped = begin
-    whole = {
-        line: {name: motion for name, motion in run.motions.items() if motion.steps == watched}
-        for line, run in runs.items()
-    }
+    whole = {line: run.whole() for line, run in runs.items()}
     names = dict.fromkeys(name for motions in whole.values() for name in motions)
     idle = [name for name in names if not any(own[name].loaded for own in whole.values() if name in own)]
     return Probe(
-        _costs(models, runs),
-        tuple(_held(models, whole, [name for name in names if name not in idle])),
+        costs(models, runs),
+        tuple(_held(models, runs, whole, [name for name in names if name not in idle])),
         tuple(idle),
         tuple(_stops(own.model, state, runs)),
         {line: run.unfinished for line, run in runs.items() if math.isnan(run.exploded)},
@@ -247,7 +181,7 @@ def _overlaps(model: Any, skipped: NotJudged) -> Iterator[str]:
         yield "They are not judged, nor are the joints between them."
 
 
-def _stops(model: Any, state: Any, runs: Mapping[str, _Run]) -> Iterator[Stop]:
+def _stops(model: Any, state: Any, runs: Mapping[str, Run]) -> Iterator[Stop]:
     """Give when joints stopped that moved at the start."""
     for dof in stops.thrown(model, state):
         times = {
@@ -256,49 +190,47 @@ def _stops(model: Any, state: Any, runs: Mapping[str, _Run]) -> Iterator[Stop]:
         yield Stop(friction.friction_name(model, "dof", dof)[0], stops.exact_time(model, state, dof), times)
 
 
-def _held(
-    models: Mapping[str, Any], whole: Mapping[str, Mapping[str, Motion]], names: Sequence[str]
-) -> Iterator[Creep]:
-    """Give what is held in a line or more, with its creep in all."""
+def _held(models: Mapping[str, Any], runs: Mapping[str, Run], whole: Whole, names: Sequence[str]) -> Iterator[Held]:
+    """Give what is held in a line or more, with its drift in all."""
     for name in names:
         own = {line: motions[name] for line, motions in whole.items() if name in motions}
         held = sorted((motion for motion in own.values() if motion.held), key=lambda motion: not motion.loaded)
         first = next(iter(held), None)
         if first is not None:
-            laws = {line: friction.law(models[line], motion) for line, motion in own.items()}
-            creep = {line: _creep(own.get(line)) for line in whole}
-            known = {line: value for line, value in laws.items() if value is not None}
-            yield Creep(name, first.unit, first.load, creep, known)
+            predicted = {line: friction.predicted_drift(models[line], motion) for line, motion in own.items()}
+            kind, number = first.row
+            yield Held(
+                name,
+                first.unit,
+                first.load,
+                {line: motion.loaded for line, motion in own.items()},
+                {line: _drift(name, run) for line, run in runs.items()},
+                {line: value for line, value in predicted.items() if value is not None},
+                {line: float(runs[line].settled[number]) for line in own} if kind == "dof" else {},
+            )
 
 
-def _creep(motion: Motion | None) -> float:
-    return math.nan if motion is None else motion.creep if motion.creep < RESTING else math.inf
+def _drift(name: str, run: Run) -> float:
+    """Give the drift of a pair, joint or tendon in a run; see `Held.drift`."""
+    motion = run.motions.get(name)
+    if not math.isnan(run.exploded):
+        return math.nan
+    if motion is None or motion.drift >= RESTING:
+        return math.inf
+    return motion.drift if motion.steps == run.looked else math.nan
 
 
-def _check(path: Path, installed: _Run, found: Probe, begin: tuple[NotJudged, float, Sequence[str]]) -> None:
+def _check(path: Path, installed: Run, found: Probe, begin: tuple[NotJudged, float, Sequence[str]]) -> None:
     """Refuse a model in which there is nothing to measure."""
     skipped, settling, notes = begin
     problem = None
     if not math.isnan(installed.exploded):
         problem = f"explodes after {installed.exploded:.3g} s; allowed: one that MuJoCo simulates as it is"
     elif not (installed.motions or found.stops or skipped.overlaps):
-        problem = "has no friction that acts: no joint has a frictionloss, and nothing touches; allowed: one that rubs"
+        problem = "has no friction to test: no joint has a frictionloss, and nothing that has friction touches; "
+        problem += "allowed: a model in which something touches, or a joint has a frictionloss"
     elif not (found.held or found.not_loaded or found.stops or skipped.overlaps):
-        problem = f"does not rest after {settling:g} s: all that rubs slides; allowed: a longer --settling, or another"
+        problem = f"does not rest after {settling:g} s: everything that has friction slides; allowed: a longer "
+        problem += "--settling, or a model that comes to rest"
     if problem is not None:
         raise ParameterError(" ".join([f"MODEL = {shown(path.name)} {problem}", *(f"({note})" for note in notes)]))
-
-
-def _costs(models: Mapping[str, Any], runs: Mapping[str, _Run]) -> dict[str, float]:
-    """Time steps of all lines in turns."""
-    import mujoco
-
-    least, count = dict.fromkeys(models, math.inf), 1
-    for _ in range(BLOCKS):
-        for line, model in models.items():
-            if math.isnan(runs[line].exploded):
-                begin = clock.perf_counter()
-                mujoco.mj_step(model, runs[line].data, count)
-                least[line] = min(least[line], (clock.perf_counter() - begin) / count)
-        count = max(count, math.ceil(BLOCK_TIME / least[AS_IT_IS]))
-    return {line: own / least[AS_IT_IS] if math.isfinite(own) else math.nan for line, own in least.items()}

@@ -16,7 +16,7 @@ OVERLAP = 0.1
 """Depth beyond which bodies overlap, and no longer touch: a part of the smaller geom's radius."""
 
 RESTING = 0.1
-"""A mean slip velocity beyond is a motion, and no creep [m/s], [rad/s]."""
+"""A mean slip velocity beyond is a motion, and no drift [m/s], [rad/s]."""
 
 
 class Act(NamedTuple):
@@ -36,7 +36,7 @@ class Act(NamedTuple):
 
 @dataclass(frozen=True)
 class NotJudged:
-    """What a model does at the start that is no creep."""
+    """What a model does at the start that is no drift."""
 
     overlaps: Mapping[frozenset[int], float] = field(default_factory=dict)
     """Depth by pair of geoms [m]."""
@@ -83,19 +83,19 @@ class Motion:
             self.slips[point] += slip
 
     @property
-    def creep(self) -> float:
+    def drift(self) -> float:
         """Mean slip velocity of the fastest point [m/s] or [rad/s]."""
         return max(float(np.linalg.norm(total)) for total in self.slips) / self.steps
 
     @property
     def loaded(self) -> bool:
         """Whether friction has something to hold."""
-        return self.load >= MARGIN
+        return bool(self.load >= MARGIN)
 
     @property
     def held(self) -> bool:
         """Whether friction should hold by Coulomb's law."""
-        return self.load < 1 - MARGIN and self.creep < RESTING
+        return self.load < 1 - MARGIN and self.drift < RESTING
 
 
 def ancestors(model: Any, body: int) -> set[int]:
@@ -199,8 +199,8 @@ def element_name(model: Any, kind: str, number: int) -> str:
     return f"{kind} {number} of {model.body(body).name or f'body {body}'}"
 
 
-def law(model: Any, motion: Motion) -> float | None:
-    """Give the creep that the law of a joint's friction predicts under the mean force, R λ / b."""
+def predicted_drift(model: Any, motion: Motion) -> float | None:
+    """Give the drift that MuJoCo's soft friction of a joint has under the mean force, R λ / b."""
     import mujoco
 
     kind, dof = motion.row

@@ -2,21 +2,21 @@
 
 import copy
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 from multibody_xval.engines.interface.presets import Formulation, Preset
 from multibody_xval.engines.interface.scene import SceneSetting
 from multibody_xval.engines.mujoco.probe.stops import damped, stopping_rate
 from multibody_xval.engines.mujoco.scene import JOINT_ATTRIBUTES, written
 
-AS_IT_IS, ALL = "as it is", "all"
+AS_IT_IS, RECIPE = "as it is", "recipe (all lines)"
 """Names of the model without the recipe, and with all lines of it."""
 
 NO_SWEEPS = 'noslip_iterations="0"'
 """Line for a model that has sweeps without softness: they may help beside the recipe, or not."""
 
-WITH_SWEEPS, WITHOUT_SWEEPS = f"{ALL} but {NO_SWEEPS}", f"{ALL}, {NO_SWEEPS}"
-"""Names of all other lines with the model's own sweeps, and of all lines where those help."""
+WITH_SWEEPS = f"recipe but {NO_SWEEPS}"
+"""Name of all other lines with the model's own sweeps."""
 
 ENUMERATIONS = {"cone": "mjtCone.mjCONE_", "solver": "mjtSolver.mjSOL_", "integrator": "mjtIntegrator.mjINT_"}
 """Of options that are words."""
@@ -54,16 +54,7 @@ def recipe_lines(presets: Sequence[Preset], model: Any) -> Recipe:
     every = tuple(each for line in lines.values() for each in line)
     but_sweeps = tuple(each for name, line in lines.items() for each in line if name != NO_SWEEPS)
     kept = {WITH_SWEEPS: but_sweeps} if NO_SWEEPS in lines else {}
-    return {AS_IT_IS: (), **lines, **kept, ALL: every}
-
-
-AnyLine = TypeVar("AnyLine")
-
-
-def with_sweeps(lines: Mapping[str, AnyLine]) -> dict[str, AnyLine]:
-    """Let all lines be those with the model's own sweeps, and name the others: the best ones stay last."""
-    others = {name: line for name, line in lines.items() if name not in (WITH_SWEEPS, ALL)}
-    return {**others, WITHOUT_SWEEPS: lines[ALL], ALL: lines[WITH_SWEEPS]}
+    return {AS_IT_IS: (), **lines, **kept, RECIPE: every}
 
 
 def _of_solver(option: Any) -> dict[str, tuple[tuple[str, Any], ...]]:

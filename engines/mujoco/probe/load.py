@@ -91,7 +91,9 @@ def _add_floor(spec: Any) -> None:
     mujoco.mj_forward(model, data)
     gaps = data.contact.dist[(data.contact.geom == model.geom(FLOOR).id).any(axis=1)]
     if not len(gaps):
-        raise ParameterError("floor = True meets nothing that collides; allowed: a model that could touch it")
+        raise ParameterError(
+            "floor = True meets nothing that collides; allowed: a model that could touch it, a URDF with --free"
+        )
     floor.pos, floor.margin = [0, 0, min(gaps) - FAR], 0
 
 

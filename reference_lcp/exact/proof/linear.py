@@ -33,8 +33,8 @@ class LinearRange:
 def linear_ranges(exact: ExactChain, low: Fraction, high: Fraction) -> list[LinearRange]:
     """Give the ranges between two frequency ratios in which nothing slips; the chain's own frequency does not count.
 
-    If every cell has a chain dashpot, all steady states there are these motions, see docs/proof.md. Raises `NotProven`
-    where roots are not told apart, and of normal forces that change.
+    If every cell has a chain dashpot, all steady states there are these motions, see docs/theory/proof.md. Raises
+    `NotProven` where roots are not told apart, and of normal forces that change.
     """
     if exact.modulation is not None:
         raise NotProven("contacts whose normal forces change are not told to stick in a range of frequencies")

@@ -191,6 +191,6 @@ PUBLISHED = Scenario(
         if name in {known.name for known in NUMBERS.values()}
     ),
 )  # fmt: skip
-"""Numbers that nobody here has computed first; docs/targets has each problem in full."""
+"""Numbers that nobody here has computed first; docs/results/blocks_and_scenes.md has each problem."""
 
 SCENARIOS = (PUBLISHED,)

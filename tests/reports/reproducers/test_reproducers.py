@@ -13,6 +13,7 @@ import pytest
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.scene import SceneSetting
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import GENERAL, variants_of
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
@@ -20,6 +21,7 @@ from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.reproducers import questions
 from multibody_xval.reports.reproducers.questions import SHOWN, Number, Reproduction, reproduction
 from multibody_xval.reports.reproducers.script import LONGEST_LINE, checked, script
+from multibody_xval.reports.reproducers.specialise import specialised
 from multibody_xval.scenarios.cases.motions import Motion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -73,8 +75,8 @@ STATIC = "static-above-kinetic"
 Place = tuple[Config, str, str | None]
 """A configuration, a scenario, and one of its cases instead of the one that is shown."""
 
-WITHOUT = {("box2d3", "spin"), ("pymunk", "spin"), ("genesis", "held-while-shaken")}
-"""Scenes that are not in the plane, and one that an adapter does not push."""
+WITHOUT = {("box2d3", "spin"), ("pymunk", "spin")}
+"""Scenes that are not in the plane."""
 
 CASES = dict.fromkeys([("box2d3", "pushed-from-rest"), ("pymunk", "pushed-from-rest")], "1.2 μmg, 0°")
 """Cases in the plane."""
@@ -201,7 +203,7 @@ SPOILT = [
     ("exudyn-regularised:joint:default", "static-hold", "zone = [0.001]", "zone = [0.00101]"),
     ("ode", "static-hold", "world.setCFM(0.0)", ""),
     ("sapien:contact:default", "static-hold", "enable_tgs=True", "enable_tgs=False"),
-    ("mujoco:contact:recommended", "slope-hold", 'impratio="10000.0"', ""),
+    ("mujoco:contact:recommended", "slope-hold", 'impratio="10000"', ""),
     ("mujoco:contact:recommended", "spin", "20.0", "40.0"),
     ("mujoco:joint:default", "joint-stop", "20.0", "40.0"),
     ("pybullet:contact:default", "slide-to-stop", "rub = 0.5", "rub = 0.495"),
@@ -316,3 +318,13 @@ def test_figure_3_is_asked_from_rest() -> None:
     assert number.value != number.exact
     text = script(checked("mujoco:joint:tuned", "figure3"), NUMBER)
     assert "the last of 30 periods from rest" in " ".join(text.splitlines()[:8])
+
+
+@pytest.mark.parametrize("scenario", ["slope-hold", "joint-hold"])
+def test_genesis_is_started_in_its_scripts(scenario: str) -> None:
+    """It refuses to make a scene before."""
+    case = next(iter(SCENARIOS[scenario].cases.values()))
+    assert isinstance(case, SceneMotion)
+    setting = SceneSetting(Config("genesis", str(case.formulation), "default").preset, 0.01)
+    own = specialised(engine("genesis").scene_worlds[case.formulation], {"scene": case.scene, "setting": setting})
+    assert own.starts == {"genesis.init(backend=genesis.cpu, precision='64', logging_level='error')"}

@@ -10,7 +10,7 @@ import pytest
 
 from reference_lcp.errors import ParameterError
 
-PAGE = (Path(__file__).parents[3] / "docs" / "test_in_ci.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "how_to" / "test_in_ci.md").read_text(encoding="utf-8")
 ALONE = "-m pytest -p no:cacheprovider -p no:xdist -p no:hypothesispytest -o addopts="
 COMMAND = f"{ALONE} --pyargs multibody_xval.agreement"
 

@@ -119,12 +119,13 @@ def test_a_sentence_says_how_far_the_lower_edge_is_off_and_which_claims_are_open
     assert "Claim b is not decided; missing: the band at friction ratio 5." in said[1]
 
 
-def test_page_of_the_documentation_and_readme_have_the_numbers_of_the_reference(reference) -> None:
-    page = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
+def test_pages_of_the_documentation_have_the_numbers_of_the_reference(reference) -> None:
+    page = (ROOT / "docs/results/chain.md").read_text(encoding="utf-8")
     assert "| " + " | ".join(study.shown(study.conclusions(*reference)).iloc[0]) + " |" in page
     assert all(numbers in page for numbers in study.claims(*reference).numbers)
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    own = study.bands(*reference).set_index("friction_ratio").lower
-    assert f"its lower edge falls from {own[0.0]:.3f} to {own[0.3]:.3f}" in readme
-    installed = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-1]
-    assert f"with {float(installed):.2f} instead of {own[5.0]:.2f}" in readme
+    howto = " ".join((ROOT / "docs/how_to/figure3.md").read_text(encoding="utf-8").split())
+    lower = study.bands(*reference).set_index("friction_ratio").lower.map("{:.4f}".format)
+    assert f"falls from {lower[0.0]} to {lower[0.1]} (friction ratio 0.1), {lower[0.3]} (0.3) and {lower[0.6]}" in howto
+    assert f"moves up to {lower[1.0]} and {lower[5.0]}" in howto
+    default = page.partition("| mujoco:joint:default |")[2].partition("|\n")[0].split("|")[-1].strip()
+    assert f"puts the highest band edge at {default} instead of {lower[5.0]}" in howto
