@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from multibody_xval.engines.interface.variant import Variant
+from multibody_xval.engines.shared.box_geometry import PLATE
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import AMPLITUDE, assert_same_bits, lane_of, random_state, unstable_lane
 from tests.installed import each_variant
@@ -36,8 +37,20 @@ def test_an_engine_that_stops_says_why_and_goes_on_afterwards(one: Variant) -> N
     simulation, state = one.build([unstable_lane()]), State.at_rest(1, 7)
     before = simulation.run(state, 0, 3)[0]
     with pytest.raises(RuntimeError, match=r"its plate ends at|left the plate|drake stopped in step \d+ of 400: .*NaN"):
-        simulation.advance(state, 0, 400)
+        simulation.run(state, 0, 400)
     assert_same_bits(before, simulation.run(state, 0, 3)[0])
+    simulation.close()
+
+
+@each("box2d3:contact", "dart:contact", "pymunk:contact", "rapier:contact", "sapien:contact")
+def test_a_search_may_try_a_state_off_the_plate_and_a_motion_that_ends_there_is_refused(one: Variant) -> None:
+    """Newton's steps led Box2D 3's search there at a friction ratio of 1, and its run failed instead of going on."""
+    simulation, positions = one.build([lane_of()]), np.zeros((1, 14))
+    positions[0, 7] = 2 * PLATE * AMPLITUDE
+    state = State(positions, np.zeros((1, 14)))
+    assert np.all(np.isfinite(simulation.advance(state, 0, 3).positions))
+    with pytest.raises(RuntimeError, match="its plate ends at"):
+        simulation.run(state, 0, 3)
     simulation.close()
 
 
