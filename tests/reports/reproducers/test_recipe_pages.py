@@ -126,8 +126,8 @@ def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
     joint = [
         significant(cells.loc[("mujoco", "joint", preset), "map, 800 [dB]"]) for preset in ("default", "recommended")
     ]
-    assert f"off by {joint[0]} dB as installed and by {joint[1]} with this" in text
+    assert f"off by {joint[0]} dB by default and by {joint[1]} with this" in text
     periodic = [
         cells.loc[("mujoco", "contact", preset), "periodic"].partition("/") for preset in ("default", "recommended")
     ]
-    assert f"{periodic[0][0]} and {periodic[1][0]} of {periodic[0][2]} motions repeat" in text
+    assert f"{periodic[0][0]} (default) and {periodic[1][0]} (recipe) of {periodic[0][2]} cases become periodic" in text
