@@ -183,7 +183,11 @@ class PressedLane(ExplicitForcesLane):
         forces = read * self._units.force
         return forces[:, 0], forces[:, 1]
 
-    def _state(self, motions: FloatArray) -> State:
-        end = super()._state(motions)
-        self._sizes.check_reach(end.positions[-1], self._units)
-        return end
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; a body that ends off its plate is refused.
+
+        `advance` does not look: a search may try a state from which one flies off, and then begins anew.
+        """
+        trajectory = super().run(state, start, steps)
+        self._sizes.check_reach(trajectory.positions[-1], self._units)
+        return trajectory

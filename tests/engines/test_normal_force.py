@@ -24,7 +24,7 @@ LIFTING = each_variant(one for one in SHARING if one.preset.represents(NormalFor
 
 AS_IT_COMES = (
     "mujoco", "mujoco-warp", "pybullet", "exudyn-regularised", "dart", "drake", "sapien", "rapier", "newton", "ode",
-    "siconos", "genesis",
+    "siconos", "genesis", "box2d3",
 )  # fmt: skip
 """Engines whose default contact is one that a newcomer would build: nothing but a given force acts across the row."""
 
@@ -33,7 +33,7 @@ LANDING = 0.05
 
 
 @pytest.mark.parametrize("preset", ["tuned", "default"])
-@pytest.mark.parametrize("name", each_engine(["box2d", "pymunk", "rapier"]))
+@pytest.mark.parametrize("name", each_engine(["box2d3", "pymunk", "rapier"]))
 def test_a_pressed_box_neither_bounces_nor_sinks_nor_is_pushed_out(name: str, preset: str) -> None:
     """Over a hundred periods every contact is there in every step, with the force that presses it."""
     lane, own = lane_of(0.3, 0.9), Variant(name, "contact", preset)

@@ -26,7 +26,7 @@ for variant in variants_of({name!r}):
     variant.build([lane]).advance(State.at_rest(1, 7), 0, 400)
 """
 
-ON_PLATES = ("pybullet", "dart", "pinocchio", "pymunk", "box2d", "rapier", "sapien")
+ON_PLATES = ("pybullet", "dart", "pinocchio", "pymunk", "box2d3", "rapier", "sapien")
 ANYWHERE = ("newton", "mujoco-warp")
 
 

@@ -75,10 +75,10 @@ STATIC = "static-above-kinetic"
 Place = tuple[Config, str, str | None]
 """A configuration, a scenario, and one of its cases instead of the one that is shown."""
 
-WITHOUT = {("box2d", "spin"), ("pymunk", "spin")}
+WITHOUT = {("box2d3", "spin"), ("pymunk", "spin")}
 """Scenes that are not in the plane."""
 
-CASES = dict.fromkeys([("box2d", "pushed-from-rest"), ("pymunk", "pushed-from-rest")], "1.2 μmg, 0°")
+CASES = dict.fromkeys([("box2d3", "pushed-from-rest"), ("pymunk", "pushed-from-rest")], "1.2 μmg, 0°")
 """Cases in the plane."""
 
 
@@ -293,7 +293,7 @@ def test_a_version_that_is_code_stays_a_text_of_the_script(monkeypatch) -> None:
 
 def test_what_has_no_number_or_no_script_is_refused(monkeypatch) -> None:
     with pytest.raises(ParameterError, match=r"turn = 0\.5 of a box on its plane; allowed in two dimensions: 0"):
-        checked("box2d:contact:default", "slope-hold", "load 0.5, turned")
+        checked("box2d3:contact:default", "slope-hold", "load 0.5, turned")
     monkeypatch.setattr(questions, "computed", lambda runs, *_: [Stored(run, "1", failed("it hangs")) for run in runs])
     with pytest.raises(ParameterError, match=r"mujoco has no number of '1 kg, load 0\.99': it hangs"):
         checked("mujoco", "static-hold").number(MEANS)

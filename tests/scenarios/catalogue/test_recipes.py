@@ -27,7 +27,7 @@ def test_mujoco_s_recipe_holds_all_that_is_shaken_and_variations_that_it_was_not
     assert table.value.max() < 0.25
 
 
-PUSHED = ["box2d", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier", "sapien", "siconos"]
+PUSHED = ["box2d3", "dart", "mujoco", "ode", "pybullet", "pymunk", "rapier", "sapien", "siconos"]
 
 
 @pytest.mark.parametrize("name", each_engine(PUSHED))
