@@ -19,11 +19,11 @@ from multibody_xval.scenarios.studies.claims import (
     MOVED,
     STATED,
     claim_cases,
-    claims,
     conclusions,
     of_paper,
     shown,
 )
+from multibody_xval.scenarios.studies.figure3 import answered
 from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
 
 PRESETS = ("default", "recommended", "tuned")
@@ -39,8 +39,7 @@ def text(rows: pd.DataFrame) -> str:
     rows = of_paper(rows)
     found = edges(rows)
     concluded = conclusions(rows, found)
-    first = claims(rows, found).iloc[: len(STATED)]
-    stated = [f"{own.claim}: {STATED[own.claim]}: {own.answer}; {own.numbers}" for own in first.itertuples()]
+    stated = answered(rows, found)
     answers = concluded[list(STATED)]
     apart = (answers != answers.iloc[0]).any(axis=1) | (concluded.farthest >= MOVED)
     sentences = markdown_list([*concluded.sentence[apart], OTHERS])

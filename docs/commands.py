@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from multibody_xval.reports.cli import scenario
 from multibody_xval.reports.cli.console_script import COMMANDS, loaded
 from multibody_xval.reports.cli.run import STUDIES
-from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 
-SHARED = SCENARIOS.keys() - STUDIES.keys()
+SHARED = {*scenario.names()} - STUDIES.keys()
 """Commands that are made when they are used, and have the options of all scenarios."""
 
 

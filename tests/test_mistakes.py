@@ -38,6 +38,12 @@ COMMAND_LINES = [
     ("run unit-cell --store before.sqlite --series rows.md", r"--series = rows.md has the ending '.md'; allowed: .csv"),
     ("run unit-cell --no-run", r"--no-run without --store"),
     ("run record --record sweep.toml", r"sweep.toml"),
+    ("run all --workers 0", r"workers = 0.*>= 1"),
+    ("run proofs --sample 0", r"sample = 0.*>= 1"),
+    ("run figure3 --out text.sqlite", r"--out = text.sqlite cannot be made: File exists"),
+    ("run figure3 --out /proc/figure3", r"--out = /proc/figure3 cannot be made"),
+    ("run figure3 --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*; did you mean mujoco"),
+    ("run figure3 --no-run", r"store figure3/results.sqlite is no file"),
     ("run friction-map --engine exudyn-bristle", r"engine = exudyn-bristle has no scenes of boxes"),
     ("run work-precision --workers 2 --scheduler tcp://127.0.0.1:1", r"allowed: one of the two"),
     # compare

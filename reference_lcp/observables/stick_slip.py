@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.trajectory import Trajectory
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, shown
 from reference_lcp.validation import FloatArray, checked_scalar
 
 if TYPE_CHECKING:
@@ -66,13 +66,25 @@ class Transition(NamedTuple):
     """The new mode."""
 
 
-def contact_modes(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
+class Steady(Protocol):
+    """A steady state."""
+
+    @property
+    def orbit(self) -> "PeriodicOrbit":
+        """One period."""
+
+
+AnyMotion: TypeAlias = "PeriodicOrbit | Trajectory | Steady"
+
+
+def contact_modes(motion: AnyMotion, stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
     The force decides (equation 1): a stick leaves `stick_margin`, in (0, 1), of the bound at least. A contact without
     friction, or an open one, never sticks; the sign of its relative velocity gives its direction. Of bodies, which
     may have static friction, a contact sticks too where its relative velocity is zero.
     """
+    motion = _motion_of(motion)
     orbit, trajectory = (None, motion) if isinstance(motion, Trajectory) else (motion, motion.trajectory)
     coefficient, rubbing = _friction_of(motion)
     bound, slip = (coefficient * trajectory.normal_force).T, trajectory.relative_velocity.T
@@ -95,6 +107,15 @@ def contact_modes(motion: "PeriodicOrbit | Trajectory", stick_margin: float = ST
     return rows.T
 
 
+def _motion_of(motion: AnyMotion) -> "PeriodicOrbit | Trajectory":
+    """Give the period of a steady state, and a motion as it is."""
+    own: Any = getattr(motion, "orbit", motion)
+    if not isinstance(own, Trajectory) and not hasattr(own, "trajectory"):
+        raise ParameterError(f"{shown(motion)} is no motion; allowed: a steady state, an orbit or a trajectory")
+    found: PeriodicOrbit | Trajectory = own
+    return found
+
+
 def _friction_of(motion: "PeriodicOrbit | Trajectory") -> tuple[FloatArray, NDArray[np.bool_]]:
     """Coefficients of friction, and which contacts have any."""
     if not isinstance(motion, Trajectory):
@@ -102,7 +123,8 @@ def _friction_of(motion: "PeriodicOrbit | Trajectory") -> tuple[FloatArray, NDAr
     coefficient = motion.friction_coefficient
     if coefficient is None:
         raise ParameterError(
-            "a trajectory without friction_coefficient has no modes; allowed: one with it, or an orbit"
+            "a trajectory without friction_coefficient has no modes; allowed: an orbit, or one with it: "
+            "dataclasses.replace(trajectory, friction_coefficient=chain.friction_coefficient)"
         )
     return coefficient, (coefficient > 0) & np.any(motion.normal_force > 0, axis=0)
 
@@ -135,7 +157,7 @@ def _drop_short_slips(row: NDArray[np.int8], way: FloatArray, shortest: float) -
         row[:] = np.roll(np.repeat(modes, lengths), starts[0])
 
 
-def transitions(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STICK_MARGIN) -> list[Transition]:
+def transitions(motion: AnyMotion, stick_margin: float = STICK_MARGIN) -> list[Transition]:
     """Changes of mode over a motion, by contact and then by time.
 
     A motion that was followed from event to event has their exact times; of others they are those of steps. A period
@@ -145,18 +167,19 @@ def transitions(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STIC
     Parameters
     ----------
     motion
-        An orbit, or the trajectory of `simulate`, `simulate_system` or `EventDrivenSystem.motion`.
+        A steady state, an orbit, or the trajectory of `simulate`, `simulate_system` or `EventDrivenSystem.motion`.
     stick_margin
         As in `contact_modes`.
 
     Raises
     ------
     ParameterError
-        If the trajectory does not say its coefficients of friction.
+        If it is no motion, or a trajectory that does not say its coefficients of friction.
     """
-    if isinstance(motion, Trajectory) and motion.changes is not None:
-        return list(motion.changes)
-    return transitions_between(contact_modes(motion, stick_margin), motion)
+    known = motion.changes if isinstance(motion, Trajectory) else getattr(motion, "transitions", None)
+    if known is not None:
+        return list(known)
+    return transitions_between(contact_modes(motion, stick_margin), _motion_of(motion))
 
 
 def transitions_between(modes: NDArray[np.int8], motion: "PeriodicOrbit | Trajectory") -> list[Transition]:
@@ -181,7 +204,7 @@ def mode_changes(
     return [Transition(cell, time, MODE_OF_SIGN[sign]) for cell, time, sign in changes]
 
 
-def stuck_fraction(motion: "PeriodicOrbit | Trajectory", stick_margin: float = STICK_MARGIN) -> FloatArray:
+def stuck_fraction(motion: AnyMotion, stick_margin: float = STICK_MARGIN) -> FloatArray:
     """Part of the steps in which each contact sticks, shape (n,). Parameters as in `contact_modes`."""
     return np.mean(contact_modes(motion, stick_margin) == 0, axis=0)
 

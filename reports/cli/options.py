@@ -112,21 +112,17 @@ class ScenarioEngines(Engines):
 
 
 @dataclass(frozen=True)
-class GridEngines(Engines):
-    """The configurations that are measured on a grid."""
+class Figure3Engines(Engines):
+    """The configurations that are drawn beside the reference."""
 
     chosen: Annotated[
         list[str] | None,
-        engine_option(f"{ENGINE_HELP}Without it: joints of all engines, with default options and tuned."),
+        engine_option(f"{ENGINE_HELP}Without it: the reference alone."),
     ] = None
 
     def variants(self) -> list[Variant]:
-        """Give the configurations of these names, without any those of a report that it measures on its grid."""
-        from multibody_xval.scenarios.report_plan import frictions, report_configs
-
-        if self.names:
-            return super().variants()
-        return [own for own in report_configs() if frictions(own, quick=False)]
+        """Give the configurations of these names, none without any."""
+        return super().variants() if self.names else []
 
 
 @dataclass(frozen=True)

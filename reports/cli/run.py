@@ -18,7 +18,7 @@ from multibody_xval.scenarios.terminal_table import print_table
 from reference_lcp.errors import ParameterError
 
 STUDIES = {
-    "figure3": (figure3, "Do the paper's claims hold with each engine, and is every point of its figure 3 right?"),
+    "figure3": (figure3, "What does the paper's figure 3 show, and do its claims hold, with engines too?"),
     "accuracy": (
         accuracy, "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     ),

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import (
     CHART_ENDINGS,
     TABLE_ENDINGS,
     Computing,
     Engines,
-    GridEngines,
+    Figure3Engines,
     ScenarioEngines,
     Store,
     TableFiles,
@@ -22,12 +23,15 @@ from multibody_xval.reports.cli.options import (
     keeping,
 )
 from multibody_xval.reports.cli.shown import Shown
+from multibody_xval.scenarios.output_files import checked_output_file, checked_output_folder
 from reference_lcp.errors import ParameterError
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from multibody_xval.engines.interface.variant import Variant
+    from multibody_xval.scenarios.running.evaluate import Means
+    from multibody_xval.scenarios.store import Stored
 
 Outs = Annotated[
     list[Path] | None,
@@ -35,6 +39,10 @@ Outs = Annotated[
         help="Write the tables here as .md, every number as .csv, the figure as .svg, .pdf or .png; may be repeated."
     ),
 ]
+
+
+FIGURE3 = Path("figure3")
+"""Folder of the figure where no other is named."""
 
 
 def compared(engines: Engines) -> list[Variant]:
@@ -46,73 +54,108 @@ def compared(engines: Engines) -> list[Variant]:
 
 @grouped
 def figure3(
-    engines: GridEngines,
+    engines: Figure3Engines,
     *,
-    store: Store = None,
-    out: Outs = None,
+    out: Annotated[
+        Path, typer.Option(help="Folder of the figure, its numbers and the tables; made if it is missing.")
+    ] = FIGURE3,
+    store: Annotated[
+        Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")
+    ] = None,
     run: Annotated[
-        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run judges only the results in --store.")
+        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run shows only what is stored.")
     ] = True,
     computing: Computing,
 ) -> None:
-    """Answer the paper's claims with the reference and every engine, and judge all points of its figure 3.
+    """Draw the paper's figure 3 with the reference, and with engines if they are named; answer the paper's claims.
+
+    Writes figure3.svg, figure3.pdf, figure3.csv (every point) and figure3.md (what is printed) into --out. It takes
+    less than a minute on two processors. Results are stored: a second call takes seconds, and an interrupted one
+    continues.
 
     Exit code 0: no judged number deviates; 1: one does, more than a quarter of those of a judged preset is missing, or
-    a named preset fails at more than a quarter; 2: wrong input; 3: results or --out could not be written;
+    a named preset fails at more than a quarter; 2: wrong input; 3: results or files could not be written;
     130: interrupted.
 
-    Example: multibody-xval run figure3 --engine mujoco:joint:default --out figure3.md --out figure3.svg
+    Example: multibody-xval run figure3 --engine mujoco:joint:default
     """
-    computing.check(store, run=run)
-    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
+    computing.check(out, run=run)
     configs = compared(engines)
     from multibody_xval.reports.figures.studies import transmittance
-    from multibody_xval.scenarios.edges import judged_edges, propose
-    from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
-    from multibody_xval.scenarios.plan import runs_at
-    from multibody_xval.scenarios.result_tables import file_columns, points
+    from multibody_xval.reports.page.sources import STORE
+    from multibody_xval.scenarios.edges import judged_edges
+    from multibody_xval.scenarios.result_tables import coarsest, file_columns, is_exact, points
     from multibody_xval.scenarios.ruler.judge import failures, judged
-    from multibody_xval.scenarios.running.evaluate import computed, stored_results
-    from multibody_xval.scenarios.store import existing_store
-    from multibody_xval.scenarios.studies.claims import claim_cases, curve_cases, of_paper
+    from multibody_xval.scenarios.studies.claims import claim_cases, of_paper
 
-    with keeping(store):
-        if run or store is None:
-            runs = runs_at(configs, claim_cases())
-            if any(each.suffix in CHART_ENDINGS for each in outs):
-                runs += [Run(REFERENCE, case, case.steps()) for case in curve_cases()]
-            stored = computed(runs, computing.means(store), then=[("band edges", propose)])
-        else:
-            asked = {EXACT, *configs}
-            stored = [own for own in stored_results(existing_store(store)) if own.run.config in asked]
-    every = of_paper(points(stored))
-    found, rows = judged_edges(every), judged(every[every.case.isin(claim_cases())])
-    lines = failures(rows, lambda own: own.config.isin(configs[1:] if engines.names else []))
-    end = Shown("Figure 3", engines.command("figure3", [] if run else ["--no-run"]), every)
-    end.show(figure3_parts(every, found, rows, lines))
-    end.write(outs, file_columns(rows), lambda: transmittance(every, found))
+    kept = store or out / STORE
+    means = computing.means(kept)
+    outs = _figure3_files(out, kept, run=run)
+    with keeping(kept):
+        every = of_paper(points(_figure3_results(configs, kept, means if run else None)))
+    found, rows = judged_edges(every), judged(every)
+    drawn = coarsest(rows[~is_exact(rows)])
+    of_engines = drawn[drawn.case.isin(claim_cases()) & drawn.config.isin(configs[1:])]
+    lines = failures(of_engines, lambda own: own.config.isin(configs[1:]))
+    words = ([] if out == FIGURE3 else [f"--out={out}"]) + ([f"--store={store}"] if store else [])
+    end = Shown("Figure 3", engines.command("figure3", words + ([] if run else ["--no-run"])), every)
+    end.show(figure3_parts(every, found, of_engines, lines))
+    end.write(outs, file_columns(drawn), lambda: transmittance(every, found))
+    print("", visible(f"written: {', '.join(map(str, outs))}"), sep="\n")
     if lines:
         raise typer.Exit(ExitCode.FAILED)
 
 
+def _figure3_files(out: Path, kept: Path, *, run: bool) -> list[Path]:
+    """Give the files of the figure in a folder, which is made; refuse what cannot be written, or shown without runs."""
+    from multibody_xval.scenarios.store import existing_store
+
+    if not run:
+        existing_store(kept)
+    checked_output_folder("--out", out)
+    files = [out / f"figure3{ending}" for ending in (".svg", ".pdf", ".csv", ".md")]
+    return [checked_output_file("--out", file, [kept]) for file in files]
+
+
+def _figure3_results(configs: list[Variant], kept: Path, means: Means | None) -> list[Stored]:
+    """Give the results that claims, edges and curves need: what the store lacks is run, or not without `means`."""
+    from multibody_xval.scenarios.edges import propose
+    from multibody_xval.scenarios.model import EXACT, REFERENCE, Run
+    from multibody_xval.scenarios.plan import runs_at
+    from multibody_xval.scenarios.running.evaluate import computed, stored_results
+    from multibody_xval.scenarios.studies.claims import claim_cases
+    from multibody_xval.scenarios.studies.figure3 import curve_cases
+
+    if means is None:
+        return [own for own in stored_results(kept) if own.run.config in {EXACT, *configs}]
+    curves = [Run(REFERENCE, case, case.steps()) for case in curve_cases()]
+    runs = list(dict.fromkeys([*runs_at(configs, claim_cases()), *curves]))
+    return computed(runs, means, then=[("band edges", propose)])
+
+
 def figure3_parts(
-    every: pd.DataFrame, found: pd.DataFrame, rows: pd.DataFrame, lines: list[str]
+    every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame, lines: list[str]
 ) -> dict[str, pd.DataFrame | list[str]]:
-    """Give what `run figure3` shows: claims and sentences, verdicts on points, edges, and the finding."""
+    """Give what `run figure3` shows: what is assumed, edges and claims; of engines verdicts and conclusions too."""
     from multibody_xval.reports.page.tables import edge_table, verdict_counts
     from multibody_xval.scenarios.ruler.judge import conclusion
-    from multibody_xval.scenarios.studies.claims import STATED, claims, conclusions, shown
+    from multibody_xval.scenarios.studies.claims import conclusions, shown
+    from multibody_xval.scenarios.studies.figure3 import answered, assumed, exact_edges
 
+    parts: dict[str, pd.DataFrame | list[str]] = {
+        "Parameters": assumed(),
+        "Lower band edges η_r of the reference": exact_edges(found),
+        "The paper's claims": answered(every, found),
+    }
+    if of_engines.empty:
+        return parts
     concluded = conclusions(every, found)
-    first = claims(every, found).iloc[: len(STATED)]
-    answers = [f"{own.claim}, {own.configuration}: {own.answer}; {own.numbers}" for own in first.itertuples()]
-    return {
-        "The paper's claims": [f"{name}: {text}" for name, text in STATED.items()] + answers,
+    return parts | {
         "Answers, and lower edges η_r by friction ratio": shown(concluded),
         "What one would conclude": concluded.sentence.tolist(),
-        "Verdicts on points": verdict_counts(rows),
+        "Verdicts on points": verdict_counts(of_engines),
         "Band edges η_r": edge_table(found),
-        "Finding": [conclusion(rows), *lines],
+        "Finding": [conclusion(of_engines), *lines],
     }
 
 

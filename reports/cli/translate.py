@@ -9,7 +9,6 @@ import typer
 
 from multibody_xval.engines.completion import complete_engine, complete_variant
 from multibody_xval.reports.cli.options import AsJson, Computing, Store, grouped, keeping
-from multibody_xval.scenarios.table_text import json_text
 from multibody_xval.scenarios.terminal_table import print_table
 
 if TYPE_CHECKING:
@@ -54,6 +53,8 @@ def translate(
     if found.friction != 1:
         options["coefficient of friction"] = (f"× {found.friction:g}", "× 1")
     if as_json:
+        from multibody_xval.scenarios.table_text import json_text
+
         rows = found.table.to_dict("records")
         print(json_text({"given": given, "engine": engine, "options": options, "apart [mm]": rows}, indent=2), end="")
     else:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from multibody_xval.scenarios.edges import DEPTH_DB, refined
 from multibody_xval.scenarios.model import REFERENCE, Case, Config
-from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, claim_frequency_ratios, resonances
+from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, claim_frequency_ratios
 from multibody_xval.scenarios.result_tables import CONFIG, CURVE, coarsest, is_exact, rows_of
 
 UP_TO, BEYOND, WIDEST = (0.1, 0.3, 0.6), (1.0, 5.0), 0.3
@@ -92,13 +92,6 @@ def bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     table = table.drop_duplicates([*KEY, "friction_ratio"])
     covered = table.upper.clip(upper=RANGE[1]) - table.lower.clip(lower=RANGE[0])
     return table.assign(share=covered.clip(lower=0.0) / WIDTH)
-
-
-def curve_cases() -> list[Case]:
-    """Give the cases between which a curve of the figure may be drawn straight."""
-    etas = sorted({*np.round(np.arange(RANGE[0], RANGE[1] + 1e-9, 0.01), 2).tolist(), *resonances()})
-    places = itertools.product(FRICTION_RATIOS, (eta for eta in etas if RANGE[0] <= eta <= RANGE[1]))
-    return [Case(friction_ratio=friction, frequency_ratio=eta) for friction, eta in places]
 
 
 def of_paper(points: pd.DataFrame) -> pd.DataFrame:

@@ -207,6 +207,17 @@ def test_stick_slip_times_of_a_pulse_take_three_lines() -> None:
     assert np.all(stuck_fraction(motion) > 0.2)
 
 
+def test_a_steady_state_is_a_motion_too_and_what_is_none_is_refused() -> None:
+    system, chain = oscillator(0.6, 0.2), Chain.from_ratios(cells=1, friction_ratio=0.3)
+    for state in (steady_state(system), steady_state(chain, HarmonicBase.from_ratio(chain, 0.9), with_error_bar=False)):
+        assert state.transitions
+        assert transitions(state) == state.transitions
+        assert stuck_fraction(state) == pytest.approx(state.stuck_fraction, abs=0.01)
+    for read in (transitions, stuck_fraction):
+        with pytest.raises(ParameterError, match=r"MassSpringSystem.* is no motion; allowed: a steady state"):
+            read(system)
+
+
 def test_a_motion_from_event_to_event_has_the_times_of_its_events() -> None:
     chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
     drive = HarmonicBase.from_ratio(chain, 0.9)

@@ -118,6 +118,24 @@ def test_den_hartogs_oscillator_has_a_bounded_resonance_above_a_friction_of_pi_o
     assert frictions == pytest.approx([math.pi / 4])
 
 
+def test_one_mass_far_above_its_resonance_stops_from_a_friction_of_two_over_the_root_of_pi_squared_and_four_on() -> (
+    None
+):
+    """Inertia alone is left, and a force on a free mass with friction."""
+    assert largest_sliding_friction(oscillator(1e3)) == pytest.approx(2 / math.sqrt(math.pi**2 + 4), rel=1e-5)
+
+
+def test_friction_amplifies_a_mass_on_a_base_that_moves_with_the_wall_above_its_last_invariant_point() -> None:
+    joined = partial(oscillator, joined=True)
+    last = invariant_frequencies(joined, 0, lowest=1.1, highest=5.0, moving=1.0)
+    assert last == pytest.approx([1.5063], abs=5e-5)
+    assert (
+        friction_effect(joined(0.99 * last[0]), 0, moving=1.0)
+        < 0
+        < friction_effect(joined(1.01 * last[0]), 0, moving=1.0)
+    )
+
+
 def row(omega: float, friction: float = 0.0) -> MassSpringSystem:
     """Five equal masses, a force on the first, friction of the third against a wall."""
     springs = [Spring(k, k - 1 if k else None, 1.0) for k in range(5)]

@@ -1,17 +1,20 @@
 """``run figure3``, ``accuracy``, ``work-precision`` and ``friction-map``: tables, files, and when they fail."""
 
 import csv
+import math
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from multibody_xval.reports.cli.console_script import app
 from multibody_xval.reports.cli.ending import run_command
-from multibody_xval.scenarios.model import EXACT, Config, Result, Run, Status, failed
+from multibody_xval.scenarios.model import EXACT, Case, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.proven import proven
 from multibody_xval.scenarios.store import opened
-from multibody_xval.scenarios.studies.claims import claim_cases
+from multibody_xval.scenarios.studies.claims import STATED, claim_cases
+from multibody_xval.scenarios.studies.figure3 import exact_edges
 
 TUNED = Config("mujoco")
 
@@ -32,30 +35,50 @@ def stored(path: Path, off: float = 0.0, lost: int = 0) -> Path:
 
 
 def figure3(store: Path, *options: str) -> int:
-    return run_command(app, ["run", "figure3", "--no-run", f"--store={store}", "--engine=mujoco", *options])
+    return run_command(app, ["run", "figure3", "--no-run", f"--store={store}", f"--out={store.parent}", *options])
 
 
-def test_figure_3_says_claims_verdicts_edges_and_the_finding_in_every_format(tmp_path: Path, capsys) -> None:
-    outs = [tmp_path / f"figure3.{ending}" for ending in ("md", "csv", "svg", "png", "pdf")]
-    assert figure3(stored(tmp_path / "s.sqlite"), *(f"--out={out}" for out in outs)) == 0
-    printed = capsys.readouterr().out
-    document = outs[0].read_text(encoding="utf-8")
+def test_figure_3_says_claims_verdicts_edges_and_the_finding_of_engines(tmp_path: Path, capsys) -> None:
+    assert figure3(stored(tmp_path / "s.sqlite"), "--engine=mujoco") == 0
+    printed, document = capsys.readouterr().out, (tmp_path / "figure3.md").read_text(encoding="utf-8")
     for text in ("a: the band is wider than without friction", "With MuJoCo (tuned to the chain)", "judged numbers"):
         assert text in printed
         assert text in document
-    assert "`multibody-xval run figure3 --engine=mujoco --no-run`" in document
-    rows = list(csv.DictReader(outs[1].read_text(encoding="utf-8").splitlines()))
-    assert {row["engine"] for row in rows} == {"reference", "mujoco"}
+    assert "`multibody-xval run figure3 --engine=mujoco --out=" in document
+    rows = list(csv.DictReader((tmp_path / "figure3.csv").read_text(encoding="utf-8").splitlines()))
+    assert {(row["engine"], row["steps"]) for row in rows} == {("reference", "400"), ("mujoco", "400")}
     assert len([row for row in rows if row["engine"] == "mujoco"]) == len(claim_cases())
-    assert [out.read_bytes()[:4] for out in outs[2:]] == [b"<?xm", b"\x89PNG", b"%PDF"]
+    assert [(tmp_path / f"figure3.{ending}").read_bytes()[:4] for ending in ("svg", "pdf")] == [b"<?xm", b"%PDF"]
+
+
+def test_figure_3_is_the_reference_alone_unless_engines_are_named_and_says_what_is_assumed(
+    tmp_path: Path, capsys
+) -> None:
+    assert figure3(stored(tmp_path / "s.sqlite", off=0.01)) == 0
+    printed, table = capsys.readouterr().out, (tmp_path / "figure3.csv").read_text(encoding="utf-8")
+    assert {row["engine"] for row in csv.DictReader(table.splitlines())} == {"reference"}
+    assert "MuJoCo" not in printed
+    assert "Assumed: mass ratio 1, stiffness ratio 1, damping ratio 0.01" in printed
+    for name, claim in STATED.items():
+        assert f"{name}: {claim}: " in printed
+
+
+def test_the_edges_of_the_reference_are_shown_in_order_with_their_bars() -> None:
+    curves = [Case(friction_ratio=own, frequency_ratio=1.0) for own in (5.0, 0.3, 0.0)]
+    places = {"exact": [1.17, 0.637, math.nan], "exact_bar": 3 * [4e-8], "frequency_ratio": 3 * [1.1], "error": 3 * [0]}
+    found = pd.DataFrame({"engine": "reference", "formulation": "joint", "preset": "tuned", "edge": "lower", **places})
+    shown = exact_edges(pd.concat([found.assign(curve=curves), found.assign(curve=curves, edge="upper")]))
+    assert shown["friction ratio"].tolist() == ["0", "0.3", "5"]
+    assert shown["exact motion"].tolist() == ["–", "0.6370000", "1.1700000"]
+    assert shown["error bar"][1] == "4e-08"
 
 
 def test_figure_3_fails_where_a_judged_number_deviates_or_too_many_are_lost(tmp_path: Path, capsys) -> None:
-    assert figure3(stored(tmp_path / "off.sqlite", off=0.01)) == 1
+    assert figure3(stored(tmp_path / "off.sqlite", off=0.01), "--engine=mujoco") == 1
     assert "numbers deviate" in capsys.readouterr().out
-    assert figure3(stored(tmp_path / "lost.sqlite", lost=60)) == 1
+    assert figure3(stored(tmp_path / "lost.sqlite", lost=60), "--engine=mujoco") == 1
     assert "60 of 180 numbers failed: crashed" in capsys.readouterr().out
-    assert figure3(stored(tmp_path / "few.sqlite", lost=20)) == 0
+    assert figure3(stored(tmp_path / "few.sqlite", lost=20), "--engine=mujoco") == 0
 
 
 @pytest.mark.slow

@@ -203,7 +203,7 @@ SPOILT = [
     ("exudyn-regularised:joint:default", "static-hold", "zone = [0.001]", "zone = [0.00101]"),
     ("ode", "static-hold", "world.setCFM(0.0)", ""),
     ("sapien:contact:default", "static-hold", "enable_tgs=True", "enable_tgs=False"),
-    ("mujoco:contact:recommended", "slope-hold", 'impratio="10000.0"', ""),
+    ("mujoco:contact:recommended", "slope-hold", 'impratio="10000"', ""),
     ("mujoco:contact:recommended", "spin", "20.0", "40.0"),
     ("mujoco:joint:default", "joint-stop", "20.0", "40.0"),
     ("pybullet:contact:default", "slide-to-stop", "rub = 0.5", "rub = 0.495"),
