@@ -24,7 +24,7 @@ of the plate above it. Without it small boxes touch the cell beside theirs."""
 class Box2DContactLane(PressedLane, Box2DLane):
     """One chain with a box on a plate in every cell."""
 
-    units_of = partial(finer_units, length=2.0**4)
+    units_of = staticmethod(partial(finer_units, length=2.0**4))
     """Boxes are some tenths of a unit, where Box2D rounds corners by a hundredth."""
 
     def __init__(self, lane: Lane, preset: Preset):

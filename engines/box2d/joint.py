@@ -115,7 +115,7 @@ def import_box2d() -> Any:
 class Box2DJointLane(Box2DLane):
     """One chain with a joint in every cell."""
 
-    units_of = functools.partial(finer_units, length=2.0**20)
+    units_of = staticmethod(functools.partial(finer_units, length=2.0**20))
     """Units so long that no step comes near Box2D's `FARTHEST`."""
 
     def __init__(self, lane: Lane, preset: Preset):
