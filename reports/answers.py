@@ -12,8 +12,8 @@ from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.result_tables import rows_of
 from multibody_xval.scenarios.ruler.judge import AGREES, AT_EQUAL_STEPS
 
-MOST_CONFIGURATIONS = 3
-"""Configurations that have a table each; more of them have a row each."""
+MOST_CONFIGURATIONS, MOST_NUMBERS = 3, 8
+"""Configurations that have a table each, and numbers in these tables, which fit one screen; of more, a row each."""
 
 MOST_ROWS = 60
 """Rows of the table of several scenarios: with more, a scenario has one row for all configurations."""
@@ -78,14 +78,17 @@ def number_table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def worst_table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Give the worst case of every number of one configuration as texts, and how many cases are like it."""
+    """Give the worst case of every number of one configuration as texts; it is named where not all cases agree."""
     worst = worst_cases(rows)
-    texts = number_table(worst).rename(columns={"number, case": "number, worst case"})
-    numbers = rows_of(worst, "alike", "cases")
-    alike = [f"{count} of {cases} cases" if cases > 1 else "" for count, cases in numbers]
+    texts = number_table(worst)
+    sound = (worst.verdict == AGREES) & (worst.alike == worst.cases)
+    alike = [f"\n{count} of {cases} cases" if cases > 1 else "" for count, cases in rows_of(worst, "alike", "cases")]
     return texts.assign(
-        result=[f"{verdict}\n{more}".strip() for verdict, more in zip(texts.result, alike, strict=True)]
-    )
+        **{
+            "number, case": texts["number, case"].where(~sound, texts["number, case"].str.partition("\n")[0]),
+            "result": texts.result + pd.Series(alike, texts.index).where(~sound, ""),
+        }
+    ).rename(columns={"number, case": "number, worst case"})
 
 
 def title(rows: pd.DataFrame) -> str:
@@ -93,6 +96,19 @@ def title(rows: pd.DataFrame) -> str:
     first = rows.iloc[0]
     version = f" (version {first.version})" if first.version else ""
     return f"{first.configuration}{version}, {'judged' if first.judged else 'measured, not judged'}"
+
+
+def distances(rows: pd.DataFrame) -> pd.DataFrame:
+    """Give a row a configuration, as texts: how far each number is off in its worst case, and what its numbers are."""
+    worst = worst_cases(rows)
+    far = worst.assign(
+        name=[numbered(*own).rstrip() for own in rows_of(worst.assign(case=""), "quantity", "unit", "case")],
+        text=worst.distance.astype(float).map(size_text),
+    )
+    wide = far.pivot_table(index="configuration", columns="name", values="text", aggfunc="first", sort=False)
+    words = {name: counts(own) if own.judged.any() else f"{counts(own)} (not judged)"
+             for name, own in rows.groupby("configuration", sort=False)}  # fmt: skip
+    return wide.fillna("–").assign(result=pd.Series(words)).reset_index().rename_axis(columns=None)
 
 
 def overview(rows: pd.DataFrame) -> pd.DataFrame:
@@ -160,8 +176,9 @@ def errors(rows: pd.DataFrame) -> list[str]:
 def tables(rows: pd.DataFrame, *, details: bool) -> Iterator[tuple[str, pd.DataFrame]]:
     """Give the tables of one scenario with their titles."""
     named = [(title(own), own) for _, own in rows.groupby("configuration", sort=False)]
-    if len(named) > MOST_CONFIGURATIONS and not details:
-        yield "", overview(rows)
+    many = len(named) > MOST_CONFIGURATIONS or len(named) * rows.quantity.nunique() > MOST_NUMBERS
+    if len(named) > 1 and many and not details:
+        yield "Worst distance from what is expected", distances(rows)
         return
     for name, own in named:
         there = own[own.verdict != "unsupported"]

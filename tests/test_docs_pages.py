@@ -172,6 +172,10 @@ def test_no_page_has_a_word_that_readers_should_not_meet() -> None:
     assert not [*program("words").by_hand()]
 
 
+def test_no_recipe_and_no_help_has_such_a_word() -> None:
+    assert not [*program("words").of_the_product()]
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

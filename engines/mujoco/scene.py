@@ -38,6 +38,8 @@ BELT_MASS = 1e6
 def contact_model(scene: ContactScene, setting: SceneSetting) -> str:
     """Write a scene with contacts in XML."""
     rub = f'friction="{scene.friction} 0.005 0.0001"'
+    if hardness := written(setting, "solimp"):
+        rub += f' solimp="{hardness}"'
     bodies = []
     if scene.grip:
         reach, height = scene.finger

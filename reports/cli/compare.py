@@ -22,21 +22,20 @@ if TYPE_CHECKING:
 Pair = Annotated[
     list[str] | None,
     engine_option(
-        "Instead of results files: what is before, and what is now. Both compute 24 points. An engine alone stands "
-        "for its presets default, recommended and tuned.",
-        "ENGINE[:FORMULATION[:PRESET]]",
+        "Instead of files: twice, before and now, each as ENGINE[:FORMULATION[:PRESET]]; both compute 24 points.",
     ),
 ]
 
 Outs = Annotated[
     list[Path] | None,
     typer.Option(
-        help="Write the changes here: a short comment for a pull request as .md, in full as .json, every point as "
-        ".csv; may be repeated."
+        metavar="FILE", help="Write a short comment as .md, all changes as .json, or points as .csv; may be repeated."
     ),
 ]
 
-app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval compare", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 MOST_ROWS = 20
 """Changed points that are printed, and changed numbers; a file holds all of them."""
@@ -51,11 +50,9 @@ def compare(
     workers: Workers = None,
     decibel: Annotated[
         float,
-        typer.Option("--db", help="Largest change that does not count, in dB of the transmittance: 0.001 to 1000."),
+        typer.Option("--db", help="Largest change that does not count, in dB: 0.001 to 1000."),
     ] = 0.001,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Every change fails, also one that is closer to the exact motion.")
-    ] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="Every change fails, also an improvement.")] = False,
     out: Outs = None,
 ) -> None:
     """Compare two results files point by point, or two configurations: versions of an engine, options, engines.
@@ -68,8 +65,7 @@ def compare(
     stick, is smaller, larger or as before. It is missing if there is no steady state any more, and unknown if it has
     changed and neither file has the exact motion.
 
-    Exit code 0: nothing is worse; 1: a point has regressed, is missing, or its change is unknown; 2: wrong input, or no
-    point in common; 3: results or --out could not be written; 130: interrupted.
+    Exit code 0: nothing is worse; 1: a point has regressed, is missing, or its change is unknown.
 
     Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """

@@ -8,19 +8,19 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 COMMANDS = {
-    "engines": ("engines", "List engines, their versions and presets, and why an engine is missing."),
+    "engines": ("engines", "List engines, their versions and presets."),
     "reference": ("reference", "Compute the steady state of one chain with the reference."),
     "run": ("run", "Run a scenario of the catalogue, all of them, or a measurement."),
-    "sweep": ("sweep", "Run every combination of the parameters and engines that a file names."),
+    "sweep": ("sweep", "Run all combinations of parameters and engines in a file."),
     "example": ("sweep", "Print a commented file of parameters for `sweep`."),
-    "report": ("report", "Compare engines with the reference, and write a page about it."),
-    "compare": ("compare", "Compare two stores, and print what has changed."),
-    "history": ("history", "Run plain blocks in released versions of an engine, and show their errors."),
-    "probe": ("probe", "Measure what creeps in a MuJoCo model of one's own, and what helps."),
+    "report": ("report", "Compare engines with the exact motion, and write a page."),
+    "compare": ("compare", "Compare two results files, and print what has changed."),
+    "history": ("history", "Run plain blocks in released versions of an engine."),
+    "probe": ("probe", "Measure what creeps in your MuJoCo model, and what helps."),
     "reproduce": ("reproduce", "Print a script that shows a number in an engine's own API."),
-    "recipe": ("recipe", "Print what to write in one's own model so that friction holds."),
+    "recipe": ("recipe", "Print what to write in your model so that friction holds."),
     "translate": ("translate", "Find options of another engine with which boxes move the same."),
-    "truth": ("truth", "List problems with their exact motion, and judge what any program wrote."),
+    "truth": ("truth", "List problems with an exact motion, and check any program."),
 }
 """The module of `multibody_xval.reports.cli` that has each command, and what the command does in a sentence."""
 
@@ -61,7 +61,9 @@ def loaded(name: str | None) -> Any:
     return getattr(command, "commands", {}).get(name, command)
 
 
-app = typer.Typer(name="multibody-xval", cls=CommandsOnUse, add_completion=True, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval", cls=CommandsOnUse, add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 def print_version(wanted: bool) -> None:
@@ -79,7 +81,9 @@ def multibody_xval(
         bool, typer.Option("--version", callback=print_version, is_eager=True, help="Print the version, and end.")
     ] = False,
 ) -> None:
-    """Cross-validate multibody engines on a frictional chain: the commands of the suite under one name.
+    """Check how well multibody engines simulate dry friction.
+
+    Exit codes: 0 done; 1 a comparison failed; 2 wrong input; 3 output could not be written; 130 interrupted.
 
     Example: multibody-xval report --quick --engine mujoco
     """

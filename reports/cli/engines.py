@@ -11,14 +11,16 @@ from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.options import AsJson
 from multibody_xval.scenarios.terminal_table import print_table
 
-app = typer.Typer(name="multibody-xval engines", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval engines", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 @app.command()
 def engines(as_json: AsJson = False) -> None:
     """List every registered engine: version, friction law and presets, and why it is missing if it is.
 
-    Exit code 0: listed, installed or not; 2: wrong input; 130: interrupted.
+    Exit code 0: listed, installed or not.
 
     Example: multibody-xval engines --json
     """

@@ -12,7 +12,9 @@ from multibody_xval.reports.cli.options import keeping
 from multibody_xval.scenarios.output_files import checked_output_file, checked_output_folder, write_whole
 from reference_lcp.errors import ParameterError, checked_choice
 
-app = typer.Typer(name="multibody-xval history", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval history", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 @app.command()
@@ -29,8 +31,7 @@ def history(
     patch of each of the 10 newest minor versions. NAME.csv keeps the results: the versions in it are not run again,
     unless they did not install.
 
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input, or uv is missing; 3: the package index
-    gives no version, or files could not be written; 130: interrupted.
+    Exit code 0: the table is complete, whatever its numbers.
 
     Example: multibody-xval history mujoco --versions 3.3.7,4.0.0
     """

@@ -10,8 +10,7 @@ from multibody_xval.reports.cli.shown import Shown
 def laws(engines: Engines, *, out: TableFiles = None) -> None:
     """Compare engines with the step models of their presets, over one period from the same state.
 
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: --out could not be written;
-    130: interrupted.
+    Exit code 0: the table is complete, whatever its numbers.
 
     Example: multibody-xval run laws --engine mujoco:joint:default --out laws.md
     """

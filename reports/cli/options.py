@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
-EVERY_PART = "`all` stands for all engines, formulations or presets. May be repeated. "
+EVERY_PART = "`all` stands for every one. May be repeated. "
 
-ENGINE_HELP = f"An engine; without FORMULATION and PRESET, its joint with the preset tuned. {EVERY_PART}"
+ENGINE_HELP = f"{NAME_METAVAR}; a name alone: joint:tuned. {EVERY_PART}"
 
 
-def engine_option(text: str, metavar: str = NAME_METAVAR) -> Any:
+def engine_option(text: str, metavar: str = "ENGINE") -> Any:
     """Give the option ``--engine``, with its help and its completion."""
     return typer.Option("--engine", metavar=metavar, help=text, autocompletion=complete_variant)
 
@@ -40,23 +40,21 @@ Settings = Annotated[
     typer.Option(
         "--set",
         metavar="OPTION=VALUE",
-        help="Change an option of the only --engine; may be repeated. The same as --engine NAME:OPTION=VALUE.",
+        help="Change an option of the only --engine; may be repeated.",
     ),
 ]
 Store = Annotated[
     Path | None,
-    typer.Option(help="File that stores every result; a stopped run continues from it. Without it, nothing is stored."),
+    typer.Option(metavar="FILE", help="Keep every result in this file; a stopped run continues from it."),
 ]
-Workers = Annotated[int | None, typer.Option(help="Number of worker processes; without it, one for each processor.")]
-Scheduler = Annotated[
-    str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
-]
+Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one per processor.")]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Compute on the workers of a dask scheduler.")]
 
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 TableFiles = Annotated[
     list[Path] | None,
-    typer.Option("--out", help="Write the table here: Markdown as .md, full precision as .csv; may be repeated."),
+    typer.Option("--out", metavar="FILE", help="Write the table as .md, or with every digit as .csv; may be repeated."),
 ]
 
 COMMENT_ENDINGS, TABLE_ENDINGS, CHART_ENDINGS = (".md", ".json", ".csv"), (".md", ".csv"), (".svg", ".pdf", ".png")
@@ -104,9 +102,8 @@ class ScenarioEngines(Engines):
     chosen: Annotated[
         list[str] | None,
         engine_option(
-            "An engine; without FORMULATION and PRESET, its joint with the preset tuned, and in scenes, which have "
-            f"contacts or joints of their own, its presets default and recommended. {EVERY_PART}"
-            "Without it: all:all:all, and in scenes all engines, each with these two presets."
+            f"{NAME_METAVAR}; a name alone: joint:tuned, in scenes default and recommended. {EVERY_PART}"
+            "Without it: all engines."
         ),
     ] = None
 
@@ -130,15 +127,13 @@ class Computing:
     """What computes runs, as `Means` takes it."""
 
     workers: Workers = None
-    time_limit: Annotated[
-        float, typer.Option(help="Time limit of a run, in seconds; an engine that hangs is then stopped.")
-    ] = SECONDS_A_RUN
+    time_limit: Annotated[float, typer.Option(help="Seconds after which a run is stopped.")] = SECONDS_A_RUN
     scheduler: Scheduler = None
     retry_failed: Annotated[
         bool,
         typer.Option(
             "--retry-failed",
-            help="Run again what an engine failed at before: it crashed, raised an error or passed the time limit.",
+            help="Run again what failed before.",
         ),
     ] = False
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NAMES = 6
 """Of what was not tested, printed at most."""
 
-app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(name="multibody-xval", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 @app.command()
@@ -45,8 +45,7 @@ def probe(
     Drift is the mean slip velocity of the fastest point; the cost per step is relative to that of the model as it is.
     Where nothing loads friction, the lines are not tried one by one. A joint that moves at the start is watched until
     friction has stopped it. The file is never changed. Other engines have no such probe.
-    Exit code 0: printed; 2: wrong input: the model does not load, has no friction, explodes, or nothing in it rests;
-    130: interrupted.
+    Exit code 0: printed.
 
     Example: multibody-xval probe model.xml --time 2
     """

@@ -28,8 +28,7 @@ def proofs(
     """Prove the steady states of standard grids and catalogue, and compare their levels with the table of the suite.
 
     Levels on both sides of the edges of the band are proven too, unless it is a sample.
-    Exit code 0: all are as in the table; 1: one is not; 2: wrong input; 3: --out could not be written;
-    130: interrupted.
+    Exit code 0: all are as in the table; 1: one is not.
 
     Example: multibody-xval run proofs --sample 20
     """

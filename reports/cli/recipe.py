@@ -25,7 +25,7 @@ from multibody_xval.scenarios.terminal_table import print_table
 if TYPE_CHECKING:
     import pandas as pd
 
-app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(name="multibody-xval", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 @app.command()
@@ -45,8 +45,7 @@ def recipe(
 
     Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe. "Not
     cured": with the recipe, too, they are more than twice what is allowed.
-    Exit code 0: printed; 2: wrong input, or the engine has no recipe; 3: results could not be written; 130:
-    interrupted.
+    Exit code 0: printed.
 
     Example: multibody-xval recipe mujoco
     """
@@ -105,8 +104,7 @@ def recipes(
 ) -> None:
     """Measure every set of the options that a recipe changes, in all scenes: drift, cost of a step, what gets worse.
 
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
+    Exit code 0: the table is complete, whatever its numbers.
 
     Example: multibody-xval run recipes --engine mujoco
     """

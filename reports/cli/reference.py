@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 LINE_SECONDS = 10.0
 """Between two lines about a search that takes long."""
 
-app = typer.Typer(name="multibody-xval reference", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval reference", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 def typed_number(value: str | float) -> TypedNumber:
@@ -60,16 +62,12 @@ Ratio = partial(typer.Option, parser=typed_number, metavar="<float>")
 class Parameters:
     """Of the chain, but for its friction, and of its base."""
 
-    mass_ratio: Annotated[float, Ratio(help="Mass ratio m_i / m_o.")] = defaults.MASS_RATIO
-    stiffness_ratio: Annotated[float, Ratio(help="Stiffness ratio k_i / k_c.")] = defaults.STIFFNESS_RATIO
-    damping_ratio: Annotated[float, Ratio(help="Damping ratio of the chain, c_c / (2 √(k_c m_o)).")] = (
-        defaults.DAMPING_RATIO
-    )
-    inner_damping_ratio: Annotated[float, Ratio(help="Damping ratio inside the cells, c_i / (2 √(k_i m_i)).")] = 0.0
+    mass_ratio: Annotated[float, Ratio(help="m_i / m_o.")] = defaults.MASS_RATIO
+    stiffness_ratio: Annotated[float, Ratio(help="k_i / k_c.")] = defaults.STIFFNESS_RATIO
+    damping_ratio: Annotated[float, Ratio(help="c_c / (2 √(k_c m_o)).")] = defaults.DAMPING_RATIO
+    inner_damping_ratio: Annotated[float, Ratio(help="c_i / (2 √(k_i m_i)).")] = 0.0
     cells: Annotated[int, typer.Option(help="Number of cells.")] = defaults.CELLS
-    base_amplitude: Annotated[float, typer.Option(help="Amplitude U0 of the base, in metres.")] = (
-        defaults.BASE_AMPLITUDE
-    )
+    base_amplitude: Annotated[float, typer.Option(help="U0 of the base [m].")] = defaults.BASE_AMPLITUDE
 
 
 @dataclass(frozen=True)
@@ -78,22 +76,14 @@ class Search:
 
     steps_per_period: Annotated[
         int,
-        typer.Option(
-            help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken if "
-            f"dt ω_max <= {LARGEST_PHASE_STEP} requires it."
-        ),
+        typer.Option(help=f"At least {FEWEST_STEPS_PER_PERIOD}; more are taken if dt ω_max > {LARGEST_PHASE_STEP}."),
     ] = defaults.MINIMUM_STEPS_PER_PERIOD
-    solver: Annotated[str, typer.Option(help="Solver: compiled, lemke or exact.")] = "compiled"
+    solver: Annotated[str, typer.Option(help="compiled, lemke, exact.")] = "compiled"
     tolerance: Annotated[
         float | None,
-        typer.Option(
-            help=f"Residual to reach; without it, {defaults.DEFAULT_RESIDUAL:g}, or {defaults.EXACT_RESIDUAL:g} with "
-            "--solver exact."
-        ),
+        typer.Option(help=f"Residual; else {defaults.DEFAULT_RESIDUAL:g}, or {defaults.EXACT_RESIDUAL:g} if exact."),
     ] = None
-    max_periods: Annotated[int, typer.Option(help="Largest number of periods of the search.")] = (
-        defaults.DEFAULT_PERIODS
-    )
+    max_periods: Annotated[int, typer.Option(help="Most periods of the search.")] = defaults.DEFAULT_PERIODS
 
 
 @dataclass(frozen=True)
@@ -102,14 +92,12 @@ class ProofOptions:
 
     proof: Annotated[
         bool,
-        typer.Option(
-            "--proof", help="Also prove the exact steady state in ball arithmetic, with the ratios as exact decimals."
-        ),
+        typer.Option("--proof", help="Also prove the exact steady state in ball arithmetic."),
     ] = False
-    digits: Annotated[int, typer.Option(help="Decimals of the proven numbers.")] = defaults.PROVEN_DIGITS
-    time_limit: Annotated[
-        float, typer.Option(help='Seconds after which a proof is given up; the answer is then "not proven".')
-    ] = defaults.PROOF_TIME_LIMIT
+    digits: Annotated[int, typer.Option(help="Proven decimals.")] = defaults.PROVEN_DIGITS
+    time_limit: Annotated[float, typer.Option(help="Seconds after which a proof is given up.")] = (
+        defaults.PROOF_TIME_LIMIT
+    )
 
     def question(self, ratios: dict[str, float]) -> ExactChain | None:
         """Give the chain that is proven, of these ratios as they were typed; ``None`` without a proof."""
@@ -143,8 +131,8 @@ class ProofOptions:
 @grouped
 def run(
     *,
-    friction_ratio: Annotated[float, Ratio(help="Friction ratio μλ_N / (k_c U0).")] = 0.3,
-    frequency_ratio: Annotated[float, Ratio(help="Frequency ratio ω / ω_r.")] = 0.9,
+    friction_ratio: Annotated[float, Ratio(help="μλ_N / (k_c U0).")] = 0.3,
+    frequency_ratio: Annotated[float, Ratio(help="ω / ω_r.")] = 0.9,
     parameters: Parameters,
     search: Search,
     proof: ProofOptions,
@@ -155,15 +143,14 @@ def run(
     as_json: AsJson = False,
     plot: Annotated[
         list[Path] | None,
-        typer.Option(help="Draw one period into this file: .pdf, .svg, .png, .eps, .jpg or .tif; may be repeated."),
+        typer.Option(metavar="FILE", help="Draw one period as .pdf, .svg, .png, .eps, .jpg or .tif; may be repeated."),
     ] = None,
 ) -> None:
     """Find the steady state of a frictional mass-in-mass chain on a base that moves as U0 sin ωt.
 
-    The scheme is Euler's discretisation, with a linear complementarity problem in every step. The solver "exact" is
-    event-driven instead: it has no time step.
-    Exit code 0: converged; 1: no steady state within the periods, or not proven with --proof; 2: wrong input; 3: --plot
-    could not be written at the end; 130: interrupted.
+    The scheme is Euler's, with a linear complementarity problem in every step. The solver "exact" has no time step.
+
+    Exit code 0: converged; 1: no steady state within the periods, or not proven with --proof.
 
     Example: multibody-xval reference --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
@@ -213,7 +200,7 @@ def _show(as_json: bool, content: object, show: Callable[[], None]) -> None:
 
 
 def _why_more_steps(state: SteadyState, requested: int) -> str | None:
-    """Reason for more steps a period than were requested; ``None`` if there are not more."""
+    """Reason for more steps per period than were requested; ``None`` if there are not more."""
     if state.orbit.trajectory.steps == requested:
         return None
     bound = f"dt ω_max <= {LARGEST_PHASE_STEP}"

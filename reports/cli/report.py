@@ -26,29 +26,27 @@ RARE_COLLECTIONS = (200_000, 20, 100)
 
 PROGRAM = ("multibody-xval", "report")
 
-app = typer.Typer(name="multibody-xval report", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval report", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 @dataclass(frozen=True)
 class Asked:
     """What a page shows."""
 
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Take few friction and frequency ratios: the whole report takes a minute.")
-    ] = False
+    quick: Annotated[bool, typer.Option("--quick", help="Take few operating points: about a minute.")] = False
     chosen: Annotated[
         list[str] | None,
         engine_option(
-            "An engine, with its default, recommended and tuned presets; or one preset of it. `all`: every engine. "
-            "May be repeated. Without it: the engines that come with the suite."
+            "An engine or one preset of it; `all`: every engine. May be repeated. Without it: the engines that come "
+            "with the suite."
         ),
     ] = None
     settings: Settings = None
-    sweep: Annotated[
-        Path | None, typer.Option(help="Sweep file with engines, chain and grid; multibody-xval example prints one.")
-    ] = None
+    sweep: Annotated[Path | None, typer.Option(metavar="FILE", help="Sweep file, see `multibody-xval example`.")] = None
     data: Annotated[
-        Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
+        Path | None, typer.Option(metavar="FILE", help="Show the dataset of a sweep (.nc); nothing is run.")
     ] = None
 
     @property
@@ -80,19 +78,17 @@ class Asked:
 @grouped
 def report(
     *,
-    out: Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")] = Path(
-        "report"
-    ),
+    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the page and its files.")] = Path("report"),
     asked: Asked,
     store: Annotated[
         list[Path] | None,
         typer.Option(
-            help="File that stores every result; without it, results.sqlite in --out. With --no-run it may be "
-            "repeated: results of several environments make one page."
+            metavar="FILE",
+            help="Results file; without it, results.sqlite in --out. With --no-run it may be repeated.",
         ),
     ] = None,
     run: Annotated[
-        bool, typer.Option("--run/--no-run", help="Run missing points; --no-run shows stored results alone.")
+        bool, typer.Option("--run/--no-run", help="Run what is missing, or only show what --store holds.")
     ] = True,
     computing: Computing,
 ) -> None:
@@ -101,9 +97,8 @@ def report(
     Without --engine and --sweep: the engines that come with the suite, with default options, recipe, and tuned to the
     chain. Results are stored: a second report takes seconds, and an interrupted one continues.
 
-    Exit code 0: the page is written, and no judged number deviates; 1: the page is written, and a judged number or band
-    edge deviates, more than a quarter of a judged preset's numbers are missing, or more than a quarter of a named
-    preset's runs fail; 2: wrong input; 3: results or the page could not be written; 130: interrupted.
+    Exit code 0: no judged number deviates; 1: a judged number or band edge deviates, or more than a quarter of a
+    judged preset's numbers or of a named preset's runs are missing.
 
     Example: multibody-xval report --quick --engine mujoco --engine pybullet:joint:default
     """

@@ -10,7 +10,9 @@ from multibody_xval.engines.completion import complete_variant
 from multibody_xval.reports.cli.options import NAME_METAVAR, Store, keeping
 from multibody_xval.scenarios.compute import SECONDS_A_RUN
 
-app = typer.Typer(name="multibody-xval reproduce", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval reproduce", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 @app.command()
@@ -35,16 +37,13 @@ def reproduce(
         str | None, typer.Argument(help="Case of the scenario; without it, the one that says most.")
     ] = None,
     store: Store = None,
-    time_limit: Annotated[
-        float, typer.Option(help="Time limit of a run, in seconds; an engine that hangs is then stopped.")
-    ] = SECONDS_A_RUN,
+    time_limit: Annotated[float, typer.Option(help="Seconds after which a run is stopped.")] = SECONDS_A_RUN,
 ) -> None:
     """Print a short script that shows a number in the engine's own API, without this suite.
 
     The script needs only the engine and NumPy, and can be sent to the engine's tracker. Its header has the suite's
     number, which is computed unless the results file has it.
-    Exit code 0: the script is printed; 2: wrong input, or the engine has no script or no such number; 3: the result
-    could not be written; 130: interrupted.
+    Exit code 0: the script is printed.
 
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """

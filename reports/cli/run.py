@@ -22,7 +22,7 @@ STUDIES = {
     "accuracy": (
         accuracy, "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
     ),
-    "laws": (laws, "How well does the law of each preset predict its engine over a period?"),
+    "laws": (laws, "How well does the step model of each preset predict its engine over a period?"),
     "proofs": (proofs, "What is the exact transmittance at every point of the standard grids, proven?"),
     "work-precision": (
         work_precision, "How large is each engine's error to the proven value, over the time of a simulated second?",
@@ -73,7 +73,9 @@ def _check_alone(args: Sequence[str]) -> None:
             raise ParameterError(f"{name} with {own}; allowed: scenarios together, or {alone} alone")
 
 
-app = typer.Typer(name="multibody-xval run", cls=ByName, add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="multibody-xval run", cls=ByName, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
 
 
 @app.callback(invoke_without_command=True)
@@ -82,7 +84,7 @@ def catalogue(context: typer.Context) -> None:
 
     `multibody-xval run` lists scenarios with their questions, `multibody-xval run NAME --help` explains one.
 
-    Exit code 0: listed; 2: wrong input; 130: interrupted.
+    Exit code 0: listed.
 
     Example: multibody-xval run unit-cell --engine mujoco --engine pybullet:joint
     """

@@ -33,13 +33,12 @@ if TYPE_CHECKING:
 ALL = "all"
 
 EXIT_CODES = (
-    "Exit code 0: no judged number deviates; 1: one does, or more than a quarter of a judged preset's numbers are "
-    "missing, or more than a quarter of a named engine's runs fail; 2: wrong input; 3: results or --out could not be "
-    "written; 130: interrupted."
+    "Exit code 0: no judged number deviates; 1: one does, or more than a quarter of the numbers of a judged preset or "
+    "of the runs of a named engine are missing."
 )
 
 
-Others = Annotated[list[str] | None, typer.Argument(help="Other scenarios, to be run with this one.")]
+Others = Annotated[list[str] | None, typer.Argument(help="Other scenarios to run.")]
 
 
 @dataclass(frozen=True)
@@ -50,30 +49,28 @@ class Output:
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write the numbers here: a short comment for a pull request as .md, every number as .json or .csv; "
-            "may be repeated."
+            metavar="FILE", help="Write a short comment as .md, or every number as .json or .csv; may be repeated."
         ),
     ] = None
     series: Annotated[
         list[Path] | None,
-        typer.Option(help="Write every row of the motions here, as .csv; needs --store; may be repeated."),
+        typer.Option(metavar="FILE", help="Write the motions row by row, as .csv; needs --store."),
     ] = None
     transitions: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write when contacts stick and slip in steady states, over the period, here as .csv; needs --store; "
-            "may be repeated."
+            metavar="FILE", help="Write when contacts stick and slip over the period, as .csv; needs --store."
         ),
     ] = None
-    details: Annotated[
-        bool, typer.Option("--details", help="Print every number, and not the worst case of each alone.")
-    ] = False
+    details: Annotated[bool, typer.Option("--details", help="Print every number, what it means, and the source.")] = (
+        False
+    )
     run: Annotated[
         bool,
         typer.Option(
             "--run/--no-run",
-            help="Run what is missing; --no-run shows only what --store holds: of several versions of an engine the "
-            "installed one, or else the last, which is the one that compare takes.",
+            help="Run what is missing, or only show --store.",
+            show_default=False,
         ),
     ] = True
 
@@ -103,7 +100,7 @@ def command(name: str) -> Any:
     what = "Run every scenario." if own is None else f"{own.question} Expected: {own.expects}."
     options = " --record quake.csv" if follows else ""
     text = f"{what}\n\n{EXIT_CODES}\n\nExample: multibody-xval run {name}{options} --engine mujoco --out numbers.md"
-    made = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    made = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     made.command(name, help=text)(_followed if follows else _named)
     return typer.main.get_command(made)
 
@@ -202,7 +199,8 @@ def _print(answer: Answer, *, details: bool) -> None:
     one = len(answer.scenarios) == 1
     for scenario in answer.scenarios if one or details else ():
         rows = answer.of(scenario)
-        question, *lines = answers.asked(scenario, rows)
+        question, source, expected, cases, *parameters = answers.asked(scenario, rows)
+        lines = [source, expected, cases, *parameters] if details else [cases, expected]
         console.print(f"[bold]{scenario.name}[/bold]: {plain(question)}", highlight=False)
         console.print(plain(*lines), highlight=False)
         for title, table in answers.tables(rows, details=details):

@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 Outs = Annotated[
     list[Path] | None,
     typer.Option(
-        help="Write the tables here as .md, every number as .csv, the figure as .svg, .pdf or .png; may be repeated."
+        metavar="FILE",
+        help="Write tables as .md, numbers as .csv, or the figure as .svg, .pdf or .png; may be repeated.",
     ),
 ]
 
@@ -74,8 +75,7 @@ def figure3(
     continues.
 
     Exit code 0: no judged number deviates; 1: one does, more than a quarter of those of a judged preset is missing, or
-    a named preset fails at more than a quarter; 2: wrong input; 3: results or files could not be written;
-    130: interrupted.
+    a named preset fails at more than a quarter.
 
     Example: multibody-xval run figure3 --engine mujoco:joint:default
     """
@@ -163,8 +163,7 @@ def figure3_parts(
 def accuracy(engines: Engines, *, store: Store = None, out: TableFiles = None, computing: Computing) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
+    Exit code 0: the table is complete, whatever its numbers.
 
     Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
     """
@@ -204,8 +203,7 @@ def work_precision(
     The time of an engine is that of the searches for its steady states over the time that they simulate; one of --store
     is that of the earlier run.
 
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
+    Exit code 0: the table is complete, whatever its numbers.
 
     Example: multibody-xval run work-precision --engine mujoco:joint:all --out speed.md --out speed.svg
     """
@@ -236,8 +234,7 @@ def work_precision(
 def friction_map(engines: ScenarioEngines, *, store: Store = None, out: Outs = None, computing: Computing) -> None:
     """Measure the force that keeps a box sliding, at speeds from 10 µm/s to 1 m/s and at angles to the world's axes.
 
-    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
-    130: interrupted.
+    Exit code 0: the table is complete, whatever its numbers.
 
     Example: multibody-xval run friction-map --engine mujoco --engine pybullet --out map.csv --out map.svg
     """

@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from multibody_xval.scenarios.running.evaluate import Means
     from multibody_xval.scenarios.sweeps.plan import Sweep
 
-app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(name="multibody-xval", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 @app.command()
 def example() -> None:
     """Print a commented file of parameters for `sweep`.
 
-    Exit code 0: printed; 2: wrong input; 3: standard output could not be written; 130: interrupted.
+    Exit code 0: printed.
 
     Example: multibody-xval example > sweep.toml
     """
@@ -46,10 +46,7 @@ def sweep(
     ] = Path("sweep.sqlite"),
     out: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="Write all results of the sweep: arrays with units, NetCDF, as .nc; a row a run as .csv; may be "
-            "repeated."
-        ),
+        typer.Option(metavar="FILE", help="Write all results as .nc (arrays with units) or .csv; may be repeated."),
     ] = None,
     run: Annotated[
         bool, typer.Option("--run/--no-run", help="Run missing points; --no-run shows only stored results.")
@@ -61,8 +58,7 @@ def sweep(
 ) -> None:
     """Run every combination of the parameters and engines that a file names.
 
-    Exit code 0: every point has a result, or a reason why it has none; 2: wrong input; 3: results or --out could not be
-    written; 130: interrupted.
+    Exit code 0: every point has a result, or a reason why it has none.
 
     Example: multibody-xval sweep sweep.toml --out sweep.nc
     """

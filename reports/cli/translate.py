@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from multibody_xval.engines.interface.variant import Variant
     from multibody_xval.scenarios.catalogue.translation import Translation
 
-app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(name="multibody-xval", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 @app.command()
@@ -37,8 +37,7 @@ def translate(
 
     Boxes are held, slide, stop, are pushed, carried and spun in both engines, each with its own time step. The options
     are found by search: those of the other engine's recipe, a few more, and a factor of the coefficients of friction.
-    Exit code 0: printed, however large the difference; 2: wrong input; 3: results could not be written; 130:
-    interrupted.
+    Exit code 0: printed, however large the difference.
 
     Example: multibody-xval translate mujoco:contact:default sapien
     """

@@ -12,22 +12,25 @@ from multibody_xval.reports.cli.console_script import HelpAlone
 from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.scenarios.terminal_table import print_table
 
-app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
-truth_app = typer.Typer(cls=HelpAlone)
+app = typer.Typer(name="multibody-xval", add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+truth_app = typer.Typer(cls=HelpAlone, rich_markup_mode=None)
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="The problem; `truth list` has the names.")]
 
 
 @truth_app.callback()
 def truth_group() -> None:
-    """List benchmark problems with their exact motion, and judge a motion that any program wrote."""
+    """List benchmark problems with their exact motion, and judge a motion that any program wrote.
+
+    Example: multibody-xval truth list
+    """
 
 
 @truth_app.command("list")
 def list_problems() -> None:
     """List the problems.
 
-    Exit code 0: listed; 2: wrong input; 130: interrupted.
+    Exit code 0: listed.
 
     Example: multibody-xval truth list
     """
@@ -41,7 +44,7 @@ def list_problems() -> None:
 def show(name: Name) -> None:
     """Print the file of a problem: what to build, its exact motion, what a step may be off.
 
-    Exit code 0: printed; 2: wrong input; 130: interrupted.
+    Exit code 0: printed.
 
     Example: multibody-xval truth show block-stops
     """
@@ -65,8 +68,7 @@ def check(
     """Compare a motion that any program wrote with the exact one: a row a body, held, slid or stuck in the end.
 
     It has a row at each of the problem's times, and may have others. What it may be off is in proportion to the step.
-    Exit code 0: within what a step of first order may be off; 1: beyond; 2: wrong input: no such problem, or a file
-    with a missing column, time or unit; 130: interrupted.
+    Exit code 0: within what a step of first order may be off; 1: beyond.
 
     Example: multibody-xval truth check block-stops motion.csv --time-step 0.001
     """

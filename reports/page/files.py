@@ -13,7 +13,7 @@ from reference_lcp.errors import ParameterError
 
 PAGE, FIGURES = "index.html", "figures"
 
-TABLES = ("points", "edges", "transitions", "phases", "errors", "headline", "verdicts", "engines", "claims")
+TABLES = ("points", "edges", "transitions", "phases", "errors", "headline", "drift", "verdicts", "engines", "claims")
 """Files that stand beside the page, each with the ending ``.csv``, as far as there is something in them."""
 
 

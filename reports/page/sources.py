@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from multibody_xval.engines.interface.texts import checked_path
+from multibody_xval.reports.page.drift import drift_runs
 from multibody_xval.reports.page.files import check_folder, check_loses_nothing
 from multibody_xval.reports.page.write import Written, write_dataset_page, write_page
 from multibody_xval.scenarios import edges
@@ -36,7 +37,7 @@ def planned_page(
     """Run what a report of engines needs, and write its page; `means` gives what computes, with the store."""
     configs = report_configs(names)
     own = _prepared(means, folder, store)
-    stored = computed(report_runs(configs, quick=quick), own, then=[EDGES])
+    stored = computed(report_runs(configs, quick=quick) + drift_runs(configs), own, then=[EDGES])
     named = partial(_is_of, configs) if names else None
     return write_page(stored, folder, command, left_out=left_out(configs, quick=quick), named=named)
 

@@ -12,6 +12,7 @@ from multibody_xval.reports.figures import levels, panels
 from multibody_xval.reports.figures.svg import Panel, svg
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.page import tables
+from multibody_xval.reports.page.drift import drift_table, pasted
 from multibody_xval.reports.page.files import PAGE, TABLES, write_files
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
@@ -19,16 +20,19 @@ from multibody_xval.scenarios.model import EXACT, REFERENCE, Case
 from multibody_xval.scenarios.result_tables import file_columns, points, transitions
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
+from multibody_xval.scenarios.studies.claims import of_paper
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SECTIONS = {
-    "transmittance": "Transmittance", "errors": "Errors", "edges": "Band edges", "claims": "Claims of the paper",
-    "verdicts": "Results by configuration", "stick_slip": "Stick and slip", "engines": "Engines and options",
-    "made": "How this page was made",
+    "transmittance": "Transmittance", "edges": "Band edges", "errors": "Errors",
+    "stick_slip": "Stick and slip", "details": "Details",
 }  # fmt: skip
 """Sections below the first screen, by their templates; those without a table or figure are left out."""
+
+FIGURE3 = "Figure 3: transmittance"
+"""What the first of them is called where it shows the paper's chain."""
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 
@@ -84,7 +88,7 @@ def write_page(
     own = [row for row in stored if (row.run.config, row.run.case, row.run.steps) in ruled]
     data = {
         "edges": edges, "claims": tables.claim_table(every, found), "transitions": file_columns(transitions(own)),
-        "phases": phases,
+        "phases": phases, "drift": drift_table(stored),
         "engines": tables.engines((run.config, version) for run, version, _ in stored),
     }  # fmt: skip
     return _written(folder, rows, shown, data, command, left_out, named, case)
@@ -97,7 +101,8 @@ def write_dataset_page(data: "xr.Dataset", folder: Path, command: str) -> Writte
     rows = tables.labelled(by_tolerance(judged_table(data), sweep_in(data).tolerance_db))
     versions = {(config, version) for config, version in zip(rows.config, rows.version, strict=True)}
     line = "A dataset has neither band edges nor the times of stick and slip: report --sweep FILE has them."
-    return _written(folder, rows, rows, {"engines": tables.engines(versions)}, command, line, None, None)
+    given = {"engines": tables.engines(versions), "drift": pd.DataFrame()}
+    return _written(folder, rows, rows, given, command, line, None, None)
 
 
 def _labelled_phases(table: pd.DataFrame, case: Case) -> pd.DataFrame:
@@ -146,8 +151,10 @@ def _written(
     result = Written(folder / PAGE, finding(engines), failing)
     text = _page(
         data, drawn, result, command=command, left_out=left_out, case=case, at_headline=not at_headline.empty,
-        scale=_scale(shown), least_percent=panels.LEAST_PERCENT,
-        counts=_counts(engines), grid_steps=sorted(set(grid.steps)), looks=_looks(first), grid_looks=_looks(grid),
+        scale=_scale(shown), recipes=pasted(engines.config) if len(data["drift"]) else {},
+        least_percent=panels.LEAST_PERCENT,
+        paper=not of_paper(grid).empty, counts=_counts(engines),
+        grid_steps=sorted(set(grid.steps)), looks=_looks(first), grid_looks=_looks(grid),
     )  # fmt: skip
     write_files(folder, data, drawn, text)
     return result
@@ -173,10 +180,15 @@ def _counts(engines: pd.DataFrame) -> dict[str, int]:
     }  # fmt: skip
 
 
-def _page(data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: Written, **values: object) -> str:
+def _page(
+    data: dict[str, pd.DataFrame], drawn: dict[str, list[Panel]], result: Written, *, paper: bool, **values: object
+) -> str:
+    """Give the page of tables and figures; `paper` says whether they show the paper's chain."""
     parts = {name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(own)] for name, own in drawn.items()}
     there = {name for name, table in data.items() if len(table)} | {name for name, own in drawn.items() if own}
-    sections = {name: title for name, title in SECTIONS.items() if name in there or name == "made"}
+    sections = {name: title for name, title in SECTIONS.items() if name in there or name == "details"}
+    if paper and "transmittance" in sections:
+        sections["transmittance"] = FIGURE3
     modes = set(data["phases"]["mode"]) if "phases" in there else set()
     drawn_modes = {name: colour for name, colour in panels.MODES.items() if name in modes}
     template = environment("multibody_xval.reports.page").get_template("page.html")

@@ -14,7 +14,7 @@ ENDED = (Status.PERIODIC, Status.FINISHED)
 """How runs end that have a result to show."""
 
 LINES = 10
-"""Lines of a step at most, where no terminal shows a bar."""
+"""Lines of a step at most, where no terminal shows a bar: there is one after each tenth of the runs known by then."""
 
 EXPECTED_SECONDS = 0.2
 """That a run takes before any has ended: an engine's steady state takes 0.05 to 1."""
@@ -45,7 +45,6 @@ class Steps:
         if self._total == 0:
             self._begin = time.monotonic()
         self._total += runs
-        self._printed = self._done * LINES // self._total
         if self._bar is None and self._done == 0:
             self._line()
         elif self._bar is not None and self._task is None:
@@ -56,8 +55,7 @@ class Steps:
         """Show results that have just come."""
         self._done += len(results)
         self._first(results)
-        if self._bar is None and self._done * LINES >= (self._printed + 1) * self._total:
-            self._printed = self._done * LINES // self._total
+        if self._bar is None and (self._done - self._printed) * LINES >= self._total:
             self._line()
         self._move()
 
@@ -66,6 +64,7 @@ class Steps:
             self._bar.update(self._task, total=self._total, completed=self._done, left=self._left)
 
     def _line(self) -> None:
+        self._printed = self._done
         print(f"{self._title}: {self._done} of {self._total} runs{self._left}", file=sys.stderr)
 
     def _first(self, results: Mapping[Run, Result]) -> None:

@@ -9,8 +9,31 @@ import pytest
 from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.engines.pybullet import PyBullet
-from multibody_xval.reports.cli.console_script import app
+from multibody_xval.reports.cli.console_script import COMMANDS, app
 from multibody_xval.reports.cli.ending import run_command
+from multibody_xval.reports.cli.run import STUDIES
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+
+SCREEN = 40
+"""Lines of a terminal of 80 columns that nobody has made smaller."""
+
+HELPS = [
+    "",
+    *COMMANDS,
+    *(f"run {name}" for name in [*STUDIES, *SCENARIOS, "all"]),
+    *map("truth {}".format, ("list", "show", "check")),
+]
+"""Every command; without words, the list of them."""
+
+
+@pytest.mark.parametrize("words", HELPS)
+def test_help_of_every_command_fits_one_screen_and_has_an_example(words: str, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    assert run_command(app, [*words.split(), "--help"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= SCREEN
+    assert max(map(len, lines)) <= 80
+    assert sum("Example: multibody-xval" in line for line in lines) == 1
 
 
 def test_a_shell_completes_scenarios_and_engines(capsys, monkeypatch) -> None:

@@ -62,10 +62,27 @@ def test_every_scenario_is_listed_with_its_question_and_tables_fit_80_columns(ca
 def test_a_sound_engine_agrees_in_one_sentence_at_the_end(capsys) -> None:
     code, printed = stored(capsys, SOUND, "--out=sound.md")
     assert code == 0
-    asked = "two-points: Does it move as it should? Source: Of a test Expected: the exact motion. 2 cases: soft; loud."
-    assert printed.startswith(f"{asked} 400 time steps per period.")
+    asked = "two-points: Does it move as it should? 2 cases: soft; loud. 400 time steps per period."
+    assert printed.startswith(f"{asked} Expected: the exact motion. mujoco:joint:tuned")
+    assert "Source: Of a test" in shown(capsys, *STORE, "--details")[1]
     assert printed.endswith("mujoco:joint:tuned agrees with what is expected in all 2 numbers.")
     assert Path("sound.md").read_text(encoding="utf-8").startswith("## Scenarios: pass\n")
+
+
+def test_many_configurations_fit_one_screen_and_the_worst_distance_of_each_is_seen(capsys) -> None:
+    """With a table for each of nine they would take 70 lines; the last line is the finding."""
+    write_store(Path("s.sqlite"), SOUND)
+    with opened(Path("s.sqlite")) as store:
+        for size in range(1, 9):
+            own = Config.parse(f"mujoco:joint:tuned:iterations={size}")
+            store.add({Run(own, case, 400): WRONG[case] for case in WRONG})
+    assert run_command(app, ["run", NAME, *STORE]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 40
+    assert max(map(len, lines)) <= 80
+    far = SOUND[OTHER].transmittance - WRONG[OTHER].transmittance
+    assert sum(f"{abs(far):.2g}" in line and "1 agree, 1 deviate" in line for line in lines) == 8
+    assert ("It fails" in "".join(lines[-6:]), lines[-1][-12:]) == (True, " and 5 more.")
 
 
 def test_friction_that_is_a_hundredth_too_strong_fails_in_every_format(capsys) -> None:

@@ -8,10 +8,11 @@ import pytest
 
 from multibody_xval.reports import report
 from multibody_xval.reports.page import tables
+from multibody_xval.reports.page.drift import drift_runs
 from multibody_xval.reports.page.sources import stored_page
 from multibody_xval.reports.page.write import SECTIONS, write_page
 from multibody_xval.scenarios.compute.batch import run_batch
-from multibody_xval.scenarios.model import Result, Run
+from multibody_xval.scenarios.model import Config, Result, Run
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
@@ -25,7 +26,9 @@ def test_every_section_and_every_file_that_the_page_names_is_there(stored: list[
     write_page(stored, tmp_path, "multibody-xval report", left_out="Left out: nothing.")
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     found = re.findall(r'<section id="(\w+)"', page)
-    assert found == ["headline", *(name for name in SECTIONS if name != "claims")], "claims need the paper's chain"
+    assert found == ["headline", *SECTIONS]
+    assert re.findall(r'<li><a href="#(\w+)"', page) == [*SECTIONS]
+    assert "Figure 3" not in page, "its chain has seven cells"
     assert "Left out: nothing." in page
     names = re.findall(r'\sid="([^"]+)"', page)
     assert len(names) == len(set(names))
@@ -34,6 +37,23 @@ def test_every_section_and_every_file_that_the_page_names_is_there(stored: list[
     assert {f"figures/{name}.pdf" for name in figures} <= named
     assert [name for name in named if not (tmp_path / name).stat().st_size] == []
     assert len(pd.read_csv(tmp_path / "points.csv")) == sum(row.run.config.preset_name != "exact" for row in stored)
+
+
+def test_the_first_screen_shows_the_drift_of_a_stack_and_what_to_paste(stored: list[Stored], tmp_path: Path) -> None:
+    """Three boxes creep by millimetres per second with MuJoCo's default options; the recipe's lines stop them."""
+    runs = drift_runs(
+        [*map(Config.parse, ("mujoco:contact:default", "mujoco:contact:recommended", "mujoco:joint:tuned"))]
+    )
+    scenes = now({run: run_batch([run])[0] for run in runs})
+    assert [str(own.run.config) for own in scenes] == ["mujoco:contact:default", "mujoco:contact:recommended"]
+    write_page([*stored, *scenes], tmp_path, "report")
+    (row,) = pd.read_csv(tmp_path / "drift.csv", thousands=",").to_dict("records")
+    assert row["engine"] == "MuJoCo"
+    assert row["exact"] == 0
+    assert row["default options"] > 1000
+    assert row["recipe"] < 1
+    first = (tmp_path / "index.html").read_text(encoding="utf-8").partition('<section id="transmittance"')[0]
+    assert "impratio=&#34;10000&#34;" in first
 
 
 def test_stores_of_two_environments_make_one_page(results: dict[Run, Result], tmp_path: Path) -> None:
@@ -59,7 +79,7 @@ def test_a_dataset_makes_a_page_without_edges(stored: list[Stored], tmp_path: Pa
     assert "agrees with the exact motion in all 3 simulations" in page
     write_dataset(data, tmp_path / "own.nc")
     again = report(tmp_path / "own.nc", tmp_path / "again").read_text()
-    same = [text.partition('<section id="made">')[0] for text in (page, again)]
+    same = [text.partition("<p>Command:")[0] for text in (page, again)]
     assert same[0] == same[1]
 
 

@@ -24,3 +24,14 @@ def test_a_line_has_step_part_and_time_left_from_the_start(capsys, monkeypatch) 
         "step 1 of 2, grid: 50 of 100 runs, about 10 s left",
         "step 1 of 2, grid: 100 of 100 runs",
     ]
+
+
+def test_a_step_that_grows_while_it_runs_has_few_lines(capsys) -> None:
+    """Band edges are refined in rounds of a few runs: a line for each round would be a hundred."""
+    with shown(["edges"]) as steps:
+        steps.begin()
+        for number in range(100):
+            steps.more(2)
+            steps.ended({run_at(2 * number + own): Result(status=Status.PERIODIC) for own in range(2)})
+    lines = capsys.readouterr().err.splitlines()
+    assert 10 < sum("edges: " in line for line in lines) < 30, "a line more for each tenth more of the runs"

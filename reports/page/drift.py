@@ -1,0 +1,56 @@
+"""What those whose blocks creep see first: the drift of a stack on a slope, and what to paste into a model."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+import pandas as pd
+
+from multibody_xval.engines.interface.presets import Formulation
+from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
+from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
+from multibody_xval.scenarios.catalogue.numbers import numbers
+from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
+from multibody_xval.scenarios.model import Config, Run
+from multibody_xval.scenarios.store import Stored
+from multibody_xval.scenarios.studies.claims import TITLES
+
+HOLD = SCENARIOS["stack-hold"]
+"""Three boxes on a slope of 12°, which friction holds."""
+
+
+def drift_runs(configs: Sequence[Config]) -> list[Run]:
+    """Give the runs of the stack for those of the configurations that are compared in scenes."""
+    named = dict.fromkeys(own.engine for own in configs)
+    able = [name for name in named if not engine(name).scene_gap(Formulation.CONTACT)]
+    held = [own for name in able for own in HOLD.configs([name]) if own in configs]
+    return [_own_step(own) for own in held]
+
+
+def drift_table(stored: Iterable[Stored]) -> pd.DataFrame:
+    """Give a row an engine, as texts: drift [µm/s] with default options and with the recipe, and the exact one."""
+    cases, known = set(HOLD.cases.values()), set(engine_names())
+    rows = [own for own in stored if own.run.case in cases and own.run.config.engine in known]
+    rows = [own for own in rows if own.run == _own_step(own.run.config)]
+    if not rows:
+        return pd.DataFrame()
+    found = numbers(HOLD, rows)
+    own = found[found.quantity == "drift"]
+    texts = own.value.map(printed_number).where(own.value.notna(), own.verdict)
+    named = own.assign(text=texts, engine=own.engine.map(lambda name: engine(name).capabilities.title),
+                       options=own.preset.map(TITLES).fillna(own.preset))  # fmt: skip
+    wide = named.pivot_table(index="engine", columns="options", values="text", aggfunc="last", sort=False)
+    return wide.fillna("–").assign(exact="0").reset_index().rename_axis(columns=None)
+
+
+def pasted(configs: Iterable[Config]) -> dict[str, str]:
+    """Give what to write in a model, by the titles of engines: the block of the recipe."""
+    names = [name for name in dict.fromkeys(own.engine for own in configs) if name in engine_names()]
+    texts = {engine(name).capabilities.title: recipe_text(name) for name in names if recipe_file(engine(name))}
+    blocks = {title: re.search(r"```text\n(.*?)```", text, re.DOTALL) for title, text in texts.items()}
+    return {title: block[1].rstrip() for title, block in blocks.items() if block}
+
+
+def _own_step(config: Config) -> Run:
+    """Give the run of a configuration at the engine's own time step, which is the first."""
+    return next(iter(HOLD.own_runs(config).values()))
