@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Iterator
+from enum import EnumType
 from typing import Any
 
 import multibody_xval
@@ -50,6 +51,8 @@ def member(name: str, value: Any) -> str:
 
 def call(name: str, value: Any) -> str:
     """Give a call with parameters and simple defaults, without types, which the docstring has."""
+    if isinstance(value, EnumType):  # whose signature is another one in each Python
+        return f"{name}(value)"
     try:
         parameters = list(inspect.signature(value).parameters.values())
     except (TypeError, ValueError):

@@ -22,9 +22,9 @@ from multibody_xval.scenarios.ruler.judge import OTHER_SCHEMES
 
 DOCS = Path(__file__).parent
 
-ACCURACY, SCENES, VERDICTS, STEP_MODELS = (
-    DOCS / name
-    for name in ("results/accuracy.csv", "scenes/answers.csv", "verdicts/verdicts.csv", "theory/step_models.csv")
+ACCURACY, SCENES, VERDICTS, STEP_MODELS, ENGINES = (
+    DOCS / f"{name}.csv"
+    for name in ("results/accuracy", "scenes/answers", "verdicts/verdicts", "theory/step_models", "engines/table")
 )
 
 MADE = re.compile(r"(?P<first><!-- made (?P<words>[^>]*?) -->\n).*?(?P<last>^<!-- end -->$)", re.DOTALL | re.MULTILINE)
@@ -55,6 +55,17 @@ def csv(name: str) -> list[str]:
     """Give a CSV file of this folder as it is; empty cells are dashes."""
     table = pd.read_csv(DOCS / name, dtype=str, keep_default_na=False)
     return markdown(list(table), [[cell or DASH for cell in row] for row in table.to_numpy()])
+
+
+def engines() -> list[str]:
+    """Give the table of engines: names, precisions and licences are the adapters', the rest is `ENGINES`."""
+    rows = []
+    for own in pd.read_csv(ENGINES, dtype=str).itertuples(index=False):
+        name, version, page, *friction = own
+        known = engine(name).capabilities
+        rows.append((f"[{known.title}]({page})", f"{version}, {known.precision}", known.licence, *friction))
+    heads = ("engine", "version, precision", "licence", "friction", "with default options", "tuned to the chain")
+    return markdown(heads, rows)
 
 
 def recipe(name: str) -> list[str]:
@@ -196,6 +207,7 @@ def names() -> list[str]:
 
 PARTS: dict[str, Callable[..., list[str]]] = {
     "csv": csv, "recipe": recipe, "drift": drift, "scenes": scenes, "accuracy": accuracy, "errors": errors,
+    "engines": engines,
     "verdicts": verdicts, "step-models": step_models, "formulas": formulas, "python-names": names,
     "python-reference": lambda: list(python_names.lines()),
     "commands": commands.lines,

@@ -63,7 +63,11 @@ class Store:
         self._file = _used(
             path, lambda: sqlite3.connect(path or ":memory:", timeout=LOCKED_SECONDS, isolation_level=None)
         )
-        _used(path, self._prepare)
+        try:
+            _used(path, self._prepare)
+        except BaseException:
+            self._file.close()
+            raise
 
     def _prepare(self) -> None:
         """Make the table of a new file; refuse another kind of file."""
@@ -135,7 +139,8 @@ class Store:
             self._file.execute("PRAGMA journal_mode = DELETE")
         except sqlite3.OperationalError:
             pass  # another process uses the file, and does it when it ends
-        self._file.close()
+        finally:
+            self._file.close()
 
 
 @contextmanager

@@ -5,6 +5,7 @@ import shlex
 import shutil
 import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -121,9 +122,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / name).write_text(SWEEP)
     (folder / "large.toml").write_text(LARGE)
     (folder / "text.sqlite").write_text("no database, but long enough to be looked at as one " * 40)
-    with sqlite3.connect(folder / "foreign.sqlite") as foreign:
+    with closing(sqlite3.connect(folder / "foreign.sqlite")) as foreign, foreign:
         foreign.execute("CREATE TABLE addresses (name TEXT)")
-    foreign.close()
     for name in ("before", "now"):
         write_store(folder / f"{name}.sqlite", {CASE: with_bound(1.0)})
     with opened(folder / "alone.sqlite") as store:

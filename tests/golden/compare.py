@@ -1,7 +1,7 @@
 """Compares two folders that `tests.golden.record` wrote: ``python -m tests.golden.compare BEFORE NOW``.
 
-It prints a line a difference, and ends with 1 if there is any. Rows of engines and presets that only one of the two
-folders has are counted, not compared: an engine may not be installed.
+It prints the largest differences, and a line a row that differs, and ends with 1 if there is any. Rows of engines and
+presets that only one of the two folders has are counted, not compared: an engine may not be installed.
 """
 
 import math
@@ -61,15 +61,28 @@ def rows(folder: Path, part: str) -> pd.DataFrame:
     return pd.concat(found, ignore_index=True) if found else pd.DataFrame(columns=NAMES[part])
 
 
+def apart(name: str, both: pd.DataFrame) -> pd.Series:
+    """Give by how much the numbers of a column differ."""
+    change = numbers(both[f"{name}_now"]) - numbers(both[f"{name}_before"])
+    return ((change + 180) % 360 - 180 if name == "phase_deg" else change).abs()
+
+
 def differ(name: str, both: pd.DataFrame, allowed: Allowed) -> pd.Series:
     """Tell in which rows a column differs; two numbers that are missing do not."""
     before, now = both[f"{name}_before"], both[f"{name}_now"]
     if allowed is None:
         return before != now
     before, now = numbers(before), numbers(now)
-    apart = (now - before + 180) % 360 - 180 if name == "phase_deg" else now - before
     most = allowed(both) if callable(allowed) else allowed
-    return ~(apart.abs() <= most + ROUND_OFF * before.abs()) & (before.notna() | now.notna())
+    return ~(apart(name, both) <= most + ROUND_OFF * before.abs()) & (before.notna() | now.notna())
+
+
+def largest(both: pd.DataFrame, part: str) -> Iterator[str]:
+    """Give a line a column, and a unit of scenes and blocks, with the largest difference."""
+    for name in (own for own, allowed in COLUMNS[part].items() if allowed is not None):
+        units = both.unit_now if "unit_now" in both else pd.Series("", both.index)
+        for unit, most in apart(name, both).groupby(units).max().items():
+            yield f"{part}, {name}{f' [{unit}]' if unit else ''}: at most {most:.1e} apart"
 
 
 def differences(both: pd.DataFrame, part: str) -> Iterator[str]:
@@ -90,6 +103,7 @@ def main(before: Path, now: Path) -> int:
         counts += both.of.value_counts()
         if "both" in set(both.of):
             found += differences(both[both.of == "both"], part)
+            print(*largest(both[both.of == "both"], part), sep="\n")
     print(*sorted(found), sep="\n")
     print(f"{counts.both} rows compared; {counts.left_only} only before, {counts.right_only} only now")
     print(f"{len(found)} differ")

@@ -1,7 +1,8 @@
 """Numbers of the whole suite at fixed operating points, as CSV files: what a change of the code must leave as it is.
 
 ``python -m tests.golden.record FOLDER STORE`` computes them with every engine that is installed, in an hour or two,
-keeps results in the file STORE, and goes on where it was stopped; ``--engine NAME`` and ``--part NAME`` choose.
+keeps results in the file STORE, and goes on where it was stopped; ``--engine NAME`` and ``--part NAME`` choose,
+and ``--only TEXT`` takes the operating points and scenarios whose names begin so.
 Compare two folders with ``python -m tests.golden.compare BEFORE NOW``.
 
 ``points.csv`` has the operating points: points of the usual grids, points off them, long and lightly damped chains,
@@ -78,11 +79,12 @@ def configurations(name: str) -> list[Config]:
     return [own for own in variants_of(name, optional=True) if own.unavailable_reason is None]
 
 
-def steady(name: str, means: Means) -> pd.DataFrame:
+def steady(name: str, means: Means, only: tuple[str, ...]) -> pd.DataFrame:
     """Give the steady states of every preset of an engine."""
-    runs = [run_at(REFERENCE, point) for point in points()]
+    asked = [point for point in points() if point.startswith(only)]
+    runs = [run_at(REFERENCE, point) for point in asked]
     for own in configurations(name):
-        runs += [run_at(own, point) for point in points() if own.preset.settles or point.startswith(HEADLINE)]
+        runs += [run_at(own, point) for point in asked if own.preset.settles or point.startswith(HEADLINE)]
     table = steady_numbers(table_of(computed(list(dict.fromkeys(runs)), means, name)))
     return table[table.engine == name]
 
@@ -100,14 +102,14 @@ def steady_numbers(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def scenario_numbers(name: str, means: Means) -> pd.DataFrame:
+def scenario_numbers(name: str, means: Means, only: tuple[str, ...]) -> pd.DataFrame:
     """Give every number of blocks, transients and scenes, of the presets of an engine."""
     found = []
-    for scenario in SCENARIOS.values():
+    for scenario in (own for own in SCENARIOS.values() if own.name.startswith(only)):
         if configs := scenario_configurations(scenario, name):
             table = numbers(scenario, computed(scenario.runs(configs), means, f"{name}, {scenario.name}"))
             found.append(with_config(table[table.engine == name]))
-    return pd.concat(found)
+    return pd.concat(found) if found else pd.DataFrame()
 
 
 def scenario_configurations(scenario: Scenario, name: str) -> list[Config]:
@@ -122,7 +124,7 @@ def scenario_configurations(scenario: Scenario, name: str) -> list[Config]:
     return joints if scenario.name in TRANSIENTS else []
 
 
-def band_edges(name: str, means: Means) -> pd.DataFrame:
+def band_edges(name: str, means: Means, _only: tuple[str, ...]) -> pd.DataFrame:
     """Give both edges of the band at the friction ratios of the quick report, of joints, tuned and by default."""
     joints = [own for own in configurations(name) if own.formulation == "joint" and own.preset_name in JOINTS]
     configs = dict.fromkeys([REFERENCE, *(own for own in joints if own.preset.settles)])
@@ -146,7 +148,7 @@ def write(folder: Path, part: str, name: str, table: pd.DataFrame) -> None:
     shown.to_csv(folder / part / f"{name}.csv", index=False, float_format="%.12g")
 
 
-PARTS: Mapping[str, Callable[[str, Means], pd.DataFrame]] = {
+PARTS: Mapping[str, Callable[[str, Means, tuple[str, ...]], pd.DataFrame]] = {
     "steady": steady, "scenarios": scenario_numbers, "edges": band_edges,
 }  # fmt: skip
 """Folders of files, and what gives the rows of an engine."""
@@ -157,12 +159,13 @@ def main(
     store: Path,
     engine_name: Annotated[list[str] | None, typer.Option("--engine")] = None,
     part: list[str] | None = None,
+    only: list[str] | None = None,
 ) -> None:
     """Record what the command line asks for."""
     means = Means(store=store, seconds_a_run=TIME_LIMIT)
     usable = [name for name in engine_name or engine_names() if engine(name).unavailable_reason() is None]
     for own, name in itertools.product(part or PARTS, usable):
-        table = PARTS[own](name, means)
+        table = PARTS[own](name, means, tuple(only or [""]))
         if len(table):
             write(folder, own, name, table)
 

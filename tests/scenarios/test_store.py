@@ -1,8 +1,10 @@
 """Results in one file: what is added is found again, and what is no store is refused as it is."""
 
+import os
 import shutil
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,7 @@ import pytest
 from multibody_xval.scenarios import store as stores
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
 from multibody_xval.scenarios.output_files import RunError
-from multibody_xval.scenarios.store import opened
+from multibody_xval.scenarios.store import Store, opened
 from reference_lcp.errors import ParameterError
 
 CASE = Case(friction_ratio=0.3, frequency_ratio=0.9, cells=2, mass_ratio=(1.0, 0.5), modulation=0.25)
@@ -48,7 +50,7 @@ def test_a_result_of_other_sources_is_not_taken(tmp_path: Path, monkeypatch) -> 
 
 
 def foreign(file: Path) -> None:
-    with sqlite3.connect(file) as other:
+    with closing(sqlite3.connect(file)) as other, other:
         other.execute("CREATE TABLE mine (number)")
 
 
@@ -57,7 +59,7 @@ def changed(statement: str) -> Callable[[Path], None]:
 
     def written(file: Path) -> None:
         stored_in(file)
-        with sqlite3.connect(file) as own:
+        with closing(sqlite3.connect(file)) as own, own:
             own.execute(statement)
 
     return written
@@ -81,6 +83,15 @@ def test_what_is_no_store_is_refused_and_stays_as_it_is(tmp_path: Path, problem:
     with pytest.raises(ParameterError, match=problem), opened(file):
         pass
     assert (file.read_bytes() if file.is_file() else b"") == before
+
+
+def test_a_refused_file_is_not_kept_open_by_its_error(tmp_path: Path) -> None:
+    """From Python 3.13 on a connection that nobody has closed is a warning."""
+    foreign(tmp_path / "other.sqlite")
+    with pytest.raises(ParameterError) as refused:
+        Store(tmp_path / "other.sqlite")
+    held = [os.path.realpath(own) for own in Path("/proc/self/fd").iterdir()]
+    assert str(tmp_path / "other.sqlite") not in held, refused.value
 
 
 @pytest.mark.parametrize("name", [":memory:", "", "file::memory:?cache=shared", "/dev/full"])
@@ -113,7 +124,7 @@ HOSTILE_ROWS = [
 @pytest.mark.parametrize(("column", "text"), HOSTILE_ROWS)
 def test_a_row_of_the_wrong_form_is_refused_in_a_line_with_its_store(tmp_path: Path, column: str, text: str) -> None:
     file = stored_in(tmp_path / "own.sqlite")
-    with sqlite3.connect(file) as own:
+    with closing(sqlite3.connect(file)) as own, own:
         own.execute(f"UPDATE results SET {column} = ?", (text,))
     with opened(file) as store, pytest.raises(ParameterError, match=r"own\.sqlite: .*allowed"):
         list(store.rows())

@@ -13,7 +13,7 @@ import pytest
 from multibody_xval.scenarios.model import Case, Config, Result, Run, Status
 from multibody_xval.scenarios.running.pool import run_missing
 from multibody_xval.scenarios.running.processes import LocalPool, local
-from multibody_xval.scenarios.store import Store
+from multibody_xval.scenarios.store import opened
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked at as Linux has them")
 
@@ -43,11 +43,12 @@ def pool(child) -> Iterator[LocalPool]:
         yield opened
 
 
-def ran(name: str, pool: LocalPool, store: Store | None = None, limit: float = PATIENT) -> dict[float, Result]:
+def ran(name: str, pool: LocalPool, file: Path | None = None, limit: float = PATIENT) -> dict[float, Result]:
     """Run an engine at all frequency ratios; gives its results by these."""
     config = Config(name)
     runs = [Run(config, Case(friction_ratio=0.3, frequency_ratio=eta, cells=2), STEPS) for eta in (DEADLY, *OTHERS)]
-    found = run_missing(runs, store or Store(), pool, seconds_a_run=limit)
+    with opened(file) as store:
+        found = run_missing(runs, store, pool, seconds_a_run=limit)
     return {run.case.frequency_ratio: found[run] for run in runs}
 
 
@@ -112,8 +113,9 @@ def test_half_a_result_in_the_pipe_of_a_pool_ends_its_run_alone_and_no_process_s
 
 
 def test_a_worker_that_was_killed_is_not_stored_and_tried_again(pool, tmp_path: Path) -> None:
-    store = Store(tmp_path / "results.sqlite")
-    first, again = ran("faulty-killed", pool, store), list(store.rows())
+    first = ran("faulty-killed", pool, tmp_path / "results.sqlite")
+    with opened(tmp_path / "results.sqlite") as store:
+        again = list(store.rows())
     assert first[DEADLY].circumstance
     assert sorted(row.run.case.frequency_ratio for row in again) == sorted(OTHERS)
 
