@@ -39,6 +39,7 @@ COMMAND_LINES = [
     ("run unit-cell --store before.sqlite --series rows.md", r"--series = rows.md has the ending '.md'; allowed: .csv"),
     ("run unit-cell --no-run", r"--no-run without --store"),
     ("run record --record sweep.toml", r"sweep.toml"),
+    ("run record --record /dev/zero", r"more than 100000000 characters; allowed: "),
     ("run all --workers 0", r"workers = 0.*>= 1"),
     ("run proofs --sample 0", r"sample = 0.*>= 1"),
     ("run figure3 --out text.sqlite", r"--out = text.sqlite cannot be made: File exists"),
