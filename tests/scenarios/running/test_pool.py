@@ -56,8 +56,8 @@ def ran(name: str, pool: LocalPool, file: Path | None = None, limit: float = PAT
     ("name", "reason"),
     [
         ("faulty-crash", "its process has ended by signal SIGSEGV"),
-        ("faulty-hang", "no result within the time limit"),
-        ("faulty-stopped", "no result within the time limit"),
+        pytest.param("faulty-hang", "no result within the time limit", marks=pytest.mark.slow),
+        pytest.param("faulty-stopped", "no result within the time limit", marks=pytest.mark.slow),
         ("faulty-exits", "SystemExit"),
         ("faulty-killed", "its process has ended by signal SIGKILL"),
         ("faulty-unspeakable", "UnspeakableError"),
