@@ -57,6 +57,7 @@ COMMAND_LINES = [
     ("reproduce mujoco static-above-kinetic", r"static_ratio = 1\.5: mujoco cannot set static friction of its own"),
     ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint.*pybullet:contact"),
     ("probe grip.xml --ctrl record.csv", r"ctrl = 'record.csv', line 2: 2 columns; allowed: 3, time and 2 controls"),
+    ("probe grip.xml --ctrl /dev/zero", r"more than 100000000 characters; allowed: "),
     ("probe grip.xml --keyframe x", r"keyframe = 'x' is unknown; allowed: grasp, none"),
     # sweep
     ("sweep", r"Missing argument 'file'"),

@@ -5,6 +5,9 @@ from pathlib import Path
 
 from reference_lcp.errors import ParameterError, shown
 
+LARGEST_TEXT = 100_000_000
+"""Characters of a user's file at most: millions of rows of a table."""
+
 
 def visible(text: str) -> str:
     r"""Give a text in one line that no terminal obeys: an escape character becomes the letters ``\x1b``."""
@@ -37,6 +40,23 @@ def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
         reason = problem.strerror if isinstance(problem, OSError) else problem
         raise ParameterError(f"{name} = {shown(str(path))} is no path: {reason}; allowed: a path") from None
     return checked
+
+
+def text_of_file(name: str, file: Path, *, encoding: str = "utf-8") -> str:
+    """Read a user's file whole, unless it has no end, as a device, which would fill the memory.
+
+    Raises
+    ------
+    ParameterError
+        If it has more than `LARGEST_TEXT` characters.
+    OSError, UnicodeDecodeError
+        If it cannot be read.
+    """
+    with checked_path(name, file).open(newline="", encoding=encoding) as opened:
+        text = opened.read(LARGEST_TEXT + 1)
+    if len(text) > LARGEST_TEXT:
+        raise ParameterError(f"{name} {file} has more than {LARGEST_TEXT} characters; allowed: up to so many")
+    return text
 
 
 def is_number(text: str) -> bool:

@@ -1,6 +1,7 @@
 """Where a model starts, and what drives it: a keyframe, and a file of controls."""
 
 import csv
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from multibody_xval.engines.interface.texts import checked_path, is_number
+from multibody_xval.engines.interface.texts import is_number, text_of_file
 from multibody_xval.engines.mujoco.probe.load import Loaded
 from reference_lcp.errors import ParameterError, checked_choice, shown
 from reference_lcp.validation import FloatArray
@@ -90,7 +91,6 @@ def _pose(names: list[str], key: int) -> str:
 
 def _controls(model: Any, file: Path) -> tuple[FloatArray, FloatArray]:
     """Read times and controls of a CSV file; a first row of names may be there."""
-    checked_path("ctrl", file)
     if not model.nu:
         raise ParameterError(f"ctrl = {shown(file.name)}: the model has 0 actuators; allowed: without --ctrl")
     try:
@@ -107,20 +107,18 @@ def _controls(model: Any, file: Path) -> tuple[FloatArray, FloatArray]:
 def _rows(file: Path, model: Any) -> Iterator[list[float]]:
     """Give the rows of numbers, each checked."""
     last = -np.inf
-    with file.open(newline="", encoding="utf-8-sig") as opened:
-        for number, texts in enumerate(csv.reader(opened), start=1):
-            if not texts or (number == 1 and not any(map(is_number, texts))):
-                continue
-            where = f"ctrl = {shown(file.name)}, line {number}:"
-            if len(texts) != 1 + model.nu:
-                raise ParameterError(
-                    f"{where} {len(texts)} columns; allowed: {1 + model.nu}, time and {model.nu} controls"
-                )
-            for text in texts:
-                if not is_number(text) or not np.isfinite(float(text)):
-                    raise ParameterError(f"{where} {shown(text)} is no finite number; allowed: finite")
-            row = [float(text) for text in texts]
-            if row[0] <= last:
-                raise ParameterError(f"{where} time = {row[0]:g} after {last:g}; allowed: ascending")
-            last = row[0]
-            yield row
+    opened = io.StringIO(text_of_file("ctrl", file, encoding="utf-8-sig"), newline="")
+    for number, texts in enumerate(csv.reader(opened), start=1):
+        if not texts or (number == 1 and not any(map(is_number, texts))):
+            continue
+        where = f"ctrl = {shown(file.name)}, line {number}:"
+        if len(texts) != 1 + model.nu:
+            raise ParameterError(f"{where} {len(texts)} columns; allowed: {1 + model.nu}, time and {model.nu} controls")
+        for text in texts:
+            if not is_number(text) or not np.isfinite(float(text)):
+                raise ParameterError(f"{where} {shown(text)} is no finite number; allowed: finite")
+        row = [float(text) for text in texts]
+        if row[0] <= last:
+            raise ParameterError(f"{where} time = {row[0]:g} after {last:g}; allowed: ascending")
+        last = row[0]
+        yield row

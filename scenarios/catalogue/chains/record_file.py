@@ -5,12 +5,9 @@ import io
 import math
 from pathlib import Path
 
-from multibody_xval.engines.interface.texts import checked_path, is_number
+from multibody_xval.engines.interface.texts import is_number, text_of_file
 from reference_lcp.chain.transient import FEWEST_SAMPLES, RecordedBase
 from reference_lcp.errors import ParameterError
-
-LARGEST_RECORD = 100_000_000
-"""Characters of a record at most: millions of samples, and no file without an end."""
 
 
 def read_record(file: Path, amplitude: float | None = None) -> RecordedBase:
@@ -37,11 +34,7 @@ def read_record(file: Path, amplitude: float | None = None) -> RecordedBase:
 
 def _samples(file: Path) -> list[tuple[float, float]]:
     try:
-        with checked_path("record", file).open(newline="", encoding="utf-8") as opened:
-            text = opened.read(LARGEST_RECORD + 1)
-            if len(text) > LARGEST_RECORD:
-                raise ParameterError(f"record {file} has more than {LARGEST_RECORD} characters; allowed: up to so many")
-            lines = list(csv.reader(io.StringIO(text, newline="")))
+        lines = list(csv.reader(io.StringIO(text_of_file("record", file), newline="")))
     except (OSError, UnicodeDecodeError, csv.Error) as problem:
         reason = problem.strerror if isinstance(problem, OSError) else problem
         raise ParameterError(f"record {file} cannot be read: {reason}") from None
