@@ -4,7 +4,6 @@
 """
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -30,9 +29,7 @@ SHOWN = {
 def row(wanted: str, name: str, means: Means) -> dict[str, str]:
     """Give a row: how far apart boxes come with default options, with those that are found, and on what way [mm]."""
     found = translated(Config.parse(wanted), name, means)
-    changed = found.found.preset.changed_from(replace(found.found, preset_name="default").preset)
-    options = [f"{option} = {value_text(found.found.preset[option])}" for option in changed]
-    options += [f"friction × {found.friction:g}"] if found.friction != 1 else []
+    options = [f"{option} = {value_text(value)}" for option, (value, _) in found.options.items()]
     table = found.table.set_index("scene")
     apart = {
         title: "{} → {} of {}".format(*map(printed_number, table.loc[scene, ["default", "found", "way"]]))

@@ -1,7 +1,6 @@
 """What a recipe gives, in numbers: the part of each recipe below what is written by hand, from `answers.csv`."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import pandas as pd
 
@@ -24,7 +23,7 @@ def _reaches(name: str) -> Iterator[str]:
     for formulation in registry.engine(name).capabilities.presets:
         tuned = Variant(name, str(formulation))
         kinds: dict[str, list[str]] = {}
-        changed = tuned.preset.changed_from(replace(tuned, preset_name="default").preset)
+        changed = tuned.changed_options
         for option in (name for name in tuned.preset.engine_options if name in changed):
             kinds.setdefault(tuned.reach(option), []).append(f"`{option}`")
         texts = [f"*{kind}* {', '.join(own)}" for kind, own in kinds.items()]

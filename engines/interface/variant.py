@@ -78,6 +78,11 @@ class Variant:
         return engine(self.engine).preset(self.formulation, self.preset_name)
 
     @property
+    def changed_options(self) -> dict[str, Any]:
+        """Give the options that are otherwise than by default, with the values that they have there."""
+        return self.preset.changed_from(self._presets["default"])
+
+    @property
     def description(self) -> str:
         """Say what the preset is for; of a tuned one, that it is for this chain alone."""
         chosen = self.preset_name == "tuned" and "default" in self._presets

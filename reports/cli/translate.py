@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -47,20 +46,19 @@ def translate(
     wanted = Variant.parse(given)
     with keeping(store):
         found = translated(wanted, engine, computing.means(store))
-    changed = found.found.preset.changed_from(replace(found.found, preset_name="default").preset)
-    options = {name: (found.found.preset[name], own) for name, own in changed.items()}
-    if found.friction != 1:
-        options["coefficient of friction"] = (f"× {found.friction:g}", "× 1")
     if as_json:
         from multibody_xval.scenarios.table_text import json_text
 
         rows = found.table.to_dict("records")
-        print(json_text({"given": given, "engine": engine, "options": options, "apart [mm]": rows}, indent=2), end="")
+        print(
+            json_text({"given": given, "engine": engine, "options": found.options, "apart [mm]": rows}, indent=2),
+            end="",
+        )
     else:
-        _print(wanted, found, options)
+        _print(wanted, found)
 
 
-def _print(wanted: Variant, found: Translation, options: dict[str, tuple[Any, Any]]) -> None:
+def _print(wanted: Variant, found: Translation) -> None:
     """Print options, a table of the scenes, and what is left."""
     from multibody_xval.engines.interface.changed_options import value_text
     from multibody_xval.scenarios.catalogue.scenes.scene import NONE
@@ -70,9 +68,9 @@ def _print(wanted: Variant, found: Translation, options: dict[str, tuple[Any, An
     titles = {own.engine: own.capabilities.title for own in (wanted, found.found)}
     title = titles[found.found.engine]
     print(f"Options of {title} with which boxes move most as with {wanted}:")
-    for name, (value, own) in options.items():
+    for name, (value, own) in found.options.items():
         print(f"    {name} = {value_text(value)}  (its own: {value_text(own)})")
-    if not options:
+    if not found.options:
         print("    none: its own are nearest")
     if titles.keys() <= PAIRS.keys():
         print(f"Of two coefficients, {'; '.join(f'{text} takes {PAIRS[name]}' for name, text in titles.items())}.")

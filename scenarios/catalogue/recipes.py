@@ -98,7 +98,7 @@ def option_sets(recipe: Config) -> dict[tuple[str, ...], Config]:
     ParameterError
         If there are more than `MOST_SETS`.
     """
-    changed = recipe.preset.changed_from(replace(recipe, preset_name="default").preset)
+    changed = recipe.changed_options
     if 2 ** len(changed) > MOST_SETS:
         raise ParameterError(f"{recipe} changes {len(changed)} options; allowed in a study: {MOST_SETS} sets")
     sets = {}

@@ -18,7 +18,7 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.variant import GENERAL, check_installed
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
-from multibody_xval.scenarios.catalogue.scenario import general_configs
+from multibody_xval.scenarios.catalogue.scenario import general_configs, scene_steps
 from multibody_xval.scenarios.catalogue.scenes.scene import NONE, box_scene
 from multibody_xval.scenarios.model import Config, Result, Run
 from multibody_xval.scenarios.running.evaluate import Means, computed
@@ -78,6 +78,12 @@ class Translation(NamedTuple):
     """A row a scene: its name, the way of the box in the engine that is given, the distance to it with the other's
     default options, and with those that are found [mm]."""
 
+    @property
+    def options(self) -> dict[str, tuple[Any, Any]]:
+        """Give what differs from default options, by name: the value that is found, and the engine's own."""
+        changed = {name: (self.found.preset[name], own) for name, own in self.found.changed_options.items()}
+        return changed | ({} if self.friction == 1 else {"coefficient of friction": (f"× {self.friction:g}", "× 1")})
+
 
 def translated(given: Config, name: str, means: Means) -> Translation:
     """Find the options of an engine with which boxes move most as in another one; fewer changes where they do as well.
@@ -132,8 +138,8 @@ def _check(given: Config, name: str) -> None:
 
 def _sought(name: str) -> tuple[dict[str, Any], dict[str, Any], dict[str, tuple[Any, ...]]]:
     """Give the options that are sought with the engine's own values, with those of its recipe, and with all."""
-    recipe = general_configs(name, Formulation.CONTACT)[-1].preset
-    changed = recipe.changed_from(engine(name).preset(Formulation.CONTACT, "default"))
+    config = general_configs(name, Formulation.CONTACT)[-1]
+    recipe, changed = config.preset, config.changed_options
     more = {own: values for own, values in {**recipe.varied, **MORE.get(name, {})}.items() if own in recipe.options}
     last = {FRICTION: 1.0} | {option: recipe[option] for option in (*changed, *more)}
     first = last | changed
@@ -181,8 +187,7 @@ def _motions(configs: Sequence[tuple[Config, float]], means: Means, what: str) -
 def _run(config: Config, factor: float, case: SceneMotion) -> Run:
     scene = box_scene(case)
     changed = replace(case, scene=replace(scene, friction=factor * scene.friction))
-    step = engine(config.engine).scene_step
-    return Run(config, changed, round(case.time / (0.001 if math.isnan(step) else step)))
+    return Run(config, changed, next(iter(scene_steps(config, case).values())))
 
 
 def apart(case: SceneMotion, one: Result, other: Result) -> float:
