@@ -25,20 +25,18 @@ class Shown:
         self._parts: list[str | list[str] | pd.DataFrame] = [f"# {title}", f"{legend}\nMade by `{command}`.".strip()]
 
     def show(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
-        """Print tables and lines under their headings."""
-        from multibody_xval.scenarios.table_text import print_table
-
+        """Print tables and lines under their headings, and keep them for the document."""
         for heading, part in parts.items():
-            if not len(part):
-                continue
-            self._parts += [f"## {heading}"] if heading else []
-            if isinstance(part, list):
-                print("\n".join(map(visible, ["", *part])))
-                self._parts.append(part)
-            else:
-                texts = part.map(_text)
-                print_table(texts, heading)
-                self._parts.append(texts)
+            if len(part):
+                print_part(part, heading)
+        self.keep(parts)
+
+    def keep(self, parts: dict[str, pd.DataFrame | list[str]]) -> None:
+        """Keep tables and lines for the document."""
+        for heading, part in parts.items():
+            if len(part):
+                self._parts += [f"## {heading}"] if heading else []
+                self._parts.append(part if isinstance(part, list) else part.map(_text))
 
     def write(self, outs: Sequence[Path], numbers: pd.DataFrame, figure: Callable[[], Figure] | None = None) -> None:
         """Write what was shown as Markdown, every number as CSV, and the figure."""
@@ -53,6 +51,18 @@ class Shown:
                 write_whole(out, csv_text(numbers))
             elif figure is not None:
                 write_whole(out, figure_file(figure(), out.suffix[1:]))
+
+
+def print_part(part: pd.DataFrame | list[str], heading: str = "") -> None:
+    """Print a table under its heading, or lines after an empty one; none is wider than the terminal."""
+    from rich.console import Console
+
+    from multibody_xval.scenarios.table_text import plain, print_table
+
+    if isinstance(part, list):
+        Console().print(plain("", *part), highlight=False)
+    else:
+        print_table(part.map(_text), heading)
 
 
 def _text(value: object) -> str:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.exit_code import ExitCode
 from multibody_xval.reports.cli.options import (
     CHART_ENDINGS,
@@ -22,7 +21,7 @@ from multibody_xval.reports.cli.options import (
     grouped,
     keeping,
 )
-from multibody_xval.reports.cli.shown import Shown
+from multibody_xval.reports.cli.shown import Shown, print_part
 from multibody_xval.scenarios.output_files import checked_output_file, checked_output_folder
 from reference_lcp.errors import ParameterError
 
@@ -71,7 +70,7 @@ def figure3(
     """Draw the paper's figure 3 with the reference, and with engines if they are named; answer the paper's claims.
 
     Writes figure3.svg, figure3.pdf, figure3.csv (every point) and figure3.md (what is printed) into --out. It takes
-    less than a minute on two processors. Results are stored: a second call takes seconds, and an interrupted one
+    less than a minute on two idle processors. Results are stored: a second call takes seconds, and an interrupted one
     continues.
 
     Exit code 0: no judged number deviates; 1: one does, more than a quarter of those of a judged preset is missing, or
@@ -85,8 +84,9 @@ def figure3(
     from multibody_xval.reports.page.sources import STORE
     from multibody_xval.scenarios.edges import judged_edges
     from multibody_xval.scenarios.result_tables import coarsest, file_columns, is_exact, points
-    from multibody_xval.scenarios.ruler.judge import failures, judged
+    from multibody_xval.scenarios.ruler.judge import conclusion, failures, judged
     from multibody_xval.scenarios.studies.claims import claim_cases, of_paper
+    from multibody_xval.scenarios.studies.figure3 import finding
 
     kept = store or out / STORE
     means = computing.means(kept)
@@ -95,13 +95,17 @@ def figure3(
         every = of_paper(points(_figure3_results(configs, kept, means if run else None)))
     found, rows = judged_edges(every), judged(every)
     drawn = coarsest(rows[~is_exact(rows)])
+    drawn = drawn.assign(verdict=drawn.verdict.where(drawn.case.isin(claim_cases()), "drawn, not judged"))
     of_engines = drawn[drawn.case.isin(claim_cases()) & drawn.config.isin(configs[1:])]
     lines = failures(of_engines, lambda own: own.config.isin(configs[1:]))
     words = ([] if out == FIGURE3 else [f"--out={out}"]) + ([f"--store={store}"] if store else [])
     end = Shown("Figure 3", engines.command("figure3", words + ([] if run else ["--no-run"])), every)
-    end.show(figure3_parts(every, found, of_engines, lines))
+    end.show(figure3_parts(every, found, of_engines))
+    end.keep(figure3_details(every, found, of_engines))
+    last = [finding(every, found)] + ([] if of_engines.empty else [conclusion(of_engines), *lines])
+    end.keep({"Finding": last})
     end.write(outs, file_columns(drawn), lambda: transmittance(every, found))
-    print("", visible(f"written: {', '.join(map(str, outs))}"), sep="\n")
+    print_part([f"written: {out / 'figure3.svg'}, .pdf, .csv and .md", *last])
     if lines:
         raise typer.Exit(ExitCode.FAILED)
 
@@ -133,29 +137,41 @@ def _figure3_results(configs: list[Variant], kept: Path, means: Means | None) ->
     return computed(runs, means, then=[("band edges", propose)])
 
 
-def figure3_parts(
-    every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame, lines: list[str]
-) -> dict[str, pd.DataFrame | list[str]]:
-    """Give what `run figure3` shows: what is assumed, edges and claims; of engines verdicts and conclusions too."""
-    from multibody_xval.reports.page.tables import edge_table, verdict_counts
-    from multibody_xval.scenarios.ruler.judge import conclusion
-    from multibody_xval.scenarios.studies.claims import conclusions, shown
-    from multibody_xval.scenarios.studies.figure3 import answered, assumed, exact_edges
+Parts = dict[str, "pd.DataFrame | list[str]"]
 
-    parts: dict[str, pd.DataFrame | list[str]] = {
+
+def figure3_parts(every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame) -> Parts:
+    """Give what `run figure3` prints: what is assumed, edges and claims; of engines edges and conclusions too."""
+    from multibody_xval.scenarios.studies.claims import STATED, conclusions, shown
+    from multibody_xval.scenarios.studies.figure3 import answers_in_short, assumed, reference_bands
+
+    parts: Parts = {
         "Parameters": assumed(),
-        "Lower band edges η_r of the reference": exact_edges(found),
-        "The paper's claims": answered(every, found),
+        "Lower band edges η_r; share of 0.3 to 1.6 that the band covers": reference_bands(every, found),
+        "The paper's claims": answers_in_short(every, found),
     }
     if of_engines.empty:
         return parts
     concluded = conclusions(every, found)
     return parts | {
-        "Answers, and lower edges η_r by friction ratio": shown(concluded),
-        "What one would conclude": concluded.sentence.tolist(),
+        "Lower edges η_r by friction ratio": shown(concluded).drop(columns=[*STATED]),
+        "What one would conclude": concluded.sentence.tolist()[1:],
+    }
+
+
+def figure3_details(every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame) -> Parts:
+    """Give what the document has beside it: the numbers that decide claims; of engines answers, verdicts and edges."""
+    from multibody_xval.reports.page.tables import edge_table, verdict_counts
+    from multibody_xval.scenarios.studies.claims import conclusions, shown
+    from multibody_xval.scenarios.studies.figure3 import answered
+
+    parts: Parts = {"What decides the claims": answered(every, found)}
+    if of_engines.empty:
+        return parts
+    return parts | {
+        "Answers, and lower edges η_r by friction ratio": shown(conclusions(every, found)),
         "Verdicts on points": verdict_counts(of_engines),
         "Band edges η_r": edge_table(found),
-        "Finding": [conclusion(of_engines), *lines],
     }
 
 

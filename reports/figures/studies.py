@@ -2,6 +2,7 @@
 
 import io
 import math
+from itertools import cycle
 from typing import Any
 
 import pandas as pd
@@ -18,7 +19,7 @@ from multibody_xval.scenarios.model import Config
 from multibody_xval.scenarios.result_tables import coarsest, is_exact, is_reference
 from multibody_xval.scenarios.studies.claims import RANGE, claim_cases
 
-SHAPES = "os^Dv<>p*hX"
+SHAPES, LINES = "os^Dv<>p*hX", ("-", "--", ":", "-.")
 FRICTION_TICKS, SPEED_TICKS = (-100, -10, -1, 0, 1, 10, 100), (1e-5, 1e-3, 0.1)
 STYLE: dict[Any, Any] = {
     "svg.hashsalt": "multibody-xval", "svg.fonttype": "path", "font.size": 9.0, "savefig.dpi": 200.0,
@@ -44,9 +45,9 @@ def transmittance(points: pd.DataFrame, edges: pd.DataFrame) -> Figure:
     own_edges = edges[is_reference(edges)]
     frictions = pd.Series([case.friction_ratio for case in own_edges.curve], own_edges.index, dtype=float)
     colours = {}
-    for friction, curve in reference.groupby("friction_ratio"):
+    for (friction, curve), style in zip(reference.groupby("friction_ratio"), cycle(LINES), strict=False):
         name = f"reference, friction ratio {friction:g}"
-        (line,) = axes.plot(curve.frequency_ratio, curve.transmittance_db, lw=1.0, label=name)
+        (line,) = axes.plot(curve.frequency_ratio, curve.transmittance_db, style, lw=1.0, label=name)
         colours[friction] = line.get_color()
         at = own_edges.frequency_ratio[frictions == friction]
         axes.plot(at, [THRESHOLD_DB] * len(at), "|", color=line.get_color(), ms=9, mew=1.4)

@@ -10,7 +10,7 @@ from multibody_xval.scenarios.edges import DEPTH_DB, THRESHOLD_DB
 from multibody_xval.scenarios.model import DEFAULTS, Case
 from multibody_xval.scenarios.report_plan import FRICTION_RATIOS, resonances
 from multibody_xval.scenarios.result_tables import is_reference
-from multibody_xval.scenarios.studies.claims import RANGE, STATED, claims
+from multibody_xval.scenarios.studies.claims import RANGE, RESONATOR, STATED, bands, claims
 from reference_lcp.defaults import CELLS, MINIMUM_STEPS_PER_PERIOD
 
 PRINTED = (0.0, 0.3, 0.6)
@@ -36,14 +36,45 @@ def assumed() -> list[str]:
         for name in ("mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
     ]
     return [
-        f"The abstract prints {CELLS} cells and, in its text, the friction ratios "
-        f"{', '.join(f'{own:g}' for own in PRINTED)}; no other number of its figure.",
+        f"The abstract prints {CELLS} cells and the friction ratios {', '.join(f'{own:g}' for own in PRINTED)}; "
+        "all else is assumed.",
         f"Assumed: {', '.join(ratios)}, equal in all cells; friction ratios {others}; a base that moves as U0 sin ωt; "
         "a constant normal force.",
         "Assumed too: transmittance is the fundamental of the last outer mass over U0; the band has the first "
         f"transmittance below {DEPTH_DB:g} dB, and ends where it crosses {THRESHOLD_DB:g} dB. "
         f"Curves have {MINIMUM_STEPS_PER_PERIOD} steps per period.",
     ]
+
+
+def reference_bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
+    """Give `exact_edges` beside how much of `RANGE` the band covers, and the stuck fraction at the resonator."""
+    table, own = exact_edges(edges), bands(points, edges)
+    own = own[is_reference(own)]
+    shares = {"band covers": own.share, f"stuck at {RESONATOR:g}": own.stuck}
+    known = {name: {f"{f:g}": f"{100 * x:.0f} %" for f, x in zip(own.friction_ratio, values, strict=True)
+                    if not np.isnan(x)} for name, values in shares.items()}  # fmt: skip
+    return table.assign(**{
+        name: [texts.get(f, "–") for f in table["friction ratio"]] for name, texts in known.items()
+    })  # fmt: skip
+
+
+def answers_in_short(points: pd.DataFrame, edges: pd.DataFrame) -> list[str]:
+    """Say each claim with the reference's answer."""
+    first: Any = claims(points, edges).iloc[: len(STATED)].itertuples()
+    return [f"{own.claim}: {STATED[own.claim]}: {own.answer}." for own in first]
+
+
+def finding(points: pd.DataFrame, edges: pd.DataFrame) -> str:
+    """Say in one sentence what the reference's figure shows."""
+    first: Any = claims(points, edges).iloc[: len(STATED)].itertuples()
+    text = f"Claims of the paper: {', '.join(f'{own.claim} {own.answer}' for own in first)}"
+    own = bands(points, edges)
+    own = own[is_reference(own) & np.isfinite(own.lower)]
+    if own.empty:
+        return f"{text}."
+    lowest: Any = own.loc[own.lower.idxmin()]
+    place = f"η_r = {lowest.lower:.4f}, at a friction ratio of {lowest.friction_ratio:g}"
+    return f"{text}. The lower edge is lowest, {place}."
 
 
 def answered(points: pd.DataFrame, edges: pd.DataFrame) -> list[str]:

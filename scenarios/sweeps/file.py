@@ -37,7 +37,7 @@ frequency_ratio = { first = 0.3, last = 1.6, points = 14 }     # ω / ω_r, > 0
 # mass_ratio = [0.5, 1.0, 2.0]
 
 [chain]
-# What is not varied; these are the defaults, the chain of the paper's figure 3.
+# What is not varied; these are the defaults: the paper's chain, with the values assumed here.
 cells = 7                    # >= 1
 mass_ratio = 1.0             # inner over outer mass, > 0
 stiffness_ratio = 1.0        # inner over chain stiffness, > 0

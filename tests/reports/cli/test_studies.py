@@ -41,7 +41,16 @@ def figure3(store: Path, *options: str) -> int:
 def test_figure_3_says_claims_verdicts_edges_and_the_finding_of_engines(tmp_path: Path, capsys) -> None:
     assert figure3(stored(tmp_path / "s.sqlite"), "--engine=mujoco") == 0
     printed, document = capsys.readouterr().out, (tmp_path / "figure3.md").read_text(encoding="utf-8")
-    for text in ("a: the band is wider than without friction", "With MuJoCo (tuned to the chain)", "judged numbers"):
+    lines = printed.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert len(lines) <= 48, "it fits one screen, with a long path"
+    assert "judged numbers agree with the exact motion" in "".join(lines[-2:]), "the finding comes last"
+    printed = " ".join(printed.split())
+    for text in (
+        "a: the band is wider than without friction",
+        "With MuJoCo (tuned to the chain)",
+        "Claims of the paper: a ",
+    ):
         assert text in printed
         assert text in document
     assert "`multibody-xval run figure3 --engine=mujoco --out=" in document
@@ -58,6 +67,7 @@ def test_figure_3_is_the_reference_alone_unless_engines_are_named_and_says_what_
     printed, table = capsys.readouterr().out, (tmp_path / "figure3.csv").read_text(encoding="utf-8")
     assert {row["engine"] for row in csv.DictReader(table.splitlines())} == {"reference"}
     assert "MuJoCo" not in printed
+    printed = " ".join(printed.split())
     assert "Assumed: mass ratio 1, stiffness ratio 1, damping ratio 0.01" in printed
     for name, claim in STATED.items():
         assert f"{name}: {claim}: " in printed
