@@ -99,16 +99,29 @@ def title(rows: pd.DataFrame) -> str:
 
 
 def distances(rows: pd.DataFrame) -> pd.DataFrame:
-    """Give a row a configuration, as texts: how far each number is off in its worst case, and what its numbers are."""
+    """Give a row a configuration, as texts: how far each number is off in its worst case, and how many agree.
+
+    An engine has a row of its own above those of its configurations, which keeps the table narrow. How many numbers
+    agree is in brackets where they are not judged.
+    """
     worst = worst_cases(rows)
     far = worst.assign(
         name=[numbered(*own).rstrip() for own in rows_of(worst.assign(case=""), "quantity", "unit", "case")],
         text=worst.distance.astype(float).map(size_text),
     )
     wide = far.pivot_table(index="configuration", columns="name", values="text", aggfunc="first", sort=False)
-    words = {name: counts(own) if own.judged.any() else f"{counts(own)} (not judged)"
-             for name, own in rows.groupby("configuration", sort=False)}  # fmt: skip
-    return wide.fillna("–").assign(result=pd.Series(words)).reset_index().rename_axis(columns=None)
+    agree = {name: _agreeing(own) for name, own in rows.groupby("configuration", sort=False)}
+    whole = wide.fillna("–").assign(agree=pd.Series(agree)).rename_axis(columns=None)
+    texts: list[list[str]] = []
+    for engine, own in whole.groupby(whole.index.str.partition(":").get_level_values(0), sort=False):
+        texts.append([str(engine), *[""] * len(whole.columns)])
+        texts += [[f"  {name.partition(':')[2]}", *values] for name, *values in own.itertuples(name=None)]
+    return pd.DataFrame(texts, columns=["configuration", *whole.columns], dtype=object)
+
+
+def _agreeing(rows: pd.DataFrame) -> str:
+    text = f"{(rows.verdict == AGREES).sum()}/{len(rows)}"
+    return text if rows.judged.any() else f"({text})"
 
 
 def overview(rows: pd.DataFrame) -> pd.DataFrame:
@@ -134,17 +147,16 @@ def _worst(rows: pd.DataFrame) -> str:
 
 
 def why(rows: pd.DataFrame) -> list[str]:
-    """Say why numbers are not there, a line a reason."""
+    """Say why numbers are not there, a line a reason and the configurations that share it."""
     own = rows[(rows.reason != "") & ~rows.verdict.isin([AGREES])]
     alike = own.reason.astype(str).str.replace(OWN_VALUE, r"\1: ", regex=True)
-    found = own.groupby([own.configuration, own.verdict, alike], sort=False).agg({
-        "case": ["first", "nunique"], "reason": ["first", "nunique"],
-    })  # fmt: skip
-    return [
-        f"{name}: {verdict if verdict in WORST_FIRST[1:] else 'note'} in {_cases(case, count)}: "
-        f"{reason if reasons == 1 else shared}"
-        for (name, verdict, shared), (case, count, reason, reasons) in zip(found.index, found.to_numpy(), strict=True)
-    ]
+    lines: dict[str, list[str]] = {}
+    for (name, verdict, shared), each in own.groupby([own.configuration, own.verdict, alike], sort=False):
+        said = verdict if verdict in WORST_FIRST[1:] else "note"
+        reason = each.reason.iloc[0] if each.reason.nunique() == 1 else shared
+        line = f"{said} in {_cases(each.case.iloc[0], each.case.nunique())}: {reason}"
+        lines.setdefault(line, []).append(str(name))
+    return [f"{', '.join(names)}: {line}" for line, names in lines.items()]
 
 
 def _cases(first: str, count: int) -> str:
@@ -178,7 +190,7 @@ def tables(rows: pd.DataFrame, *, details: bool) -> Iterator[tuple[str, pd.DataF
     named = [(title(own), own) for _, own in rows.groupby("configuration", sort=False)]
     many = len(named) > MOST_CONFIGURATIONS or len(named) * rows.quantity.nunique() > MOST_NUMBERS
     if len(named) > 1 and many and not details:
-        yield "Worst distance from what is expected", distances(rows)
+        yield "Worst distance from what is expected, and how many agree (in brackets: not judged)", distances(rows)
         return
     for name, own in named:
         there = own[own.verdict != "unsupported"]

@@ -7,7 +7,7 @@ import pytest
 
 from multibody_xval.engines.interface.laws import law_of
 from multibody_xval.engines.interface.presets import NormalForce
-from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.registry import engine, installed_engine_names
 from multibody_xval.engines.interface.variant import Variant, name_parts, variants_begun
 
 
@@ -21,7 +21,7 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     ``lifting`` the tuned ones whose contacts may open, ``holding`` the tuned ones with static friction of its own,
     ``installed`` the name of an engine.
     """
-    names = named or tuple(name for name in engine_names() if engine(name).unavailable_reason() is None)
+    names = named or tuple(installed_engine_names())
     every = dict.fromkeys(variant for name in names for variant in variants_begun(name))
     presets = [(variant, variant.preset) for variant in every]
     follows = [own for own, preset in presets if preset.represents(NormalForce.MODULATED)]

@@ -121,6 +121,11 @@ def engine(name: str) -> Engine:
     return _loaded(name)()
 
 
+def installed_engine_names() -> list[str]:
+    """Names of the engines that can be used here."""
+    return [name for name in engine_names() if engine(name).unavailable_reason() is None]
+
+
 def default_engine_names() -> list[str]:
     """Names of the engines that take part by default: all but broken ones, and those of an extra or the system."""
     loaded = [name for name in registered_names() if _not_loaded_reason(name) is None]

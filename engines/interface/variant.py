@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from multibody_xval.engines.interface.changed_options import value_text
 from multibody_xval.engines.interface.presets import Capabilities, Formulation, Preset
-from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.registry import engine, installed_engine_names
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.errors import ParameterError, checked_choice
 
@@ -142,10 +142,10 @@ def name_parts(text: str) -> tuple[list[str], list[str]]:
 
 
 ALL = "all"
-"""In place of a part of a name: every one."""
+"""In place of a part of a name: every one; of engines, every one that is installed."""
 
 EVERY_VARIANT = f"{ALL}:{ALL}:{ALL}"
-"""Every preset of every engine."""
+"""Every preset of every engine that is installed."""
 
 
 def variants_of(name: str, *, optional: bool = False) -> list[Variant]:
@@ -199,7 +199,7 @@ def variants_begun(name: str) -> list[Variant]:
 
 
 def _variants(text: str) -> list[Variant]:
-    """Give the variants of one name; its engine is installed, unless it is one of all."""
+    """Give the variants of one name, whose engines are installed."""
     names, settings = name_parts(text)
     if ALL not in names:
         variant = Variant.parse(text)
@@ -210,7 +210,7 @@ def _variants(text: str) -> list[Variant]:
     name, formulation, preset = [*names, *("joint", "tuned")[len(names) - 1 :]]
     if name != ALL:
         check_installed(name, engine(name).unavailable_reason())
-    engines = engine_names() if name == ALL else [name]
+    engines = installed_engine_names() if name == ALL else [name]
     listed = [each for own in engines for each in variants_of(own, optional=preset != ALL)]
     if formulation != ALL:
         checked_choice(f"formulation of {name}", formulation, _each(each.formulation for each in listed))

@@ -10,7 +10,7 @@ from typer.core import TyperCommand, TyperGroup
 COMMANDS = {
     "engines": ("engines", "List engines, their versions and presets."),
     "reference": ("reference", "Compute the steady state of one chain with the reference."),
-    "run": ("run", "Run a scenario of the catalogue, all of them, or a measurement."),
+    "run": ("run", "Run figure3, another measurement, or a scenario; alone it lists all."),
     "sweep": ("sweep", "Run all combinations of parameters and engines in a file."),
     "example": ("sweep", "Print a commented file of parameters for `sweep`."),
     "report": ("report", "Compare engines with the exact motion, and write a page."),
@@ -83,7 +83,8 @@ def multibody_xval(
 ) -> None:
     """Check how well multibody engines simulate dry friction.
 
-    Exit codes: 0 done; 1 a comparison failed; 2 wrong input; 3 output could not be written; 130 interrupted.
+    Exit codes: 0 done; 1 a comparison failed; 2 wrong input; 3 output could not be written; 4 a fault of the suite;
+    130 interrupted.
 
     Example: multibody-xval report --quick --engine mujoco
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
-EVERY_PART = "`all` stands for every one. May be repeated. "
+EVERY_PART = "`all` stands for every one that is installed. May be repeated. "
 
 ENGINE_HELP = f"{NAME_METAVAR}; a name alone: joint:tuned. {EVERY_PART}"
 
@@ -83,10 +84,23 @@ class Engines:
         return [":".join([names[0], *self.settings])]
 
     def variants(self) -> list[Variant]:
-        """Give the variants of these names, those of every engine without any."""
+        """Give the variants of these names, those of every installed engine without any."""
         from multibody_xval.engines.interface.variant import EVERY_VARIANT, variants_named
 
+        self.announce_absent()
         return variants_named(self.names or [EVERY_VARIANT])
+
+    def announce_absent(self) -> None:
+        """Say which engines are left out since they are not installed, where all are asked."""
+        from multibody_xval.engines.interface.registry import engine_names, installed_engine_names
+        from multibody_xval.engines.interface.variant import ALL
+
+        if self.names and not any(name.partition(":")[0] == ALL for name in self.names):
+            return
+        installed = installed_engine_names()
+        absent = [name for name in engine_names() if name not in installed]
+        if absent:
+            print(f"not installed: {', '.join(absent)}; `multibody-xval engines` has the commands", file=sys.stderr)
 
     def command(self, name: str, options: Sequence[str] = ()) -> str:
         """Give the command that made a document: `run` with its name, the chosen engines and other options."""
@@ -103,7 +117,7 @@ class ScenarioEngines(Engines):
         list[str] | None,
         engine_option(
             f"{NAME_METAVAR}; a name alone: joint:tuned, in scenes default and recommended. {EVERY_PART}"
-            "Without it: all engines."
+            "Without it: all that are installed."
         ),
     ] = None
 

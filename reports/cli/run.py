@@ -97,8 +97,8 @@ def print_catalogue() -> None:
     from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 
     scenarios = [(name, own.question) for name, own in SCENARIOS.items() if name not in STUDIES]
-    print_table(("scenario", "question"), scenarios)
     print_table(("measurement", "question"), [(name, question) for name, (_, question) in STUDIES.items()])
+    print_table(("scenario", "question"), scenarios)
     print("multibody-xval run NAME runs one, multibody-xval run all every scenario.")
 
 

@@ -167,6 +167,7 @@ def _rows(
         assert output.store is not None, "checked before"
         return stored_answers(scenarios, engines.names, output.store)
     means = computing.means(output.store)
+    engines.announce_absent()
     announce_compilation()
     with keeping(output.store):
         return answers(scenarios, engines.names, means)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation
-from multibody_xval.engines.interface.registry import engine, engine_names
+from multibody_xval.engines.interface.registry import engine, engine_names, installed_engine_names
 from multibody_xval.engines.interface.tolerances import SINGLE
 from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
@@ -165,7 +165,8 @@ class Scenario:
         case = next(iter(self.cases.values()))
         if not isinstance(case, SceneMotion):
             return variants_named(names or [EVERY_VARIANT])
-        found = [config for name in names or engine_names() for config in _of_scenes(name, case, named=bool(names))]
+        asked = names or installed_engine_names()
+        found = [config for name in asked for config in _of_scenes(name, case, named=bool(names))]
         own = [config for config in dict.fromkeys(found) if config.formulation == case.formulation]
         return own or list(dict.fromkeys(found))
 
