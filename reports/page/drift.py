@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import pandas as pd
 
@@ -41,6 +42,17 @@ def drift_table(stored: Iterable[Stored]) -> pd.DataFrame:
                        options=own.preset.map(TITLES).fillna(own.preset))  # fmt: skip
     wide = named.pivot_table(index="engine", columns="options", values="text", aggfunc="last", sort=False)
     return wide.fillna("–").assign(exact="0").reset_index().rename_axis(columns=None)
+
+
+def creep(table: pd.DataFrame) -> str:
+    """Say in a sentence how fast the stack creeps in the worst engine of `drift_table`; empty where none was run."""
+    parts = []
+    for name, words in ((TITLES["default"], "default options"), (TITLES["recommended"], "the recipe")):
+        sizes = pd.to_numeric(table.get(name, pd.Series(dtype=str)).str.replace(",", ""), errors="coerce")
+        if sizes.notna().any():
+            worst: Any = sizes.idxmax()
+            parts.append(f"at up to {table[name][worst]} µm/s with {words} ({table.engine[worst]})")
+    return f"Boxes that should rest creep {', and '.join(parts)}." if parts else ""
 
 
 def pasted(configs: Iterable[Config]) -> dict[str, str]:

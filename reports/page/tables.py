@@ -15,7 +15,7 @@ from multibody_xval.scenarios.ruler.judge import OTHER_SCHEMES, VERDICTS
 from multibody_xval.scenarios.store import Stored
 from multibody_xval.scenarios.studies.claims import OPEN, STATED, TITLES, conclusions
 
-NO_CURE = "no cure known"
+NOT_ENOUGH = "not enough"
 """Said of recipes that leave an error beyond what is allowed."""
 
 STICK_SLIP = Case(friction_ratio=0.1, frequency_ratio=1.5)
@@ -119,10 +119,10 @@ def error_text(error_db: float, points: int, periodic: int, status: str) -> str:
 
 
 def headline(worst: pd.DataFrame) -> pd.DataFrame:
-    """Give the largest errors in dB, a row an engine and formulation, and say which recipes do not cure."""
+    """Give the largest errors in dB, a row an engine and formulation, and say which recipes are not enough."""
     numbers = zip(worst.largest_db, worst.points, worst.periodic, worst.status, strict=True)
-    uncured = (worst.options == TITLES["recommended"]) & (worst.beyond | (worst.periodic == 0)) & (worst.points > 0)
-    endings = uncured.map({True: f"; {NO_CURE}", False: ""})
+    uncured = (worst.options == TITLES["recommended"]) & worst.beyond & (worst.periodic > 0)
+    endings = uncured.map({True: f"; {NOT_ENOUGH}", False: ""})
     texts = worst.assign(text=[error_text(*own) + ending for own, ending in zip(numbers, endings, strict=True)])
     wide = texts.pivot_table(index="title", columns="options", values="text", aggfunc="first", sort=False)
     usual = [TITLES[name] for name in PRESETS]

@@ -12,7 +12,7 @@ from multibody_xval.reports.figures import levels, panels
 from multibody_xval.reports.figures.svg import Panel, svg
 from multibody_xval.reports.formatting import environment
 from multibody_xval.reports.page import tables
-from multibody_xval.reports.page.drift import drift_table, pasted
+from multibody_xval.reports.page.drift import creep, drift_table, pasted
 from multibody_xval.reports.page.files import PAGE, TABLES, write_files
 from multibody_xval.reports.page.finding import finding, reasons_to_fail
 from multibody_xval.scenarios.edges import judged_edges
@@ -187,13 +187,15 @@ def _page(
     parts = {name: [svg(panel, f"{name}-{number}") for number, panel in enumerate(own)] for name, own in drawn.items()}
     there = {name for name, table in data.items() if len(table)} | {name for name, own in drawn.items() if own}
     sections = {name: title for name, title in SECTIONS.items() if name in there or name == "details"}
-    if paper and "transmittance" in sections:
+    paper = paper and "transmittance" in sections
+    if paper:
         sections["transmittance"] = FIGURE3
     modes = set(data["phases"]["mode"]) if "phases" in there else set()
     drawn_modes = {name: colour for name, colour in panels.MODES.items() if name in modes}
     template = environment("multibody_xval.reports.page").get_template("page.html")
     return template.render(
-        tables=data, figures=parts, sections=sections, finding=result.finding, failures=result.failures,
+        tables=data, figures=parts, sections=sections, paper=paper, creep=creep(data["drift"]),
+        finding=result.finding, failures=result.failures,
         versions=_versions(), modes=drawn_modes, files=[name for name in TABLES if name in there],
         **values,
     )  # fmt: skip
