@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from multibody_xval.engines.interface.registry import engine
+from multibody_xval.reports.page.drift import drift_runs
 from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Config, Result, Run
@@ -39,6 +40,13 @@ def results() -> dict[Run, Result]:
 @pytest.fixture(scope="session")
 def stored(results: dict[Run, Result]) -> list[Stored]:
     return now(results)
+
+
+@pytest.fixture(scope="session")
+def stacks() -> list[Stored]:
+    """Three boxes on a slope, with MuJoCo's default options and with the recipe."""
+    configs = [Config("mujoco", "contact", name) for name in ("default", "recommended")]
+    return now({run: run_batch([run])[0] for run in drift_runs([*configs, Config("mujoco")])})
 
 
 def kept(results: dict[Run, Result], file: Path) -> Path:

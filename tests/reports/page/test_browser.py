@@ -28,10 +28,10 @@ HEIGHT = 900
 
 
 @pytest.fixture(scope="module")
-def address(stored: list[Stored], tmp_path_factory: pytest.TempPathFactory) -> str:
-    """The address of a page."""
+def address(stored: list[Stored], stacks: list[Stored], tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The address of a page, with drifts and recipes too."""
     folder: Path = tmp_path_factory.mktemp("report")
-    return write_page(stored, folder, "multibody-xval report", left_out="Left out: nothing.").page.as_uri()
+    return write_page([*stored, *stacks], folder, "multibody-xval report", left_out="Left out: nothing.").page.as_uri()
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,7 @@ def test_on_paper_nothing_is_folded_and_every_figure_is_seen(browser: Browser, a
     page.goto(address)
     page.emulate_media(media="print")
     hidden = page.evaluate(
-        "[...document.querySelectorAll('figure svg, details table')].filter((one) => "
+        "[...document.querySelectorAll('figure svg, details table, .first summary, .first pre')].filter((one) => "
         "!one.checkVisibility({contentVisibilityAuto: true}) || !one.getBoundingClientRect().height).length"
     )
     assert hidden == 0
