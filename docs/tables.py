@@ -13,6 +13,7 @@ import pandas as pd
 import python_names
 
 from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.formatting import significant
 from multibody_xval.reports.reproducers.recipe import recipe_text
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
@@ -101,11 +102,16 @@ def scenes(kind: str) -> list[str]:
     rows = rows[rows.number.str.contains(SCENE_TABLES[kind]) & ~rows.number.str.startswith("cost")]
     cells = {(own.engine, own.number): _scene_cell(own) for own in rows.itertuples()}
     numbers = sorted(dict.fromkeys(rows.number), key=lambda number: number.startswith(("joint", "arm")))
-    names = sorted(set(rows.engine), key=lambda name: engine(name).capabilities.title.lower())
+    titles = {name: _title(name) for name in rows.engine}
+    names = sorted(titles, key=lambda name: titles[name].lower())
     return markdown(
-        ("engine", *numbers),
-        [[engine(name).capabilities.title, *(cells.get((name, number), "") for number in numbers)] for name in names],
+        ("engine", *numbers), [[titles[name], *(cells.get((name, number), "") for number in numbers)] for name in names]
     )
+
+
+def _title(name: str) -> str:
+    """Give the title of an engine, or of one of its presets."""
+    return Variant.parse(name).title if ":" in name else engine(name).capabilities.title
 
 
 def _scene_cell(own: object) -> str:

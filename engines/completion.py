@@ -13,7 +13,7 @@ def complete_variant(incomplete: str) -> list[str]:
     from reference_lcp.errors import ParameterError
 
     try:
-        variants = variants_of(engine, optional=True)
+        variants = variants_of(engine, optional=True, scenes_only=True)
     except ParameterError:
         return []
     names = [f"{each.engine}:{each.formulation}:{each.preset_name}" for each in variants]

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 
+from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import GENERAL, check_installed, name_parts, variants_named, variants_of
 from multibody_xval.scenarios.model import Case, Config, Run
 from multibody_xval.scenarios.ruler.exact_values import ruler
@@ -36,8 +37,8 @@ def compared_configs(name: str) -> list[Config]:
     if len(names) > 1 or settings:
         return variants_named([name])
     own = [config for config in variants_of(name, optional=True) if config.preset_name in COMPARED]
-    check_installed(name, own[0].unavailable_reason)
-    return own
+    check_installed(name, engine(name).unavailable_reason())
+    return own or variants_named([name])
 
 
 def runs_at(configs: Iterable[Config], cases: Sequence[Case], minimum: int = MINIMUM_STEPS_PER_PERIOD) -> list[Run]:

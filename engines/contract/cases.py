@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from multibody_xval.engines.interface.laws import law_of
-from multibody_xval.engines.interface.presets import NormalForce
+from multibody_xval.engines.interface.presets import Formulation, NormalForce
 from multibody_xval.engines.interface.registry import engine, installed_engine_names
 from multibody_xval.engines.interface.variant import Variant, name_parts, variants_begun
 
@@ -15,15 +15,15 @@ from multibody_xval.engines.interface.variant import Variant, name_parts, varian
 def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
     """Give what each argument of a clause stands for, of what is named or, without any, of all that are installed.
 
-    ``tested`` is every preset, ``tuned`` the best known options, ``default`` what a newcomer gets, ``sharing`` those
-    that share the reference's scheme, ``exact`` those of them that are tuned, ``modelled`` those that have a law,
-    ``following`` those whose normal force may change in time, ``following_tuned`` those of them that are tuned,
-    ``lifting`` the tuned ones whose contacts may open, ``holding`` the tuned ones with static friction of its own,
-    ``installed`` the name of an engine.
+    ``scenic`` is every preset that runs scenes. Of those that run the chain, ``tested`` is every one, ``tuned`` the
+    best known options, ``default`` what a newcomer gets, ``sharing`` those that share the reference's scheme,
+    ``exact`` those of them that are tuned, ``modelled`` those that have a law, ``following`` those whose normal force
+    may change in time, ``following_tuned`` those of them that are tuned, ``lifting`` the tuned ones whose contacts may
+    open, ``holding`` the tuned ones with static friction of its own. ``installed`` is the name of an engine.
     """
     names = named or tuple(installed_engine_names())
     every = dict.fromkeys(variant for name in names for variant in variants_begun(name))
-    presets = [(variant, variant.preset) for variant in every]
+    presets = [(variant, variant.preset) for variant in every if not variant.preset.scenes_only]
     follows = [own for own, preset in presets if preset.represents(NormalForce.MODULATED)]
     shares = [own for own, preset in presets if preset.shares_scheme and own.engine != "reference"]
     chosen = {
@@ -36,11 +36,17 @@ def cases(named: tuple[str, ...]) -> dict[str, list[Any]]:
         "following": follows,
         "following_tuned": [own for own in follows if is_tuned(own)],
         "lifting": [own for own, preset in presets if is_tuned(own) and preset.represents(NormalForce.LIFTING)],
+        "scenic": [own for own in every if own.runs_scenes and not has_scene_gap(own)],
         "holding": [own for own, preset in presets if is_tuned(own) and preset.static_friction],
     }
     return {name: [marked(own, named) for own in own] for name, own in chosen.items()} | {
         "installed": list(dict.fromkeys(name_parts(name)[0][0] for name in names))
     }
+
+
+def has_scene_gap(variant: Variant) -> bool:
+    """Whether its engine builds no scenes of its formulation."""
+    return engine(variant.engine).scene_gap(Formulation(variant.formulation)) is not None
 
 
 def is_tuned(variant: Variant) -> bool:

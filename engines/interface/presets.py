@@ -8,7 +8,7 @@ from typing import Any, Self
 from reference_lcp.chain.preload import CONSTANT
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.defaults import DEFAULT_RESIDUAL
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 
 
@@ -87,6 +87,9 @@ LARGEST_ACCURACY = 0.015
 """Part of an amplitude that a preset may state as its accuracy: a mass or a bound off by a hundredth would hide in
 more."""
 
+JUDGED = ("chain", "blocks", "scenes")
+"""Kinds of problems whose numbers a preset may let be judged."""
+
 ADAPTERS_UNITS = "units"
 """A setting of adapters, beside the options of engines: in which units a lane is built."""
 
@@ -127,6 +130,8 @@ class Preset:
     """Lanes that one simulation takes at best, where that is another number than the engine's."""
     optional: bool = False
     """It takes part where it is named, and not where all presets of an engine are meant."""
+    scenes_only: bool = False
+    """It runs scenes, and neither chains nor blocks: of a solver that has no adapter for them."""
     static_friction: bool = False
     """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
@@ -158,6 +163,8 @@ class Preset:
         stated = self.accuracy_of("transmittance")
         if not 0 <= stated <= LARGEST_ACCURACY:
             raise ParameterError(f"accuracy = {stated:g} of transmittance; allowed: 0 to {LARGEST_ACCURACY:g}")
+        for name in self.judged:
+            checked_choice("judged", name, JUDGED[2:] if self.scenes_only else JUDGED)
         if self.accuracy and not self.accuracy_reason:
             raise ParameterError("accuracy_reason is empty; allowed: why numbers may be off, in a sentence")
 
@@ -210,10 +217,12 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: its forces.
+        """Say why a lane cannot be represented by what has this name.
 
         ``None`` if it can.
         """
+        if self.scenes_only:
+            return f"{name} runs scenes only; allowed for chains and blocks: another preset"
         if lane.static_ratio != 1 and not self.static_friction:
             return f"static_ratio = {lane.static_ratio:g}: {name} cannot set static friction of its own; allowed: 1"
         if lane.preload is None or self.represents(NormalForce.of(lane)):

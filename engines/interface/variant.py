@@ -83,6 +83,11 @@ class Variant:
         return self.preset.changed_from(self._presets["default"])
 
     @property
+    def runs_scenes(self) -> bool:
+        """Whether it is for scenes: its options hold in any model, or it runs nothing else."""
+        return self.unchanged.preset_name in GENERAL or self.preset.scenes_only
+
+    @property
     def description(self) -> str:
         """Say what the preset is for; of a tuned one, that it is for this chain alone."""
         chosen = self.preset_name == "tuned" and "default" in self._presets
@@ -148,15 +153,15 @@ EVERY_VARIANT = f"{ALL}:{ALL}:{ALL}"
 """Every preset of every engine that is installed."""
 
 
-def variants_of(name: str, *, optional: bool = False) -> list[Variant]:
+def variants_of(name: str, *, optional: bool = False, scenes_only: bool = False) -> list[Variant]:
     """Give the variants of an engine, in the order in which its capabilities list them.
 
     Parameters
     ----------
     name
         Of the engine.
-    optional
-        Give those of `Preset.optional` too.
+    optional, scenes_only
+        Give those of `Preset.optional`, of `Preset.scenes_only` too.
 
     Raises
     ------
@@ -167,16 +172,29 @@ def variants_of(name: str, *, optional: bool = False) -> list[Variant]:
         Variant(name, str(formulation), preset_name)
         for formulation, presets in engine(name).capabilities.presets.items()
         for preset_name, preset in presets.items()
-        if optional or not preset.optional
+        if (optional or not preset.optional) and (scenes_only or not preset.scenes_only)
     ]
 
 
-def variants_named(names: Sequence[str]) -> list[Variant]:
+def variants_named(names: Sequence[str], *, scenes_only: bool = False) -> list[Variant]:
     """Give the variants that are to be run by their names, each once; an engine that is named has to be installed.
 
     ``all`` in place of a part stands for every one, but for presets that take part only where they are named.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or its engine not installed; unless `scenes_only`, also if its preset runs nothing else.
     """
-    return list(dict.fromkeys(variant for name in names for variant in _variants(name)))
+    found: list[Variant] = []
+    for name in names:
+        own = _variants(name)
+        chosen = own if scenes_only else [each for each in own if not each.preset.scenes_only]
+        if own and not chosen:
+            allowed = ", ".join(map(str, variants_of(own[0].engine, optional=True))) or "another engine"
+            raise ParameterError(f"engine = {own[0]} runs scenes only; allowed: {allowed}")
+        found += chosen
+    return list(dict.fromkeys(found))
 
 
 def variants_begun(name: str) -> list[Variant]:
@@ -189,8 +207,8 @@ def variants_begun(name: str) -> list[Variant]:
     """
     names, settings = name_parts(name)
     if len(names) == 3 or settings:
-        return variants_named([name])
-    own = variants_of(names[0], optional=True)
+        return variants_named([name], scenes_only=True)
+    own = variants_of(names[0], optional=True, scenes_only=True)
     check_installed(names[0], engine(names[0]).unavailable_reason())
     if len(names) == 1:
         return own
@@ -211,7 +229,7 @@ def _variants(text: str) -> list[Variant]:
     if name != ALL:
         check_installed(name, engine(name).unavailable_reason())
     engines = installed_engine_names() if name == ALL else [name]
-    listed = [each for own in engines for each in variants_of(own, optional=preset != ALL)]
+    listed = [each for own in engines for each in variants_of(own, optional=preset != ALL, scenes_only=True)]
     if formulation != ALL:
         checked_choice(f"formulation of {name}", formulation, _each(each.formulation for each in listed))
         listed = [each for each in listed if each.formulation == formulation]

@@ -1,4 +1,4 @@
-"""Newton's SolverSteel: articulations in single precision, all lanes of a batch as worlds of one model."""
+"""Newton: SolverSteel for chains, all lanes of a batch as worlds of one model; in scenes its other solvers too."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -35,7 +35,7 @@ class Newton(PipEngine):
     # Half a minute of a processor.
     preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 300.0)
     capabilities: ClassVar[Capabilities] = Capabilities(
-        title="Newton (SolverSteel)",
+        title="Newton",
         optional=True,
         package="newton",
         licence="Apache-2.0",
@@ -45,8 +45,9 @@ class Newton(PipEngine):
         precision="single",
         residual=SINGLE_RESIDUAL,
         notes=(
-            "Coulomb's law, in single precision, by the experimental one of Newton's solvers. On a processor it has no "
-            "dry friction of joints; a velocity drive of bounded effort emulates it."
+            "Coulomb's law, in single precision, by SolverSteel, the experimental one of Newton's solvers. On a "
+            "processor it has no dry friction of joints; a velocity drive of bounded effort emulates it. SolverXPBD "
+            "and SolverVBD run scenes only."
         ),
     )
     reproducers: ClassVar = {

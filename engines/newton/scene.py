@@ -1,4 +1,7 @@
-"""Scenes as users of Newton write them, with SolverSteel: bodies, and drives of bounded effort as dry friction."""
+"""Scenes as users of Newton write them: bodies, and with SolverSteel drives of bounded effort as dry friction.
+
+SolverXPBD and SolverVBD keep the places of bodies, not those of joints, and have contacts alone.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -32,17 +35,36 @@ BELT_MASS = 1e5
 """Of a belt that slides, whatever acts on it [kg]."""
 
 SOLVER = ("drive_mode", "friction_anchor_beta", "iterations")
-"""Options that SolverSteel takes by their names."""
+"""Options that solvers take by their names."""
+
+MATERIAL = ("ke", "kd")
+"""Options of surfaces, by Newton's names: stiffness [N/m] and damping [N s/m]."""
 
 BEYOND = 1e6
 """Limit of a joint that has none [rad], [m]."""
 
 
+def solver_of(setting: SceneSetting) -> str:
+    """Give the name of the solver that a preset is of."""
+    options = setting.preset.options
+    return str(options["solver"].value) if "solver" in options else "SolverSteel"
+
+
+def set_of(setting: SceneSetting, names: Sequence[str]) -> dict[str, Any]:
+    """Give those of these options that a preset has."""
+    return {name: setting.preset[name] for name in names if name in setting.preset.options}
+
+
 def _stepped(model: Any, setting: SceneSetting) -> tuple[Any, Any, Any, Callable[[], object]]:
     """Give a state, the forces in joints and those on bodies, and what takes a step, which is recorded as a graph."""
     newton, warp = import_newton(), import_warp()
-    options = {name: setting.preset[name] for name in SOLVER if name in setting.preset.options}
-    solver = newton.solvers.SolverSteel(model, **options)
+    kind, options = solver_of(setting), set_of(setting, SOLVER)
+    if kind == "SolverXPBD":
+        solver = newton.solvers.SolverXPBD(model, **options)
+    elif kind == "SolverVBD":
+        solver = newton.solvers.SolverVBD(model, **options)
+    else:
+        solver = newton.solvers.SolverSteel(model, **options)
     now, after, control = model.state(), model.state(), model.control()
     newton.eval_fk(model, model.joint_q, model.joint_qd, now)
     pushes = warp.zeros_like(now.body_f)
@@ -61,12 +83,39 @@ def _stepped(model: Any, setting: SceneSetting) -> tuple[Any, Any, Any, Callable
     return now, control.joint_f, pushes, recorded_after(2, advance)
 
 
+def _finalized(builder: Any, setting: SceneSetting) -> Any:
+    """Give the model; SolverVBD needs its bodies in groups."""
+    if solver_of(setting) == "SolverVBD":
+        builder.color()
+    return builder.finalize(device=PROCESSOR)
+
+
 def _set_rates(model: Any, now: Any, begin: int, rates: Sequence[float]) -> None:
     """Set velocities of joints from this one on."""
     values = now.joint_qd.numpy()
     values[begin : begin + len(rates)] = rates
     now.joint_qd.assign(values)
     import_newton().eval_fk(model, now.joint_q, now.joint_qd, now)
+
+
+def _set_rate(now: Any, body: int, rate: Sequence[float]) -> None:
+    """Set the velocity of a body, and its angular velocity."""
+    rates = now.body_qd.numpy()
+    rates[body] = rate
+    now.body_qd.assign(rates)
+
+
+def _carrying(now: Any, body: int, speed: float, time_step: float, advance: Callable[[], object]) -> Callable[[], None]:
+    """Give what moves a kinematic body along x, as its user has to, and takes a step."""
+    _set_rate(now, body, [speed, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+    def step() -> None:
+        places = now.body_q.numpy()
+        places[body, 0] += speed * time_step
+        now.body_q.assign(places)
+        advance()
+
+    return step
 
 
 def _pose(place: Vector, turned: Quaternion = LEVEL) -> Any:
@@ -79,10 +128,11 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     """Build a scene with contacts."""
     newton = import_newton()
     builder = newton.ModelBuilder()
+    reduced, material = solver_of(setting) == "SolverSteel", set_of(setting, MATERIAL)
 
     def add_box(body: int, half: Sequence[float], mass: float = 0.0, pose: Any = None) -> None:
         density = mass / float(np.prod(2 * np.array(half)))
-        surface = newton.ModelBuilder.ShapeConfig(density=density, mu=scene.friction)
+        surface = newton.ModelBuilder.ShapeConfig(density=density, mu=scene.friction, **material)
         builder.add_shape_box(body, xform=pose, hx=half[0], hy=half[1], hz=half[2], cfg=surface)
 
     def add_slider(half: Sequence[float], mass: float, place: Vector) -> None:
@@ -101,26 +151,34 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
         reach, height = scene.finger
         add_box(-1, FINGER, pose=_pose((-reach, 0.0, height)))
         add_slider(FINGER, FINGER_MASS, (reach, 0.0, height))
-    elif scene.belt:
+    elif scene.belt and reduced:
         add_slider((20.0, 1.0, 0.1), BELT_MASS, (0.0, 0.0, -0.1))
+    elif scene.belt:
+        belt = builder.add_body(xform=_pose((0.0, 0.0, -0.1)), is_kinematic=True)
+        add_box(belt, (20.0, 1.0, 0.1), BELT_MASS)
     else:
         x, y, z = scene.normal
         add_box(-1, (GROUND, GROUND, 1.0), pose=_pose((-x, -y, -z), scene.tilt))
-    model = builder.finalize(device=PROCESSOR)
+    model = _finalized(builder, setting)
     now, loads, pushes, step = _stepped(model, setting)
     if scene.grip:
         forces = loads.numpy()
         forces[-1] = -scene.grip
         loads.assign(forces)
-    if scene.belt:
+    if scene.belt and reduced:
         _set_rates(model, now, len(now.joint_qd) - 1, [scene.belt])
+    elif scene.belt:
+        step = _carrying(now, belt, scene.belt, setting.time_step, step)
 
     def state() -> Any:
         x, y, z, i, j, k, w = now.body_q.numpy()[body]
         return (x, y, z), (w, i, j, k), now.body_qd.numpy()[body, :3]
 
     def launch(velocity: Vector, spin: float) -> None:
-        _set_rates(model, now, 6 * body, [*velocity, 0.0, 0.0, spin])
+        if reduced:
+            _set_rates(model, now, 6 * body, [*velocity, 0.0, 0.0, spin])
+        else:
+            _set_rate(now, body, [*velocity, 0.0, 0.0, spin])
 
     def push(force: float) -> None:
         forces = pushes.numpy()

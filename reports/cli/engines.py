@@ -34,12 +34,18 @@ def engines(as_json: AsJson = False) -> None:
     for row in rows:
         arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
         law = f"{row.get('friction_law', '')}\n{arithmetic}"
-        presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
+        presets = "\n".join(_presets(row, formulation) for formulation in row["presets"])
         lines.append((row["engine"], row["version"] or "missing", row["python"] or "", law, presets))
     print_table(("engine", "version", "Python", "friction law, precision", "formulation: presets"), lines)
     for row in rows:
         if row["missing"] is not None:
             print(visible(f"{row['engine']}: {row['missing']}"))
+
+
+def _presets(row: dict[str, Any], formulation: str) -> str:
+    only = row["scenes_only"][formulation]
+    names = [f"{name} (scenes only)" if name in only else name for name in row["presets"][formulation]]
+    return f"{formulation}: {', '.join(names)}"
 
 
 def described(name: str) -> dict[str, Any]:
@@ -60,6 +66,10 @@ def described(name: str) -> dict[str, Any]:
         "python": own.python() if missing is None else None,
         "friction_law": str(abilities.friction_law),
         "presets": {str(formulation): list(presets) for formulation, presets in abilities.presets.items()},
+        "scenes_only": {
+            str(formulation): [name for name, preset in presets.items() if preset.scenes_only]
+            for formulation, presets in abilities.presets.items()
+        },
         "normal_force": {
             str(formulation): {name: str(preset.normal_force) for name, preset in presets.items()}
             for formulation, presets in abilities.presets.items()

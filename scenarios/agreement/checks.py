@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import default_engine_names
-from multibody_xval.engines.interface.variant import GENERAL, variants_begun
+from multibody_xval.engines.interface.variant import variants_begun
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP, STICK_SLIP, Scenario
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config, Run
@@ -112,10 +112,13 @@ def checks(config: Config) -> Iterator[Check]:
 
 
 def _asked(config: Config) -> Iterator[Scenario]:
+    if config.preset.scenes_only:
+        yield from SCENES[Formulation(config.formulation)]
+        return
     if config.preset.settles:
         yield from (STEADY, ONE_CELL)
     else:
         yield replace(STEADY, cases={case.title: case for case in headline_cases(config)})
     yield from BLOCKS
-    if config.unchanged.preset_name in GENERAL and config != REFERENCE:
+    if config.runs_scenes and config != REFERENCE:
         yield from SCENES[Formulation(config.formulation)]

@@ -13,7 +13,14 @@ import numpy as np
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names, installed_engine_names
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.engines.interface.variant import EVERY_VARIANT, GENERAL, check_installed, name_parts, variants_named
+from multibody_xval.engines.interface.variant import (
+    EVERY_VARIANT,
+    GENERAL,
+    check_installed,
+    name_parts,
+    variants_named,
+    variants_of,
+)
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.model import EXACT, REFERENCE, AnyCase, Case, Config, Result, Run
 from multibody_xval.scenarios.ruler.exact_values import LADDER, has_exact_motion, needs_exact_motion
@@ -172,21 +179,28 @@ class Scenario:
 
 
 def _of_scenes(name: str, case: SceneMotion, *, named: bool) -> list[Config]:
-    """Give the configurations of a name in a scene: of a bare engine, its presets that hold in any model."""
+    """Give the configurations of a name in a scene: of a bare engine, its presets for any model, and for scenes."""
     parts, settings = name_parts(name)
     if len(parts) > 1 or settings or name not in engine_names():
-        return variants_named([name])
+        return variants_named([name], scenes_only=True)
     if named:
         check_installed(name, engine(name).unavailable_reason())
     elif engine(name).scene_gap(Formulation(case.formulation)):
         return []
-    return general_configs(name, Formulation(case.formulation))
+    formulation = Formulation(case.formulation)
+    return [*general_configs(name, formulation), *scenes_only_configs(name, formulation)]
 
 
 def general_configs(name: str, formulation: Formulation) -> list[Config]:
     """Give the configurations of an engine whose options hold in any model: default options, then its recipe."""
     presets = engine(name).capabilities.presets.get(formulation, {})
     return [Config(name, str(formulation), preset) for preset in GENERAL if preset in presets]
+
+
+def scenes_only_configs(name: str, formulation: Formulation) -> list[Config]:
+    """Give the configurations of an engine that run nothing but scenes."""
+    own = variants_of(name, optional=True, scenes_only=True)
+    return [each for each in own if each.formulation == formulation and each.preset.scenes_only]
 
 
 COMMON_STEP = 0.001

@@ -127,7 +127,7 @@ def translated(given: Config, name: str, means: Means) -> Translation:
 
 def _check(given: Config, name: str) -> None:
     checked_choice("engine", name, engine_names())
-    if given.formulation != Formulation.CONTACT or given.unchanged.preset_name not in GENERAL:
+    if given.formulation != Formulation.CONTACT or not given.runs_scenes:
         presets = " or ".join(f"{given.engine}:contact:{own}" for own in GENERAL)
         raise ParameterError(f"engine = {given}; allowed: contacts in any model, {presets}")
     for own in (given.engine, name):

@@ -11,7 +11,7 @@ from multibody_xval.scenarios.cases.motions import BlockMotion, ChainMotion
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.compute.checked import TrajectoryFault
 from multibody_xval.scenarios.compute.motions import motions
-from multibody_xval.scenarios.compute.scenes import scenes
+from multibody_xval.scenarios.compute.scenes import prepare_scenes, scenes
 from multibody_xval.scenarios.compute.steady import steady_states
 from multibody_xval.scenarios.model import Case, Config, Result, Run, failed, unsupported
 from reference_lcp.chain.trajectory import State
@@ -58,8 +58,14 @@ def result_of(problem: BaseException) -> Result:
 
 
 def prepare(config: Config) -> None:
-    """Import an engine and let it compile, by a step of the paper's chain; what it raises is the runs' to report."""
+    """Import an engine and let it compile, by a step of the paper's chain, or of a scene where it runs nothing else.
+
+    What it raises is the runs' to report.
+    """
     with suppress(Exception):
+        if config.preset.scenes_only:
+            prepare_scenes(config)
+            return
         case = Case(friction_ratio=0.3, frequency_ratio=0.9)
         steps = case.steps()
         simulation = config.build([case.lane(steps)])

@@ -17,7 +17,7 @@ from multibody_xval.engines.interface.scene import (
     Vector,
     formulation_of,
 )
-from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion, swinging
 from multibody_xval.scenarios.compute.driven import driven
 from multibody_xval.scenarios.model import Config, Result, Run, Status, failed
@@ -29,6 +29,9 @@ ROWS = 100
 
 STOPPED = 1e-3
 """Velocity below which a joint that was thrown rests [rad/s], [m/s]."""
+
+FEW, COMMON = 3, 1e-3
+"""Steps that an engine is prepared with, and how long each is [s]."""
 
 EXPLODED = 1e4
 """A position [m] or an angle [rad] beyond is an explosion: nothing falls or turns as far within the scenes' times."""
@@ -44,8 +47,10 @@ def unsupported_reason(config: Config, scene: Scene) -> str | None:
     needed = formulation_of(scene)
     if Formulation(config.formulation) is not needed:
         return f"formulation = {config.formulation}; allowed in this scene: {needed}"
-    if config.unchanged.preset_name not in GENERAL:
-        return f"preset = {config.preset_name} is for the chain; allowed in scenes: {', '.join(GENERAL)}"
+    if not config.runs_scenes:
+        own = [each for each in variants_of(config.engine, optional=True, scenes_only=True) if each.runs_scenes]
+        allowed = sorted(each.preset_name for each in own if each.formulation == config.formulation)
+        return f"preset = {config.preset_name} is for the chain; allowed in scenes: {', '.join(allowed)}"
     if isinstance(scene, ContactScene) and scene.shaker and not engine(config.engine).scene_shakers:
         return f"shaker = {scene.shaker.mass:g} kg in a box; allowed in {config.engine}: none"
     return engine(config.engine).scene_gap(needed)
@@ -68,6 +73,13 @@ def built(run: Run) -> SceneWorld:
         raise EngineNotInstalled(f"{config.engine}: {missing}")
     setting = SceneSetting(config.preset, case.time / run.steps, case.sleeping)
     return engine(config.engine).scene_world(case.scene, setting)
+
+
+def prepare_scenes(config: Config) -> None:
+    """Take a few steps of the simplest scene of a configuration's formulation, which compiles what all of them need."""
+    scene = ContactScene() if config.formulation == Formulation.CONTACT else JointScene()
+    case = SceneMotion(scene=scene, time=FEW * COMMON)
+    followed(case, FEW, built(Run(config, case, FEW)))
 
 
 def followed(case: SceneMotion, steps: int, world: SceneWorld) -> Result:

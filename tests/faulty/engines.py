@@ -3,7 +3,10 @@
 import re
 from types import SimpleNamespace
 
+import numpy as np
+
 from multibody_xval.engines import Capabilities, Engine, Formulation, FrictionLaw
+from multibody_xval.engines.interface.scene import SceneBuilder, SteppedWorld
 from tests.faulty.deadly import PROCESSES
 from tests.faulty.faults import SEEN
 from tests.faulty.of_clauses import OF_CLAUSES
@@ -13,6 +16,21 @@ PREFIX = "faulty-"
 
 FAULTS = {**SEEN, **OF_CLAUSES, **PROCESSES}
 """All of them by name: each is the only thing that is wrong with its engine."""
+
+
+def hinge_in(radian: float) -> SceneBuilder:
+    """Give what builds a loaded hinge of 1 kg m², whose angle is in a unit."""
+
+    def build(scene, setting) -> SteppedWorld:
+        motion = np.zeros(2)  # angle and rate
+
+        def step() -> None:
+            motion[1] += setting.time_step * max(scene.load - scene.friction, 0.0)
+            motion[0] += setting.time_step * motion[1]
+
+        return SteppedWorld(step, lambda: (radian * motion[0],))
+
+    return build
 
 
 def family(name: str, fault: Fault) -> type[Engine]:
@@ -28,6 +46,8 @@ def family(name: str, fault: Fault) -> type[Engine]:
             batch_lanes=16,
             optional=True,
         )
+
+        scene_worlds = {Formulation.JOINT: hinge_in(fault.radian)} if fault.radian else {}
 
         def version(self) -> str:
             return "1.0.0"

@@ -84,7 +84,8 @@ def grounded(lane: Lane, run: Trajectory) -> Trajectory:
 
 OF_CLAUSES: Mapping[str, Fault] = {
     # of presets
-    "a+b": Fault("nothing, with a name that a regular expression reads otherwise", presets=PRESETS),
+    "a+b": Fault("nothing, with a name that a regular expression reads otherwise", presets=PRESETS, radian=1.0),
+    "milliradian": Fault("scenes in milliradians", presets=PRESETS, radian=1000.0),
     "unsaid": Fault(
         "an option without a reason", presets={"tuned": replace(TUNED, options={"gain": Option(1, 0, "")})}
     ),

@@ -19,6 +19,7 @@ PRESETS = {
     "other": Preset("The same steps, judged beside the exact motion.", judged=("chain", "blocks")),
     "default": Preset("Friction that stops a contact in four steps.",
                       {"part": Option(0.25, 1.0, "what a step takes from the velocity of a slip that ends")}),
+    "scenes": Preset("Of a solver that runs no chain.", scenes_only=True, optional=True),
 }  # fmt: skip
 """Presets of the family; one of these names is another preset where a fault says so."""
 
@@ -53,6 +54,7 @@ class Fault:
     )  # positions, velocities after a step
     around: Callable[["Batch", State, int, int, Rows], State] = lambda batch, *asked: batch.advanced(*asked)
     record: Callable[[Lane, Trajectory], Trajectory] = lambda _lane, run: run
+    radian: float = 0.0  # in the unit of the hinge in its scenes; without one it has none
     presets: Mapping[str, Preset] = field(default_factory=lambda: {name: PRESETS[name] for name in ("tuned", "other")})
 
 

@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from multibody_xval.engines.interface.registry import engine
+from multibody_xval.engines.interface.scene import GRAVITY, Box, ContactScene, SceneSetting
+from multibody_xval.engines.newton.scene import STEP
 from multibody_xval.engines.newton.worlds import import_newton
 from multibody_xval.engines.shared.warp_worlds import import_warp
 from reference_lcp.chain.drives import HarmonicBase
@@ -54,3 +57,33 @@ def test_anchors_draw_contacts_back(beta: float, moved: bool) -> None:
     motion = run("newton:contact", lane, rest, units="SI", friction_anchor_beta=beta)
     apart = np.max(np.abs(motion.positions - scheme(lane, rest, STEPS)[0])) / 1e-6
     assert apart > 10 * ROUNDINGS if moved else apart < ROUNDINGS
+
+
+def places(preset: str, scene: ContactScene, time: float) -> np.ndarray:
+    """Follow a box of a scene, shape (steps, 3) [m]."""
+    newton = engine("newton")
+    world = newton.scene_world(scene, SceneSetting(newton.preset("contact", preset), STEP))
+    return world.run(round(time / STEP))[:, :3]
+
+
+SLOPE = ContactScene(slope=0.25)
+"""A load of half of what the friction holds."""
+
+
+@pytest.mark.slow
+def test_a_box_creeps_under_the_friction_of_single_sweeps_and_less_with_more() -> None:
+    """In SolverXPBD by millimetres a second, at half of what the friction holds; in SolverSteel it rests."""
+    drifts = []
+    for preset in ("xpbd", "xpbd:iterations=10", "default"):
+        motion = places(preset, SLOPE, 1.0)
+        drifts.append(float(np.linalg.norm(motion[-1] - motion[len(motion) // 2])) / 0.5)
+    assert drifts[0] > 3 * drifts[1] > 1e-3
+    assert drifts[2] < 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [2.5e3, 1e4])
+def test_a_box_of_vbd_rests_on_the_springs_of_its_four_corners(stiffness: float) -> None:
+    scene = ContactScene(boxes=(Box(mass=2.0),))
+    sag = scene.places[0][2] - places(f"vbd:ke={stiffness}", scene, 2.0)[-1, 2]
+    assert sag == pytest.approx(2.0 * GRAVITY / (4 * stiffness), rel=0.05)

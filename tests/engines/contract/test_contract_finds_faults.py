@@ -60,6 +60,7 @@ FAULTS = (
     ("wears", "long_use_leaves_nothing_behind", "another motion after", TUNED),
     ("holds-no-more", "contact_at_rest_holds_more_than_it_slides_with", "slips under", TUNED),
     ("never-lets-go", "contact_that_lets_go_jumps_under_kinetic_friction", "friction", TUNED),
+    ("milliradian", "scene_repeats_and_moves_no_farther_than_without_friction", "farther than it can", "-joint-scenes"),
     ("takes", "static_friction_that_a_preset_does_not_state_is_refused", "DID NOT RAISE", ENGINE),
 )  # fmt: skip
 """Fault, the clause that finds it, how its message begins, and the case of the clause."""
@@ -118,6 +119,15 @@ def test_a_failure_is_one_line_with_what_was_asked_what_came_and_what_is_allowed
     line = r"^faulty-rounds-joint-tuned: split run equals whole run: .* \[m\]: \d\S*; allowed: at most 0$"
     assert re.search(line, outcomes[1], re.MULTILINE)
     assert "Traceback" not in outcomes[1]
+
+
+def test_a_preset_that_runs_scenes_only_is_held_to_the_clauses_of_scenes_and_to_no_other(install) -> None:
+    printed = ran(install, {SOUND}, "--collect-only", "--pyargs", contract.__name__, code=0)
+    asked = {
+        name: set(re.findall(rf"::test_(\w+)\[faulty-a\+b-joint-{name}[\]-]", printed)) for name in ("scenes", "tuned")
+    }
+    assert asked["scenes"] == {"scene_repeats_and_moves_no_farther_than_without_friction"}
+    assert len(asked["tuned"]) > 20
 
 
 INTERFACE = str(CLAUSES["advance_ends_where_run_ends"])

@@ -94,6 +94,17 @@ def test_a_formula_is_a_number_at_every_time_step(tmp_path) -> None:
         ("[joint.hard.set]", "[joint.hard.set]\nsweep = [3, 'x']", "option of .*joint:hard.set = 'sweep' is unknown"),
         ("-0.5(1/h)²", "__import__('os')", "joint:hard.set: rate = .* is no formula"),
         ("rate = 1.0", "rate = 1.0\nrate = 2.0", "/presets.toml cannot be read: .*line"),
+        ('about = "Harder."', "scenes_only = 'yes'", "joint:hard: scenes_only = 'yes'; allowed: true or false"),
+        (
+            'about = "Harder."',
+            "judged = ['scene']",
+            "joint:hard: judged = 'scene' is unknown; allowed: chain, blocks, sc",
+        ),
+        (
+            'about = "Harder."',
+            "scenes_only = true\njudged = ['chain']",
+            "judged = 'chain' is unknown; allowed: scenes$",
+        ),
         ('base = "tuned"', 'base = "turned"', "base of .*joint:hard = 'turned' is unknown; allowed: tuned, default"),
     ],
 )

@@ -15,7 +15,7 @@ from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.engines.interface.scene import SceneSetting
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.engines.interface.variant import GENERAL, variants_of
+from multibody_xval.engines.interface.variant import variants_of
 from multibody_xval.engines.isolated.out_of_process import OutOfProcessEngine
 from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports.reproducers import questions
@@ -86,16 +86,17 @@ def has_script(config: Config, scenario: str) -> bool:
     """Tell whether there is a script of a scenario."""
     own, formulation = engine(config.engine), Formulation(config.formulation)
     if scenario not in SCENES:
-        every = formulation in own.reproducers and not config.preset.optional
+        every = formulation in own.reproducers and not config.preset.optional and not config.preset.scenes_only
         return every and (scenario != STATIC or config.preset.static_friction)
-    is_scene = formulation == SCENES[scenario] and config.preset_name in GENERAL and own.scene_gap(formulation) is None
+    is_scene = formulation == SCENES[scenario] and config.runs_scenes and own.scene_gap(formulation) is None
     return is_scene and (config.engine, scenario) not in WITHOUT
 
 
 PLACES: dict[str, list[Place]] = {
     name: [
         (config, scenario, CASES.get((name, scenario)))
-        for config in variants_of(name, optional=True) for scenario in SHOWN if has_script(config, scenario)
+        for config in variants_of(name, optional=True, scenes_only=True)
+        for scenario in SHOWN if has_script(config, scenario)
     ]
     for name in engine_names()
 }  # fmt: skip
