@@ -41,8 +41,17 @@ def choices(value: object, allowed: Sequence[str]) -> str:
 
 
 def meant(value: object, allowed: Sequence[str]) -> str:
-    """Ask whether the name most like a value was meant, or the first that begins with it; else give an empty text."""
-    text = str(value)[:SHOWN]
-    begun = [name for name in allowed if text and name.startswith(text)]
-    near = difflib.get_close_matches(text, allowed, 1) or begun
-    return f"; did you mean {near[0]}?" if near else ""
+    """Ask whether the name most like a value was meant, or the first that begins with it; else give an empty text.
+
+    Case and punctuation make no difference.
+    """
+    text = _letters(str(value)[:SHOWN])
+    names = {_letters(name): name for name in reversed(allowed) if text and _letters(name)}
+    begun = [own for own in reversed(names) if own.startswith(text)]
+    near = difflib.get_close_matches(text, names, 1) or begun
+    return f"; did you mean {names[near[0]]}?" if near else ""
+
+
+def _letters(text: str) -> str:
+    """Give the letters and digits of a text, in small letters."""
+    return "".join(filter(str.isalnum, text.casefold()))

@@ -23,6 +23,7 @@ COMMAND_LINES = [
     ("engines --jason", r"No such option.*--json"),
     ("truth check block-stops sweep.toml", r"columns of sweep.toml = .* lack time; allowed: 'time, x0'"),
     ("history mujocko", r"engine = 'mujocko' is unknown; allowed: dart, .*did you mean mujoco\?"),
+    ("recipe MuJoCo-Warp --no-run", r"engine = 'MuJoCo-Warp' is unknown; allowed: .*did you mean mujoco-warp\?"),
     ("recipe siconos", r"engine = siconos has no recipe: it has no options to recommend; allowed: .*mujoco"),
     # the reference
     ("reference --frequency-ratio nan", r"frequency_ratio = nan .*allowed: > 0, 1e-12 to 1e\+12"),
