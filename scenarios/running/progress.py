@@ -16,9 +16,6 @@ ENDED = (Status.PERIODIC, Status.FINISHED)
 LINES = 10
 """Lines of a step at most, where no terminal shows a bar: there is one after each tenth of the runs known by then."""
 
-EXPECTED_SECONDS = 0.2
-"""That a run takes before any has ended: an engine's steady state takes 0.05 to 1."""
-
 
 class Steps:
     """The steps of a command, one after the other, each with its runs; those without any are not shown."""
@@ -26,7 +23,7 @@ class Steps:
     def __init__(self, names: Sequence[str], bar: Progress | None):
         self._names, self._bar = names, bar
         self._number, self._total, self._done, self._printed = 0, 0, 0, 0
-        self._begin = time.monotonic()
+        self._begin: tuple[float, int] | None = None
         self._task: TaskID | None = None
         self._silent = True
 
@@ -34,6 +31,7 @@ class Steps:
         """Begin the next step."""
         self._number += 1
         self._total = self._done = self._printed = 0
+        self._begin = None
         if self._bar is not None and self._task is not None:
             self._bar.remove_task(self._task)
         self._task = None
@@ -42,8 +40,6 @@ class Steps:
         """Add runs to the step: only those that are run, and not what is known."""
         if runs == 0:
             return
-        if self._total == 0:
-            self._begin = time.monotonic()
         self._total += runs
         if self._bar is None and self._done == 0:
             self._line()
@@ -54,6 +50,8 @@ class Steps:
     def ended(self, results: Mapping[Run, Result]) -> None:
         """Show results that have just come."""
         self._done += len(results)
+        if self._begin is None:
+            self._begin = time.monotonic(), self._done
         self._first(results)
         if self._bar is None and (self._done - self._printed) * LINES >= self._total:
             self._line()
@@ -84,12 +82,12 @@ class Steps:
 
     @property
     def _left(self) -> str:
-        """Say how long the rest of the step takes, as long a run as those so far."""
-        rest = self._total - self._done
-        if not rest:
+        """Say how long the rest takes by the runs that ended after the first: that one waits for engines to load."""
+        begin, first = self._begin or (0.0, self._done)
+        rest, since = self._total - self._done, self._done - first
+        if not rest or not since:
             return ""
-        each = (time.monotonic() - self._begin + EXPECTED_SECONDS) / (self._done + 1)
-        return f", about {max(1, round(rest * each))} s left"
+        return f", about {max(1, round(rest * (time.monotonic() - begin) / since))} s left"
 
 
 @contextmanager
