@@ -19,6 +19,7 @@ from multibody_xval.reports.cli.options import (
     grouped,
     keeping,
 )
+from multibody_xval.reports.cli.shown import cost_line
 from multibody_xval.scenarios.output_files import write_whole
 from multibody_xval.scenarios.terminal_table import print_table
 
@@ -35,39 +36,41 @@ def recipe(
     *,
     measure: Annotated[
         bool,
-        typer.Option("--run/--no-run", help="Measure all scenes with it; --no-run prints the recipe alone."),
+        typer.Option("--run/--no-run", help="Measure all scenes, for a minute or more; --no-run: the recipe alone."),
     ] = True,
     as_json: AsJson = False,
     store: Store = None,
     computing: Computing,
 ) -> None:
-    """Print what to write in your model so that friction holds, in the engine's own syntax, and what that gives.
+    """Print what to write in your model so that friction holds, in the engine's own syntax, then measure what it gives.
 
-    Numbers are the worst of each scene at the engine's own time step, with default options and with the recipe. "Not
-    cured": with the recipe, too, they are more than twice what is allowed.
+    Indented lines can be pasted as they are. The table is measured here and now: the worst number of each scene at the
+    engine's own time step, with default options and with the recipe. "Not cured": with the recipe, too, it is more
+    than twice what is allowed.
     Exit code 0: printed.
 
     Example: multibody-xval recipe mujoco
     """
     from multibody_xval.engines.interface.registry import engine as engine_of
     from multibody_xval.engines.interface.variant import check_installed
-    from multibody_xval.reports.reproducers.recipe import recipe_text
+    from multibody_xval.reports.reproducers.recipe import for_terminal, to_write
     from multibody_xval.scenarios.catalogue.recipes import recipe_results
 
-    text = recipe_text(engine)
+    text = to_write(engine)
+    if measure:
+        check_installed(engine, engine_of(engine).unavailable_reason())
+    if not as_json:
+        print("\n".join(for_terminal(text)), flush=True)
     scenes: dict[str, dict[str, Any]] = {}
     costs: dict[str, float] = {}
     if measure:
-        check_installed(engine, engine_of(engine).unavailable_reason())
         with keeping(store):
             worst, costs = recipe_results(engine, computing.means(store))
         scenes = {str(name): {str(key): value for key, value in own.items()} for name, own in worst.iterrows()}
     if as_json:
         known = {name: {key: _known(value) for key, value in own.items()} for name, own in scenes.items()}
         print(json.dumps({"engine": engine, "recipe": text, "scenes": known, "cost": costs}, indent=2))
-        return
-    print(text, end="")
-    if measure:
+    elif measure:
         _print_table(scenes, costs)
 
 
@@ -79,16 +82,20 @@ def _known(value: float) -> float | str | None:
 
 
 def _print_table(scenes: dict[str, dict[str, Any]], costs: dict[str, float]) -> None:
-    """Print a row a number, and what a step costs with the recipe."""
-    from multibody_xval.scenarios.catalogue.worst_numbers import printed_number, with_recipe
+    """Print a row a number, and what a step costs with the recipe where that is another cost."""
+    from multibody_xval.scenarios.catalogue.worst_numbers import NOT_CURED, printed_number, with_recipe
 
     rows = [
         (name, printed_number(own["default"]), with_recipe(own["recommended"], cured=own["cured"]))
         for name, own in scenes.items()
     ]
-    print_table(("scene, worst number", "default options", "recipe"), rows)
-    for formulation, ratio in costs.items():
-        print(f"cost of a step with the recipe, {formulation}: ×{ratio:.2f}")
+    print("\nMeasured here, at the engine's own time step: the worst number of each scene")
+    print("(default: with default options)")
+    print_table(("scene", "default", "recipe"), rows)
+    if not all(own["cured"] for own in scenes.values()):
+        print(f"{NOT_CURED.capitalize()}: more than twice what is allowed with the recipe, too.")
+    for line in filter(None, (cost_line(ratio, f", {formulation}") for formulation, ratio in costs.items())):
+        print(line)
 
 
 @grouped

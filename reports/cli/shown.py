@@ -14,6 +14,15 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+NOTICEABLE_COST = 1.5
+"""Ratio of costs of a step, or one over it, from which on it is printed: other programs on a machine make less."""
+
+
+def cost_line(ratio: float, what: str = "") -> str:
+    """Say what a step costs with the recipe over one with default options; nothing where it is hardly another."""
+    noticeable = max(ratio, 1 / ratio) >= NOTICEABLE_COST
+    return f"A step takes {ratio:.2g} times as long with the recipe{what}." if noticeable else ""
+
 
 class Shown:
     """The end of a command: what it prints, and what it writes."""

@@ -1,5 +1,7 @@
 """An engine's recipe: what to write in one's own model so that friction holds, as a page beside the adapter."""
 
+import textwrap
+from collections.abc import Iterator
 from importlib.resources.abc import Traversable
 
 from multibody_xval.engines.interface.engine import Engine
@@ -7,6 +9,14 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.reproducers.script import beside
 from multibody_xval.scenarios.catalogue.recipes import NOTHING_TO_RECOMMEND
 from reference_lcp.errors import ParameterError, checked_choice
+
+CODE = " "
+"""Lines that begin with it are to be pasted as they are; all others are sentences."""
+
+WIDTH = 80
+"""Columns of the sentences on a terminal."""
+
+SENTENCE_ENDS = (".", ":")
 
 
 def recipe_file(adapter: Engine) -> Traversable | None:
@@ -32,3 +42,22 @@ def recipe_text(name: str) -> str:
         reason = NOTHING_TO_RECOMMEND if adapter.scene_worlds and not recommends else adapter.no_scenes
         raise ParameterError(f"engine = {name} has no recipe: {reason}; allowed: {allowed}")
     return page.read_text(encoding="utf-8")
+
+
+def to_write(name: str) -> str:
+    """Give what the recipe of an engine says to write: the block of its page."""
+    _, block, _ = recipe_text(name).split("```")
+    return block.partition("\n")[2]
+
+
+def for_terminal(block: str) -> Iterator[str]:
+    """Give a block in lines: sentences anew in `WIDTH` columns, and all between them unbroken."""
+    sentences: list[str] = []
+    for line in [*block.splitlines(), CODE]:
+        if sentences and (line.startswith(CODE) or sentences[-1].endswith(SENTENCE_ENDS)):
+            yield from textwrap.wrap(" ".join(sentences), WIDTH, break_long_words=False, break_on_hyphens=False)
+            sentences = []
+        if not line.startswith(CODE):
+            sentences.append(line)
+        elif line.strip():
+            yield line

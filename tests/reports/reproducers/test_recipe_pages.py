@@ -108,6 +108,7 @@ def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cure
     printed = [line.split() for line in capsys.readouterr().out.splitlines()]
     rows = [["cured", "[mm]", "2", "0"], ["not", "[mm]", "2", "1", "(not", "cured)"], ["neither", "[ms]", "never", "–"]]
     assert [row for row in printed if row in rows] == rows
+    assert printed[-1][:2] == ["Not", "cured:"]
     assert run_command(app, ["mujoco", "--json"]) == 0
     scenes = json.loads(capsys.readouterr().out)["scenes"]
     assert [tuple(own.values()) for own in scenes.values()] == [
@@ -115,9 +116,14 @@ def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cure
     ]  # fmt: skip
 
 
-def test_the_page_is_printed_as_it_is(capsys) -> None:
-    assert run_command(app, ["mujoco", "--no-run"]) == 0
-    assert capsys.readouterr().out == recipe_text("mujoco")
+@pytest.mark.parametrize("name", WITH_PAGE)
+def test_what_is_to_be_pasted_is_printed_unbroken_and_sentences_in_80_columns(capsys, name) -> None:
+    assert run_command(app, [name, "--no-run"]) == 0
+    out, block = capsys.readouterr().out, recipe_text(name).split("```")[1].removeprefix("text\n")
+    code = [[line for line in text.splitlines() if line.startswith(" ")] for text in (out, block)]
+    assert code[0] == code[1]
+    assert max(len(line) for line in out.splitlines() if line not in code[0]) <= 80
+    assert out.split() == block.split(), "no word is lost, and none is added"
 
 
 def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:
