@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,10 +13,21 @@ import typer
 
 from multibody_xval.engines.interface.texts import visible
 from multibody_xval.reports.cli.options import AsJson
-from multibody_xval.reports.cli.probe_finding import ends, finding, largest, seconds, units, velocity
+from multibody_xval.reports.cli.probe_finding import (
+    ends,
+    finding,
+    helps,
+    largest,
+    seconds,
+    units,
+    velocity,
+    way_unit,
+)
+from multibody_xval.reports.cli.shown import cost_line
 
 if TYPE_CHECKING:
     from multibody_xval.engines.mujoco.probe import Held, Probe
+    from multibody_xval.engines.mujoco.probe.slides import Slide
 
 NAMES = 6
 """Of what was not tested, printed at most."""
@@ -32,19 +43,21 @@ def probe(
     keyframe: Annotated[
         str | None, typer.Option(help="Where the model starts; by default its first, or 'none'.")
     ] = None,
-    ctrl: Annotated[Path | None, typer.Option(help="CSV file that drives the model: time and all controls.")] = None,
+    ctrl: Annotated[
+        Path | None, typer.Option(help="CSV file: seconds since the start, settling included, and all controls.")
+    ] = None,
     floor: Annotated[bool, typer.Option("--floor", help="Put a floor below the model.")] = False,
     free: Annotated[bool, typer.Option("--free", help="Let the base of a URDF move.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Measure what drifts in your own MuJoCo model: as it is, with each line of the recipe, and with all.
 
-    Watched is what friction should hold: pairs of geoms and joints whose friction stays below its bound in one of the
-    runs. The model starts at its first keyframe, with the controls of that; without one at its own pose, with controls
-    at zero. Each row of --ctrl, with the time since the start in seconds, holds until the next one. Nothing sleeps.
-    Drift is the mean slip velocity of the fastest point; the cost per step is relative to that of the model as it is.
-    Where nothing loads friction, the lines are not tried one by one. A joint that moves at the start is watched until
-    friction has stopped it. The file is never changed. Other engines have no such probe.
+    Judged is what friction should hold: pairs of geoms and joints whose load stays below the friction limit, as it is
+    or with the recipe. What slides, and from when on, is printed apart. The model starts at its first keyframe, with
+    the controls of that; without one at its own pose, with controls at zero. Each row of --ctrl holds until the next
+    one. Nothing sleeps. Lines of the recipe are tried one by one where there is something to hold, and where the model
+    has such friction. A joint that moves at the start is watched until friction has stopped it. The file is never
+    changed. Other engines have no such probe.
     Exit code 0: printed.
 
     Example: multibody-xval probe model.xml --time 2
@@ -65,24 +78,61 @@ def probe(
 
 
 def _print_tables(found: Probe) -> None:
-    """Print what is to be known, what friction should hold and stop, what each line changes, and the finding."""
+    """Print what is to be known, what slides, what friction should hold and stop, what lines change, the finding."""
+    for note in (*found.notes, *_more_notes(found)):
+        _say(note)
+    first, last = ends(found)
+    _print_slides(found)
+    if found.held:
+        text = "Drift of what friction should hold: mean slip velocity of the fastest point. Load: the part of the "
+        rows = [_held_row(held, first, last) for held in found.held]
+        _table(f"{text}friction limit that is used.", ("friction", "load", "unit", "as it is", "recipe"), rows)
+    if found.stops:
+        stops = [(stop.name, stop.exact, stop.times[first], stop.times[last]) for stop in found.stops]
+        rows = [(name, *map(seconds, times)) for name, *times in stops]
+        _table("When friction stops what moves at the start:", ("joint", "exact", "as it is", "recipe"), rows)
+    if len(found.costs) > 1:
+        late = ["stop"] if found.stops else []
+        text = " and ".join(["Largest drift"] * bool(found.held) + ["last stop"] * bool(late))
+        rows = [_line_row(found, line) for line in found.costs]
+        _table(f"{text} with each line of the recipe alone, and with all:", ("options", *units(found), *late), rows)
+    _say(finding(found))
+    if line := cost_line(found.costs[last]):
+        print(line)
+    if helps(found):
+        print("To write it: multibody-xval recipe mujoco --no-run")
+
+
+def _say(text: str) -> None:
+    print(textwrap.fill(visible(text), 80))
+
+
+def _table(text: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     from multibody_xval.scenarios.terminal_table import print_table
 
-    for note in (*found.notes, *_more_notes(found)):
-        print(textwrap.fill(visible(note), 80))
-    first, last = ends(found)
-    if found.held:
-        columns = ("what should hold", "load", "unit", "as it is", "with recipe")
-        print_table(columns, [_held_row(held, first, last) for held in found.held])
-    if found.stops:
-        headings = ("friction stops", "exact", "as it is", "with recipe")
-        stops = [(stop.name, stop.exact, stop.times[first], stop.times[last]) for stop in found.stops]
-        print_table(headings, [(name, *map(seconds, times)) for name, *times in stops])
-    if len(found.costs) > 1:
-        drifts = (f"largest drift, {unit}" for unit in units(found))
-        late = ["last stop"] if found.stops else []
-        print_table(("options", *drifts, *late, "cost per step"), [_line_row(found, line) for line in found.costs])
-    print(textwrap.fill(visible(finding(found)), 80))
+    print()
+    _say(text)
+    print_table(headings, rows)
+
+
+def _print_slides(found: Probe) -> None:
+    """Print what slides, what slides farthest first."""
+    from multibody_xval.engines.mujoco.probe.lines import AS_IT_IS, RECIPE
+
+    if found.slides:
+        by_way = sorted(found.slides.items(), key=lambda own: -max(slide.way for slide in own[1].values()))
+        rows = [(name, *(_slide(own.get(line)) for line in (AS_IT_IS, RECIPE))) for name, own in by_way[:NAMES]]
+        more = f" (and {len(by_way) - NAMES} more)" if len(by_way) > NAMES else ""
+        text = f"Not judged, for it slides: its load is above the friction limit{more}. Since when, and how far:"
+        _table(text, ("friction", "as it is", "recipe"), rows)
+
+
+def _slide(slide: Slide | None) -> str:
+    """Write since when something slides, its way, and how it ends."""
+    if slide is None:
+        return "–"
+    end = ", then apart" if slide.apart else ""
+    return f"{slide.first:.3g} s, {1e3 * slide.way:.2g} {way_unit(slide.unit)}{end}"
 
 
 def _held_row(held: Held, first: str, last: str) -> tuple[str, ...]:
@@ -92,11 +142,10 @@ def _held_row(held: Held, first: str, last: str) -> tuple[str, ...]:
 
 def _line_row(found: Probe, line: str) -> tuple[str, ...]:
     """Give the row of a line of the recipe."""
-    cost = found.costs[line]
-    if not math.isfinite(cost):
-        return line, *("" for _ in units(found)), *([""] if found.stops else []), "explodes"
+    if not math.isfinite(found.costs[line]):
+        return line, *("explodes" for _ in (*units(found), *found.stops[:1]))
     last = [seconds(max(stop.times[line] for stop in found.stops))] if found.stops else []
-    return line, *(velocity(largest(found, line, unit)) for unit in units(found)), *last, f"×{cost:.2f}"
+    return line, *(velocity(largest(found, line, unit)) for unit in units(found)), *last
 
 
 def _more_notes(found: Probe) -> Iterator[str]:
@@ -132,10 +181,19 @@ def _as_json(found: Probe) -> dict[str, object]:
         }
         for stop in found.stops
     ]  # fmt: skip
+    slides = [
+        {
+            "name": name, "unit": way_unit(next(iter(own.values())).unit),
+            "since": {line: slide.first for line, slide in own.items()},
+            "way": {line: 1e3 * slide.way for line, slide in own.items()},
+            "apart": {line: slide.apart for line, slide in own.items()},
+        }
+        for name, own in found.slides.items()
+    ]  # fmt: skip
     return {
         "cost": {line: _known(cost) for line, cost in found.costs.items()}, "held": held,
-        "not_loaded": found.not_loaded, "stops": stops, "watched": found.watched, "unfinished": found.unfinished,
-        "notes": found.notes, "finding": finding(found),
+        "not_loaded": found.not_loaded, "slides": slides, "stops": stops,
+        "watched": found.watched, "unfinished": found.unfinished, "notes": found.notes, "finding": finding(found),
     }  # fmt: skip
 
 

@@ -29,11 +29,7 @@ def finding(found: Probe) -> str:
     """Say whether the recipe helps."""
     first, last = ends(found)
     if not (found.held or found.stops):
-        reason = "nothing loads the friction of this model" if found.not_loaded else "nothing else has friction"
-        return (
-            f"Nothing was tested: {reason}. If it has keyframes or actuators, --keyframe NAME starts it elsewhere, and "
-            "--ctrl FILE drives it."
-        )
+        return _of_sliding(found) if found.slides else _of_nothing(found)
     if not math.isfinite(found.costs[last]):
         return "Leave the model as it is: with the recipe it explodes."
     parts = []
@@ -45,6 +41,29 @@ def finding(found: Probe) -> str:
         stop = max(found.stops, key=lambda each: each.times[first])
         parts.append(_of_stop(stop, stop.times[first], stop.times[last]))
     return " ".join(parts)
+
+
+def _of_sliding(found: Probe) -> str:
+    """Say that friction is overloaded, and what to do."""
+    from multibody_xval.engines.mujoco.probe.lines import AS_IT_IS, RECIPE
+
+    own, recipe = (sum(line in slide for slide in found.slides.values()) for line in (AS_IT_IS, RECIPE))
+    lines = "with the recipe too" if own == recipe else "as it is" if own > recipe else "with the recipe"
+    return (
+        f"Nothing was judged: all that is loaded slides, {lines}. Its load is above the friction limit: grip harder, "
+        "load it less, or move more slowly."
+    )
+
+
+def _of_nothing(found: Probe) -> str:
+    """Say that friction is not loaded, and how to load it."""
+    reason = "nothing loads the friction of this model" if found.not_loaded else "nothing else has friction"
+    return f"Nothing was tested: {reason}. Ways to load it: {'; '.join(found.ways_to_load)}."
+
+
+def helps(found: Probe) -> bool:
+    """Tell whether the recipe is worth writing."""
+    return "The recipe helps" in finding(found)
 
 
 def _of_stop(stop: Stop, own: float, recipe: float) -> str:
@@ -61,8 +80,8 @@ def _of_drift(found: Probe, first: str, last: str) -> str:
     """Compare the largest drifts as it is and with the recipe."""
     pairs = {unit: (largest(found, first, unit), largest(found, last, unit)) for unit in units(found)}
     changes = {_change(*pair) for pair in pairs.values()}
-    own, recipe = ("; ".join(f"{velocity(pair[n])} {unit}" for unit, pair in pairs.items()) for n in (0, 1))
-    both = "; ".join(f"{velocity(before)} → {velocity(after)} {unit}" for unit, (before, after) in pairs.items())
+    own, recipe = ("; ".join(_in_unit(pair[n], unit) for unit, pair in pairs.items()) for n in (0, 1))
+    both = "; ".join(_both(*pair, unit) for unit, pair in pairs.items())
     nothing = all(before < NOTICEABLE for before, _ in pairs.values())
     if changes >= {-1, 1}:
         text = f"The recipe helps some and makes others worse: {both}"
@@ -81,10 +100,21 @@ def _of_drift(found: Probe, first: str, last: str) -> str:
     return f"{text}."
 
 
+def _in_unit(value: float, unit: str) -> str:
+    """Write a velocity with its unit; what is not held has none."""
+    return f"{velocity(value)} {unit}" if math.isfinite(value) else velocity(value)
+
+
+def _both(before: float, after: float, unit: str) -> str:
+    """Write a velocity as it is and with the recipe, with the unit once."""
+    finite = math.isfinite(before) and math.isfinite(after)
+    return f"{velocity(before) if finite else _in_unit(before, unit)} → {_in_unit(after, unit)}"
+
+
 def _gives_way(held: Held, first: str, last: str) -> str:
     """Say of a joint that friction holds it with the recipe alone."""
     lost, kept = (1e3 * abs(held.settled[line]) for line in (first, last))
-    unit = held.unit.removesuffix("/s").replace("µ", "m")
+    unit = way_unit(held.unit)
     return (
         f"The recipe helps: before it is watched, {held.name} moves by {lost:.3g} {unit} as it is, until something "
         f"else carries its load, and by {kept:.3g} {unit} with the recipe."
@@ -122,6 +152,11 @@ def velocity(value: float) -> str:
     if not math.isfinite(value):
         return "–" if math.isnan(value) else "not held"
     return f"< {TRACE:g}" if value < TRACE else f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
+
+
+def way_unit(unit: str) -> str:
+    """Give the unit of a way, thousandths, from that of a velocity, millionths."""
+    return unit.removesuffix("/s").replace("µ", "m")
 
 
 def seconds(value: float) -> str:

@@ -13,9 +13,18 @@ from typing import Any
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.mujoco.probe import friction, stops
 from multibody_xval.engines.mujoco.probe.friction import RESTING, Motion, NotJudged
-from multibody_xval.engines.mujoco.probe.lines import AS_IT_IS, RECIPE, WITH_SWEEPS, recipe_lines, with_options
+from multibody_xval.engines.mujoco.probe.lines import (
+    AS_IT_IS,
+    RECIPE,
+    WITH_SWEEPS,
+    Recipe,
+    acts,
+    recipe_lines,
+    with_options,
+)
 from multibody_xval.engines.mujoco.probe.load import Loaded, loaded
-from multibody_xval.engines.mujoco.probe.start import Start, started
+from multibody_xval.engines.mujoco.probe.slides import Slide, overloaded
+from multibody_xval.engines.mujoco.probe.start import Start, started, ways_to_load
 from multibody_xval.engines.mujoco.probe.stops import Stop
 from multibody_xval.engines.mujoco.probe.watch import WATCHED, Run, costs, run_watched
 from multibody_xval.engines.mujoco.simulation import no_warning_file
@@ -53,6 +62,10 @@ class Probe:
     held: tuple[Held, ...]
     not_loaded: tuple[str, ...]
     """Names of what has friction that nothing loads."""
+    slides: Mapping[str, Mapping[str, Slide]]
+    """What is not judged since its load is above the limit, by name, as it is and with the recipe."""
+    ways_to_load: tuple[str, ...]
+    """How a user may load the friction of this model, half a sentence each."""
     stops: tuple[Stop, ...]
     unfinished: Mapping[str, int]
     """Steps in which the solver stopped at its limit, by line, of those in which it was looked at."""
@@ -91,40 +104,58 @@ def probe(
     Raises
     ------
     ParameterError
-        If the model does not load, has no friction, explodes, or nothing in it rests; or `ctrl` does not fit.
+        If the model does not load, has no friction, explodes, or all in it touches at times only; or `ctrl` does not
+        fit.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     checked_scalar("time", time, "> 0")
     checked_scalar("settling", settling, ">= 0")
-    console = Console(stderr=True)
     with no_warning_file():
         own = loaded(path, floor, free)
         step = own.model.opt.timestep
         before, steps = round(settling / step), checked_count("steps", round(time / step))
         start = started(own, keyframe, ctrl, (before + steps - 1.5) * step)
-        models = {line: with_options(own.model, each) for line, each in recipe_lines(presets, own.model).items()}
+        lines = recipe_lines(presets, own.model)
+        models = {line: with_options(own.model, each) for line, each in lines.items()}
         state = start.data(own.model)
         skipped = friction.not_judged(own.model, state, own.own_base)
-        tenth = max(round(0.1 / step), 1)
-        with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-            tenths = len(models) * ((before + steps) // tenth)
-            advance = partial(progress.advance, progress.add_task("tenths of a simulated second", total=tenths))
-            runs: dict[str, Run] = {}
-            for line in (AS_IT_IS, RECIPE, *models):
-                if line not in runs and (len(runs) < 2 or _has_work(runs)):
-                    runs[line] = run_watched(models[line], start, skipped, (before, steps, tenth), advance)
-        order = _order(runs, list(models))
+        runs = _watched(models, lines, (before, steps, max(round(0.1 / step), 1)), (start, skipped))
+        ends = {line: runs[line] for line in (AS_IT_IS, RECIPE)}
+        sliding = {line: overloaded(run.slides, run.motions, before * step) for line, run in ends.items()}
+        order = _order(runs, [line for line in models if line in runs])
         models, runs = {line: models[line] for line in order}, {line: runs[line] for line in order}
-        result = _result(models, runs, min(steps, WATCHED), (own, start, state, skipped))
+        result = _result(models, runs, sliding, min(steps, WATCHED), (own, start, state, skipped))
         _check(path, runs[AS_IT_IS], result, (skipped, settling, own.notes))
         return result
 
 
+def _watched(
+    models: Mapping[str, Any], lines: Recipe, steps: tuple[int, int, int], begin: tuple[Start, NotJudged]
+) -> dict[str, Run]:
+    """Watch the model as it is, with the recipe, and with each line of it that may change what was found."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console, runs = Console(stderr=True), dict[str, Run]()
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        tenths = len(models) * ((steps[0] + steps[1]) // steps[2])
+        advance = partial(progress.advance, progress.add_task("tenths of a simulated second", total=tenths))
+        for line in (AS_IT_IS, RECIPE, *models):
+            if line not in runs and (len(runs) < 2 or (_has_work(runs) and _acts_on(lines[line], runs))):
+                runs[line] = run_watched(models[line], *begin, steps, advance)
+    return runs
+
+
 def _has_work(runs: Mapping[str, Run]) -> bool:
     """Tell whether friction has something to hold or to stop, so that it is worthwhile to try each line."""
-    return any(run.moving or any(motion.loaded for motion in run.whole().values()) for run in runs.values())
+    whole = [motion for run in runs.values() for motion in run.whole().values()]
+    return any(run.moving for run in runs.values()) or any(motion.loaded and motion.held for motion in whole)
+
+
+def _acts_on(options: Sequence[tuple[str, Any]], runs: Mapping[str, Run]) -> bool:
+    """Tell whether a line acts on a friction that the model has."""
+    kinds = {motion.row[0] for run in runs.values() for motion in run.motions.values()}
+    kinds |= {"dof" for run in runs.values() if run.moving}
+    return any(not acts(name) or acts(name) & kinds for name, _ in options)
 
 
 def _order(runs: Mapping[str, Run], lines: Sequence[str]) -> list[str]:
@@ -153,17 +184,26 @@ Whole = Mapping[str, Mapping[str, Motion]]
 
 
 def _result(
-    models: Mapping[str, Any], runs: Mapping[str, Run], watched: int, begin: tuple[Loaded, Start, Any, NotJudged]
+    models: Mapping[str, Any],
+    runs: Mapping[str, Run],
+    sliding: Mapping[str, Mapping[str, Slide]],
+    watched: int,
+    begin: tuple[Loaded, Start, Any, NotJudged],
 ) -> Probe:
     """Put together what was measured."""
     own, start, state, skipped = begin
     whole = {line: run.whole() for line, run in runs.items()}
     names = dict.fromkeys(name for motions in whole.values() for name in motions)
     idle = [name for name in names if not any(own[name].loaded for own in whole.values() if name in own)]
+    held = tuple(_held(models, runs, whole, [name for name in names if name not in idle]))
+    judged = {*idle, *(each.name for each in held)}
+    slides = dict.fromkeys(name for slides in sliding.values() for name in slides if name not in judged)
     return Probe(
         costs(models, runs),
-        tuple(_held(models, runs, whole, [name for name in names if name not in idle])),
+        held,
         tuple(idle),
+        {name: {line: own[name] for line, own in sliding.items() if name in own} for name in slides},
+        tuple(ways_to_load(own.model)),
         tuple(_stops(own.model, state, runs)),
         {line: run.unfinished for line, run in runs.items() if math.isnan(run.exploded)},
         watched,
@@ -229,8 +269,8 @@ def _check(path: Path, installed: Run, found: Probe, begin: tuple[NotJudged, flo
     elif not (installed.motions or found.stops or skipped.overlaps):
         problem = "has no friction to test: no joint has a frictionloss, and nothing that has friction touches; "
         problem += "allowed: a model in which something touches, or a joint has a frictionloss"
-    elif not (found.held or found.not_loaded or found.stops or skipped.overlaps):
-        problem = f"does not rest after {settling:g} s: everything that has friction slides; allowed: a longer "
+    elif not (found.held or found.not_loaded or found.slides or found.stops or skipped.overlaps):
+        problem = f"does not rest after {settling:g} s: what has friction touches at times only; allowed: a longer "
         problem += "--settling, or a model that comes to rest"
     if problem is not None:
         raise ParameterError(" ".join([f"MODEL = {shown(path.name)} {problem}", *(f"({note})" for note in notes)]))

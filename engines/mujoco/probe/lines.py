@@ -21,6 +21,9 @@ WITH_SWEEPS = f"recipe but {NO_SWEEPS}"
 ENUMERATIONS = {"cone": "mjtCone.mjCONE_", "solver": "mjtSolver.mjSOL_", "integrator": "mjtIntegrator.mjINT_"}
 """Of options that are words."""
 
+CONTACTS = ("cone", "impratio")
+"""Options of contacts alone."""
+
 DAMPED = 'solreffriction="-x -x"'
 """Line for joints with much damping: x is `stops.stopping_rate`."""
 
@@ -55,6 +58,13 @@ def recipe_lines(presets: Sequence[Preset], model: Any) -> Recipe:
     but_sweeps = tuple(each for name, line in lines.items() for each in line if name != NO_SWEEPS)
     kept = {WITH_SWEEPS: but_sweeps} if NO_SWEEPS in lines else {}
     return {AS_IT_IS: (), **lines, **kept, RECIPE: every}
+
+
+def acts(option: str) -> frozenset[str]:
+    """Give the kinds of friction that an option is about, as `Motion.row` names them; none of the solver's options."""
+    if option in CONTACTS:
+        return frozenset({"contact"})
+    return frozenset({"dof", "tendon"}) if option in JOINT_ATTRIBUTES else frozenset()
 
 
 def _of_solver(option: Any) -> dict[str, tuple[tuple[str, Any], ...]]:

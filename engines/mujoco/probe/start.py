@@ -82,6 +82,15 @@ def started(loaded: Loaded, keyframe: str | None, ctrl: Path | None, until: floa
     return Start(key, hold, times, controls, tuple(notes))
 
 
+def ways_to_load(model: Any) -> Iterator[str]:
+    """Say how the friction of a model may be loaded that nothing loads."""
+    yield 'tilt gravity to load a free box, such as <option gravity="3 0 -9.3"/>'
+    if model.nkey:
+        yield "--keyframe NAME to start elsewhere"
+    if model.nu:
+        yield "--ctrl FILE to drive it"
+
+
 def _pose(names: list[str], key: int) -> str:
     if key < 0:
         return "Start: the pose of the model" + (f", not its keyframes {', '.join(names)}." if names else ".")

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from multibody_xval.engines.mujoco.probe import friction, stops
-from multibody_xval.engines.mujoco.probe.friction import Motion, NotJudged
+from multibody_xval.engines.mujoco.probe.friction import Act, Motion, NotJudged
 from multibody_xval.engines.mujoco.probe.lines import AS_IT_IS
+from multibody_xval.engines.mujoco.probe.slides import Slide, note_slides
 from multibody_xval.engines.mujoco.probe.start import Start
 from reference_lcp.validation import FloatArray
 
@@ -36,6 +37,8 @@ class Run:
     """Degrees of freedom with friction that move at the start."""
     stopped: dict[int, float] = field(default_factory=dict)
     """Time by degree of freedom [s]."""
+    slides: dict[str, Slide] = field(default_factory=dict)
+    """By name, while the model settles too."""
     unfinished: int = 0
     looked: int = 0
     """Steps in which it was looked at."""
@@ -57,7 +60,8 @@ def run_watched(
     begin, moving = data.qpos.copy(), stops.thrown(model, data)
     run = Run(data, np.zeros(model.nv), moving=frozenset(moving))
     bad = [int(getattr(mujoco.mjtWarning, f"mjWARN_{name}")) for name in ("BADQPOS", "BADQVEL", "BADQACC")]
-    looked = _looked_at(watched)
+    looked, before = _looked_at(watched), _looked_at(settling)
+    at_rest = replace(skipped, dofs=skipped.dofs | set(moving))
     for step in range(-settling, watched):
         start.drive(model, data)
         mujoco.mj_step(model, data)
@@ -70,8 +74,10 @@ def run_watched(
             mujoco.mj_differentiatePos(model, run.settled, 1.0, begin, data.qpos)
         if step == 0 and moving:  # what friction has not stopped yet holds nothing
             skipped = replace(skipped, dofs=skipped.dofs | set(moving))
+        if settling + step in before:
+            note_slides(run.slides, _acts(model, run, at_rest), data.time, _stretch(model, settling))
         if step in looked:
-            _look(model, run, skipped)
+            _look(model, run, skipped, _stretch(model, watched))
         if (settling + step + 1) % counted_steps == 0:
             advance()
     return run
@@ -85,13 +91,24 @@ def _looked_at(steps: int) -> set[int]:
     return {int((number + number * GOLDEN % 1) * length) for number in range(WATCHED)}
 
 
-def _look(model: Any, run: Run, skipped: NotJudged) -> None:
+def _stretch(model: Any, steps: int) -> float:
+    """Give the time for which each step stands that is looked at [s]."""
+    return float(max(1.0, steps / WATCHED) * model.opt.timestep)
+
+
+def _acts(model: Any, run: Run, skipped: NotJudged) -> list[Act]:
+    """Give all friction of a step that is judged."""
+    return [*friction.contacts(model, run.data, skipped), *friction.joints(model, run.data, skipped)]
+
+
+def _look(model: Any, run: Run, skipped: NotJudged, stretch: float) -> None:
     """Take a step into the means."""
-    data = run.data
     run.looked += 1
-    run.unfinished += _stopped_at_limit(model, data)
-    for act in (*friction.contacts(model, data, skipped), *friction.joints(model, data, skipped)):
+    run.unfinished += _stopped_at_limit(model, run.data)
+    acts = _acts(model, run, skipped)
+    for act in acts:
         run.motions.setdefault(act.name, Motion(act.unit, act.row)).add(act)
+    note_slides(run.slides, acts, run.data.time, stretch)
 
 
 def _stopped_at_limit(model: Any, data: Any) -> bool:
@@ -110,15 +127,15 @@ def _stopped_at_limit(model: Any, data: Any) -> bool:
 
 
 def costs(models: Mapping[str, Any], runs: Mapping[str, Run]) -> dict[str, float]:
-    """Time steps of all lines in turns."""
+    """Time steps of all lines in turns, without what other programs take of the processor."""
     import mujoco
 
     least, count = dict.fromkeys(models, math.inf), 1
     for _ in range(BLOCKS):
         for line, model in models.items():
             if math.isnan(runs[line].exploded):
-                begin = clock.perf_counter()
+                begin = clock.thread_time()
                 mujoco.mj_step(model, runs[line].data, count)
-                least[line] = min(least[line], (clock.perf_counter() - begin) / count)
+                least[line] = min(least[line], (clock.thread_time() - begin) / count)
         count = max(count, math.ceil(BLOCK_TIME / least[AS_IT_IS]))
     return {line: own / least[AS_IT_IS] if math.isfinite(own) else math.nan for line, own in least.items()}

@@ -88,6 +88,30 @@ def test_first_keyframe_is_watched_with_its_controls(capsys) -> None:
     assert found["notes"][0].startswith("Start: keyframe ")
 
 
+def test_cube_that_fingers_do_not_hold_slides_from_the_start_until_it_is_out(capsys, tmp_path) -> None:
+    """Fingers of 0.4 N each hold 0.8 N at a coefficient of 1, and the cube weighs 0.98 N."""
+    file = tmp_path / "weak.xml"
+    file.write_text((MODELS / "grip.xml").read_text().replace('ctrl=".035 .035"', 'ctrl=".0254 .0254"'))
+    found = measured(capsys, file, "--time", "0.2")
+    assert set(found["slides"][0]["since"]) == {"as it is", RECIPE}
+    for each in found["slides"]:
+        assert each["name"] in ("left / cube", "right / cube")
+        assert each["apart"] == {"as it is": True, RECIPE: True}
+        assert all(10 < way < 50 for way in each["way"].values()), "the fingers are 40 mm high, and so is the cube"
+    assert len(found["slides"]) == 2
+    assert found["finding"].startswith("Nothing was judged: all that is loaded slides, with the recipe too.")
+
+
+def test_way_of_a_joint_whose_load_is_above_its_friction_is_that_of_constant_acceleration(capsys, tmp_path) -> None:
+    """2 kg against 10 N: 4.81 m/s², from the start on and while it is watched."""
+    slider = '<joint name="s" type="slide" axis="0 0 -1" frictionloss="10"/><geom size=".1" mass="2" contype="0"/>'
+    file = model(tmp_path, f"<body>{slider}</body>")
+    (slide,) = measured(capsys, file, "--time", "0.2", "--settling", "0.1")["slides"]
+    assert slide["since"]["as it is"] <= 2 * STEP
+    assert slide["way"]["as it is"] == pytest.approx(1e3 * 0.5 * (9.81 - 5) * 0.3**2, rel=0.02)
+    assert slide["unit"] == "mm"
+
+
 def test_controls_hold_from_row_to_row_and_to_the_end(capsys, tmp_path) -> None:
     """A push of 4 N in the last row loads the bound of 5.4 N of 1.1 kg by 0.74."""
     file, ctrl = tmp_path / "push.xml", tmp_path / "ctrl.csv"
