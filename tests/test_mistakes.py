@@ -74,6 +74,8 @@ COMMAND_LINES = [
     ),
     ("translate mujoco:contact:default exudyn-bristle", r"exudyn-bristle: .*allowed: one with scenes of contacts"),
     ("translate mujoco:contact:default nobody", r"engine = 'nobody' is unknown; allowed: "),
+    ("translate mujoco:contact:tuned pybullet", r"mujoco:contact:tuned; allowed: contacts in any model"),
+    ("translate mujoco mujoco", r"engine = mujoco is the wanted one too; allowed: another engine"),
     # report
     ("report --quick --out text.sqlite", r"--out = text.sqlite cannot be made"),
     ("report --sweep sweep.toml --engine mujoco", r"neither --engine nor --quick"),

@@ -5,8 +5,11 @@ is how far the two boxes come apart.
 """
 
 import math
+import re
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,31 +28,19 @@ from multibody_xval.scenarios.running.evaluate import Means, computed
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray
 
-CASES: dict[str, SceneMotion] = {
-    f"{name}, {case}": own
-    for name, case in (
-        ("slope-hold", "load 0.5"), ("slope-hold", "load 0.9"), ("stack-hold", "3 boxes, 12°"),
-        ("slope-slide", "μ 0.5, load 1.5"), ("slide-to-stop", "3 m/s, 30° off"), ("pushed-from-rest", "1.2 μmg, 0°"),
-        ("pushed-from-rest", "1.2 μmg, 45°"), ("conveyor", "1 m/s, μ 0.5"), ("spin", "20 rad/s"),
-    )
-    if isinstance(own := SCENARIOS[name].cases[case], SceneMotion)
-}  # fmt: skip
+TABLE: Mapping[str, Any] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+SAID: Mapping[str, Any] = TABLE["engines"]
+"""What is said of engines: how their options are written, and what else their motions depend on."""
+
+SCENES = {f"{name}, {case}": SCENARIOS[name].cases[case] for name, case in TABLE["scenes"]}
+CASES: dict[str, SceneMotion] = {name: case for name, case in SCENES.items() if isinstance(case, SceneMotion)}
 """Scenes in which two engines are compared: boxes are held, slide, stop, are pushed, carried and spun."""
 
-PAIRS = {
-    "drake": "twice their product over their sum", "mujoco": "the larger one", "newton": "their mean",
-    "pybullet": "their product", "sapien": "their mean",
-}  # fmt: skip
-"""What engines take of two coefficients of friction, measured with 0.2 and 0.6."""
+OPTION = re.compile("{([^{}]+)}")
+"""An option in what is to be written."""
 
-MORE: Mapping[str, Mapping[str, tuple[Any, ...]]] = {
-    "newton": {"friction_anchor_beta": (0.0, 0.2)},
-    "sapien": {"enable_tgs": (False, True)},
-}
-"""Options that no recipe changes, and that change how boxes slide, with the values that are tried."""
-
-FRICTION = "friction"
-"""The factor of the coefficients of friction, among the options that are sought."""
+FACTOR = "factor of every coefficient of friction"
+"""It is among the options that are sought."""
 
 FACTOR_STEP = 0.1
 """Change of that factor where options with a range are changed by a decade, in decades."""
@@ -62,6 +53,9 @@ FINEST = 0.1
 
 CHANGE = 0.02
 """What a changed option has to bring [decades, in the mean of all scenes]: distances that are a twentieth smaller."""
+
+ALIKE = 0.05
+"""Part of their way that boxes are apart at most which move alike: coefficients of friction are hardly known better."""
 
 NEVER_APART = 1e4
 """Distance at which a scene counts that an engine fails at [mm]: farther than any box goes."""
@@ -82,7 +76,20 @@ class Translation(NamedTuple):
     def options(self) -> dict[str, tuple[Any, Any]]:
         """Give what differs from default options, by name: the value that is found, and the engine's own."""
         changed = {name: (self.found.preset[name], own) for name, own in self.found.changed_options.items()}
-        return changed | ({} if self.friction == 1 else {"coefficient of friction": (f"× {self.friction:g}", "× 1")})
+        return changed | ({} if self.friction == 1 else {FACTOR: (self.friction, 1.0)})
+
+    @property
+    def text(self) -> str:
+        """Give what to write: all options that were sought, or the changed ones where no syntax is known."""
+        values = {name: own.value for name, own in self.found.preset.options.items()}
+        bare = [f"{name} = {{{name}}}" for name in self.found.changed_options]
+        texts = SAID.get(self.found.engine, {}).get("write", bare)
+        known = [each for each in texts if set(OPTION.findall(each)) <= values.keys()]
+        return "\n".join(OPTION.sub(lambda own: str(values[own[1]]), each) for each in known)
+
+    def alike(self, column: str) -> int:
+        """Give in how many scenes boxes move alike, with options that are found, or with default ones."""
+        return int((self.table[column] <= np.maximum(ALIKE * self.table.way, NONE["wander"])).sum())
 
 
 def translated(given: Config, name: str, means: Means) -> Translation:
@@ -117,7 +124,7 @@ def translated(given: Config, name: str, means: Means) -> Translation:
 
     best, size = measure([installed, recipe], f"{name}, default options and recipe"), 1.0
     while size > FINEST:
-        before, best = best, measure(_neighbours(dict(best), values, size), f"{name}, by {size:g} decades")
+        before, best = best, measure(_neighbours(dict(best), values, size), f"{name}, values × or ÷ {10**size:.2g}")
         size = size / 2 if best == before else size
     rows = [
         (scene, _way(case, wanted[scene]), known[first][scene], known[best][scene]) for scene, case in CASES.items()
@@ -128,8 +135,9 @@ def translated(given: Config, name: str, means: Means) -> Translation:
 def _check(given: Config, name: str) -> None:
     checked_choice("engine", name, engine_names())
     if given.formulation != Formulation.CONTACT or not given.runs_scenes:
+        text = f"{given.engine}:{given.formulation}:{given.preset_name}"
         presets = " or ".join(f"{given.engine}:contact:{own}" for own in GENERAL)
-        raise ParameterError(f"engine = {given}; allowed: contacts in any model, {presets}")
+        raise ParameterError(f"engine = {text}; allowed: contacts in any model, {presets}")
     for own in (given.engine, name):
         check_installed(own, engine(own).unavailable_reason())
         if gap := engine(own).scene_gap(Formulation.CONTACT):
@@ -140,8 +148,12 @@ def _sought(name: str) -> tuple[dict[str, Any], dict[str, Any], dict[str, tuple[
     """Give the options that are sought with the engine's own values, with those of its recipe, and with all."""
     config = general_configs(name, Formulation.CONTACT)[-1]
     recipe, changed = config.preset, config.changed_options
-    more = {own: values for own, values in {**recipe.varied, **MORE.get(name, {})}.items() if own in recipe.options}
-    last = {FRICTION: 1.0} | {option: recipe[option] for option in (*changed, *more)}
+    more = {
+        own: values
+        for own, values in {**recipe.varied, **SAID.get(name, {}).get("more", {})}.items()
+        if own in recipe.options
+    }
+    last = {FACTOR: 1.0} | {option: recipe[option] for option in (*changed, *more)}
     first = last | changed
     return first, last, {own: tuple(dict.fromkeys([first[own], *more.get(own, ()), last[own]])) for own in last}
 
@@ -150,9 +162,9 @@ def _config(name: str, values: Mapping[str, Any]) -> tuple[Config, float]:
     """Give the configuration with these values, and the factor of the coefficients of friction."""
     config = general_configs(name, Formulation.CONTACT)[-1]
     for option, value in values.items():
-        if option != FRICTION and value != config.preset[option]:
+        if option != FACTOR and value != config.preset[option]:
             config = config.changed(option, value)
-    return config, values[FRICTION]
+    return config, values[FACTOR]
 
 
 def _neighbours(best: Mapping[str, Any], ranges: Mapping[str, Sequence[Any]], size: float) -> Iterator[dict[str, Any]]:
@@ -163,7 +175,7 @@ def _neighbours(best: Mapping[str, Any], ranges: Mapping[str, Sequence[Any]], si
 
 
 def _others(option: str, now: Any, values: Sequence[Any], size: float) -> Sequence[Any]:
-    if option == FRICTION:
+    if option == FACTOR:
         return [float(f"{now * 10 ** (sign * FACTOR_STEP * size):.4g}") for sign in (-1, 1)]
     if not _is_range(values):
         return [value for value in values if value != now]
@@ -193,21 +205,13 @@ def _run(config: Config, factor: float, case: SceneMotion) -> Run:
 def apart(case: SceneMotion, one: Result, other: Result) -> float:
     """Give the largest distance between two boxes at one time, at the corners too where they turn [mm].
 
-    Parameters
-    ----------
-    case
-        The scene of both.
-    one, other
-        What `scenarios.compute.scenes` gives; at times between the rows of the other the way is that of its cubic.
-
-    Returns
-    -------
-    float
-        `NEVER_APART` where one of the two failed.
+    Times are those of the first, from the first row of the other on; between its own rows this moves by their cubic.
+    Where one failed, `NEVER_APART`.
     """
     if not (one.series and other.series):
         return NEVER_APART
     times = np.array(one.series["time"])
+    times = times[times >= other.series["time"][0]]
     (way, turn), (way_other, turn_other) = _motion(one, times), _motion(other, times)
     box = box_scene(case).boxes[-1]
     corner = math.hypot(box.side, box.length or box.side) / 2

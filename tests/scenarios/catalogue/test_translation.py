@@ -1,12 +1,14 @@
 """The options of one engine with which boxes move as in another one."""
 
 import math
+import re
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.catalogue import translation
-from multibody_xval.scenarios.catalogue.translation import CASES, apart, translated
+from multibody_xval.scenarios.catalogue.translation import CASES, Translation, apart, translated
 from multibody_xval.scenarios.model import Config, Result, Status
 from multibody_xval.scenarios.running.evaluate import Means
 
@@ -28,6 +30,25 @@ def test_boxes_are_apart_by_their_ways_and_at_the_corners_by_their_turns() -> No
     assert apart(case, one, other) == pytest.approx(1e3 * (0.1 * 2**2 / 2 + 0.2 * math.hypot(0.2, 0.2) / 2), rel=1e-12)
     assert apart(case, one, one) < 1e-12
     assert apart(case, one, Result(status=Status.FAILED)) == translation.NEVER_APART
+
+
+WRITTEN = {
+    "newton:contact:recommended": r"solver = newton.*Steel\(model, iterations=50, friction_anchor_beta=0.2\)",
+    "drake:contact:default": r"# after Finalize\nplant.set_stiction_tolerance\(0.001\)",
+    "drake:contact:recommended": r"# before (.|\n)*\(side / 2, 10000000.0, box_properties\)\n(.|\n)*tolerance\(1e-05\)",
+    "pymunk:contact:recommended": r"iterations = 30\ncollision_slop = 0.001",  # of which no syntax is known
+}
+
+
+@pytest.mark.parametrize("config", WRITTEN)
+def test_what_to_write_has_all_values_in_the_syntax_of_the_engine(config) -> None:
+    assert re.fullmatch(WRITTEN[config], Translation(Config.parse(config), 1.0, pd.DataFrame()).text)
+
+
+def test_boxes_move_alike_where_they_are_a_twentieth_of_their_way_apart_or_a_tenth_of_a_millimetre() -> None:
+    rows = [("held", 0.0, 5.0, 0.1), ("slides", 100.0, 5.1, 5.0), ("spun", 1.0, 0.1, 0.2)]
+    found = Translation(Config.parse("mujoco"), 1.0, pd.DataFrame(rows, columns=["scene", "way", "default", "found"]))
+    assert (found.alike("default"), found.alike("found")) == (1, 2)
 
 
 @pytest.mark.needs("mujoco")
