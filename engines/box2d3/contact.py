@@ -8,7 +8,7 @@ import numpy as np
 from multibody_xval.engines.box2d3.joint import Box2DLane
 from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.interface.tolerances import SINGLE
-from multibody_xval.engines.shared.force_loop import PressedLane, Step
+from multibody_xval.engines.shared.force_loop import PressedLane
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -27,11 +27,9 @@ class Box2DContactLane(PressedLane, Box2DLane):
     """
 
     def __init__(self, lane: Lane, preset: Preset):
-        import pyb2d3
-
         super().__init__(lane, preset)
         chain = self._chain
-        hertz = min(pyb2d3.WorldDef().contact_hertz, STIFFEST * preset["sub_step_count"] / self._time_step)
+        hertz = min(preset["contact_hertz"], STIFFEST * preset["sub_step_count"] / self._time_step)
         depth = chain.normal_force * (1 / chain.outer_mass + 1 / chain.inner_mass) / (2 * math.pi * hertz) ** 2
         self._heights[chain.cells :] = -depth
         self._pressing = np.concatenate([chain.normal_force, -chain.normal_force])
@@ -49,29 +47,24 @@ class Box2DContactLane(PressedLane, Box2DLane):
             for body, shape in zip((outer[cell], inner[cell]), shapes, strict=True):
                 body.create_shape(pyb2d3.shape_def(material=surface, filter=own), shape)
 
-    def _begin(self, motion: FloatArray) -> Step:
-        take = super()._begin(motion)
-
-        def step(force: FloatArray) -> None:
-            self._before, self._applied = self._velocities.copy(), force
-            take(force)
-
-        return step
-
-    def _contacts(self) -> FloatArray:
-        """Read what changed the momentum of inner masses beside the forces on them: pyb2d3 gives no impulses."""
-        cells = self._chain.cells
-        change = np.subtract(self._velocities, self._before, dtype=np.float64)[cells:].T
-        return self._chain.inner_mass / self._time_step * change - [self._applied[cells:], self._pressing[cells:]]
+    def _contacts(self) -> list[float]:
+        """Read the velocities of discs across: pyb2d3 gives no impulses."""
+        return self._velocities[self._chain.cells :, 1].tolist()
 
     def _contact_forces(
         self, read: FloatArray, motions: FloatArray, given: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Take friction for its bound where it is as near to it as single precision can tell."""
-        (friction, normal), speed = read.swapaxes(0, 1), np.abs(motions[:, -self._chain.cells :])
-        bound = self._chain.friction_coefficient * self._chain.normal_force
-        momentum = self._chain.inner_mass * np.maximum(speed[1:], speed[:-1]) / self._time_step
-        roundings = ROUNDINGS * self._preset["sub_step_count"]
-        full = np.abs(friction) > bound - roundings * SINGLE * (momentum + bound)
+        """Take what changed the momentum of discs beside the forces on them.
+
+        Friction counts as its bound where it is as near to it as single precision can tell.
+        """
+        chain, cells = self._chain, self._chain.cells
+        inertia, bound = chain.inner_mass / self._time_step, chain.friction_coefficient * chain.normal_force
+        normal = chain.normal_force + inertia * np.diff(read, axis=0, prepend=0.0)
+        along = motions.astype(np.float32)[:, -cells:].astype(np.float64)
+        friction = inertia * np.diff(along, axis=0) - motions[:-1] @ self._forces[cells:].T
+        fastest = np.maximum(np.abs(along[1:]), np.abs(along[:-1]))
+        roundings = ROUNDINGS * self._preset["sub_step_count"] * SINGLE
+        full = np.abs(friction) > bound - roundings * (inertia * fastest + bound)
         friction = np.where(full, np.copysign(bound, friction), friction)
         return friction * self._units.force, normal * self._units.force

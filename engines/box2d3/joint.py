@@ -37,18 +37,16 @@ class Box2DLane(ExplicitForcesLane):
         for body in bodies:
             batch.append(body)
         positions, velocities = np.empty((2, count, 2), np.float32)
-        batch.get_linear_velocities(velocities)
         self._velocities = velocities
         pushes, across = [body.apply_force_to_center for body in bodies], self._pressing.tolist()
-        advance, time_step, substeps = world.step, self._time_step, self._preset["sub_step_count"]
-        read_positions, read_velocities = batch.get_positions, batch.get_linear_velocities
+        time_step, substeps = self._time_step, self._preset["sub_step_count"]
 
         def step(force: FloatArray) -> None:
             for push, along, normal_load in zip(pushes, force.tolist(), across, strict=True):
                 push((along, normal_load))
-            advance(time_step, substeps)
-            read_positions(positions)
-            read_velocities(velocities)
+            world.step(time_step, substeps)
+            batch.get_positions(positions)
+            batch.get_linear_velocities(velocities)
             motion[:count], motion[count:] = positions[:, 0], velocities[:, 0]
 
         return step
@@ -57,19 +55,17 @@ class Box2DLane(ExplicitForcesLane):
         """Make the world with this motion; give it and its bodies, outer masses first."""
         import pyb2d3
 
-        Box2DLane.world = world = pyb2d3.World(
-            gravity=(0.0, 0.0), maximum_linear_speed=self._preset["maximum_linear_speed"]
-        )
+        names = [name for name in ("maximum_linear_speed", "contact_hertz") if name in self._preset.options]
+        Box2DLane.world = world = pyb2d3.World(gravity=(0.0, 0.0), **{name: self._preset[name] for name in names})
         world.sleeping_enabled = self._preset["sleeping_enabled"]
-        positions, velocities = motion.reshape(2, -1).tolist()
         bodies = [
             world.create_dynamic_body(position=(along, across), linear_velocity=(velocity, 0.0), fixed_rotation=True)
-            for along, across, velocity in zip(positions, self._heights.tolist(), velocities, strict=True)
+            for along, velocity, across in zip(*np.split(motion, 2), self._heights, strict=True)
         ]
         outer, inner = bodies[: len(bodies) // 2], bodies[len(bodies) // 2 :]
         self._hold(world, outer, inner)
         # Afterwards, for shapes bring a mass of their own.
-        for body, mass in zip(bodies, self._masses.tolist(), strict=True):
+        for body, mass in zip(bodies, self._masses, strict=True):
             data = pyb2d3.MassData()
             data.mass, data.rotational_inertia, data.center = mass, 0.0, (0.0, 0.0)
             body.mass_data = data

@@ -34,27 +34,17 @@ LINK_HALF = (LINK_LENGTH / 2, 0.005)
 def _new_world(setting: SceneSetting, gravity: float) -> Any:
     import pyb2d3
 
-    world = pyb2d3.World(gravity=(0, -gravity))
+    world = pyb2d3.World(gravity=(0, -gravity), **setting.changes("contact_hertz"))
     world.sleeping_enabled = setting.sleeping
     return world
 
 
-def _add_box(body: Any, half: Sequence[float], friction: float, mass: float = 0.0) -> Any:
+def _add_box(body: Any, half: Sequence[float], mass: float = 0.0, **surface: Any) -> Any:
     """Give a body a box; one without mass is of a body that is not moved by forces."""
     import pyb2d3
 
-    surface = pyb2d3.surface_material(friction=friction, restitution=0.0)
-    box = pyb2d3.shape_def(density=mass / (4 * half[0] * half[-1]), material=surface)
-    body.create_shape(box, pyb2d3.box(half[0], half[-1]))
-    return body
-
-
-def _add_untouched(body: Any, half: Sequence[float], mass: float) -> Any:
-    """Give a body a box that passes through others."""
-    import pyb2d3
-
-    box = pyb2d3.shape_def(density=mass / (4 * half[0] * half[-1]), filter=pyb2d3.make_filter(mask_bits=0))
-    body.create_shape(box, pyb2d3.box(half[0], half[-1]))
+    shape = pyb2d3.shape_def(density=mass / (4 * half[0] * half[-1]), **surface)
+    body.create_shape(shape, pyb2d3.box(half[0], half[-1]))
     return body
 
 
@@ -63,19 +53,23 @@ def contacts(scene: ContactScene, setting: SceneSetting) -> SteppedWorld:
     import pyb2d3
 
     check_planar(scene)
-    world, rub, tilted = _new_world(setting, GRAVITY), scene.friction, pyb2d3.make_rot(-scene.slope)
+    world, (x, _, z), tilted = _new_world(setting, GRAVITY), scene.normal, pyb2d3.Rot()
+    tilted.c, tilted.s = z, -x  # make_rot(angle) is off by up to 0.0016 rad
+    rough = pyb2d3.surface_material(friction=scene.friction, restitution=0.0)
     if scene.grip:
         reach, height = scene.finger
-        _add_box(world.create_static_body(position=(-reach, height)), FINGER, rub)
-        pressed = _add_box(world.create_dynamic_body(position=(reach, height)), FINGER, rub, FINGER_MASS)
+        _add_box(world.create_static_body(position=(-reach, height)), FINGER, material=rough)
+        pressed = world.create_dynamic_body(position=(reach, height))
+        _add_box(pressed, FINGER, FINGER_MASS, material=rough)
         world.create_prismatic_joint(world.create_static_body(position=(reach, height)), pressed, local_axis_a=(1, 0))
     elif scene.belt:
-        _add_box(world.create_kinematic_body(position=(0, -0.1), linear_velocity=(scene.belt, 0)), BELT, rub)
+        belt = world.create_kinematic_body(position=(0, -0.1), linear_velocity=(scene.belt, 0))
+        _add_box(belt, BELT, material=rough)
     else:
-        x, _, z = scene.normal
-        _add_box(world.create_static_body(position=(-x, -z), rotation=tilted), (GROUND, 1.0), rub)
+        _add_box(world.create_static_body(position=(-x, -z), rotation=tilted), (GROUND, 1.0), material=rough)
     for mass, half, place in scene.stack:
-        body = _add_box(world.create_dynamic_body(position=(place[0], place[2]), rotation=tilted), half, rub, mass)
+        body = world.create_dynamic_body(position=(place[0], place[2]), rotation=tilted)
+        _add_box(body, half, mass, material=rough)
 
     def step() -> None:
         if scene.grip:
@@ -103,7 +97,7 @@ def joints(scene: JointScene | ArmScene, setting: SceneSetting) -> SteppedWorld:
 
 def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
     world, hinge = _new_world(setting, 0.0), scene.kind == "hinge"
-    body = _add_untouched(world.create_dynamic_body(), (UNIT_INERTIA, UNIT_INERTIA), 1.0)
+    body = _add_box(world.create_dynamic_body(), (UNIT_INERTIA, UNIT_INERTIA), 1.0)
     # A rate, and so is that of a joint over its inertia of 1.
     body.angular_damping = body.linear_damping = scene.damping
     ends = world.create_static_body(), body
@@ -128,12 +122,13 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
 
 
 def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
-    world = _new_world(setting, GRAVITY)
-    links: list[Any] = []
-    before, end = world.create_static_body(), 0.0
+    import pyb2d3
+
+    world, links, end = _new_world(setting, GRAVITY), [], 0.0
+    before, untouched = world.create_static_body(), pyb2d3.make_filter(mask_bits=0)
     for bound in scene.friction:
-        place = (LINK_LENGTH * (len(links) + 0.5), 0)
-        body = _add_untouched(world.create_dynamic_body(position=place), LINK_HALF, LINK_MASS)
+        body = world.create_dynamic_body(position=(LINK_LENGTH * (len(links) + 0.5), 0))
+        _add_box(body, LINK_HALF, LINK_MASS, filter=untouched)
         world.create_revolute_joint(
             before, body, local_anchor_a=(end, 0), local_anchor_b=(-LINK_LENGTH / 2, 0), enable_motor=True,
             motor_speed=0.0, max_motor_torque=bound,
