@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from multibody_xval.engines.interface.presets import Preset
-from multibody_xval.engines.mujoco.probe import friction, stops
+from multibody_xval.engines.mujoco.probe import friction, lines, stops
 from multibody_xval.engines.mujoco.probe.friction import RESTING, Motion, NotJudged
 from multibody_xval.engines.mujoco.probe.lines import (
     AS_IT_IS,
@@ -207,7 +207,13 @@ def _result(
         tuple(_stops(own.model, state, runs)),
         {line: run.unfinished for line, run in runs.items() if math.isnan(run.exploded)},
         watched,
-        (*own.notes, *start.notes, *_overlaps(own.model, skipped), *stops.warnings(own.model)),
+        (
+            *own.notes,
+            *start.notes,
+            *_overlaps(own.model, skipped),
+            *lines.warnings(own.model),
+            *stops.warnings(own.model),
+        ),
     )
 
 

@@ -1,8 +1,10 @@
 """Lines of the recipe that a model is run with, one by one and all together."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation, Preset
 from multibody_xval.engines.interface.scene import SceneSetting
@@ -32,6 +34,9 @@ TOLERANCE = 1e-14
 
 ITERATIONS = {"iterations": 100, "ls_iterations": 50}
 """MuJoCo's own; impratio needs them."""
+
+HARD = 0.998
+"""First number of a contact's solimp from which on the recipe's impratio loses what is shaken."""
 
 Recipe = Mapping[str, tuple[tuple[str, Any], ...]]
 """Options and values by line: none as it is, each alone, all."""
@@ -99,3 +104,11 @@ def with_options(model: Any, options: Sequence[tuple[str, Any]]) -> Any:
         else:
             setattr(changed.opt, name, value)
     return changed
+
+
+def warnings(model: Any) -> Iterator[str]:
+    """Say where contacts are too hard for the recipe's impratio, and what to write."""
+    rough = (model.geom_contype | model.geom_conaffinity != 0) & (model.geom_condim > 1)
+    hardest = np.concatenate([model.geom_solimp[rough, 0], model.pair_solimp[:, 0]]).max(initial=0.0)
+    if hardest >= HARD:
+        yield f'Contacts have a solimp of {hardest:g}: from {HARD} on they need impratio="100", or lose what is shaken.'

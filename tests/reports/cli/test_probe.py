@@ -190,6 +190,14 @@ def test_line_for_joints_with_damping_is_given_where_it_stops_them_sooner(capsys
     assert "later than as it is" not in " ".join(found[1]["notes"])
 
 
+@pytest.mark.parametrize(("hardness", "count"), [("0.997 0.9999", 0), ("0.998 0.998", 1)])
+def test_contacts_that_are_too_hard_for_the_recipe_are_named(capsys, tmp_path, hardness, count) -> None:
+    """`tests/engines/test_mujoco_s_contacts.py` has what they do."""
+    box = f'<body pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1" solimp="{hardness}"/></body>'
+    notes = measured(capsys, model(tmp_path, '<geom type="plane" size="1 1 1"/>' + box), "--time", "0.1")["notes"]
+    assert sum(note.startswith("Contacts have a solimp of 0.998") for note in notes) == count
+
+
 EXPLODES = (
     '<body><joint type="slide" stiffness="1e12" ref="1"/><inertial pos="0 0 0" mass="1e-6" diaginertia="1 1 1"/></body>'
 )
