@@ -14,6 +14,9 @@ from multibody_xval.engines.shared.script_units import script_in_si
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
+HAS_WHEELS = sys.version_info < (3, 12)
+"""Whether the suite brings PyBullet: its only wheels are for Python 3.11 and older (`pyproject.toml` has the same)."""
+
 
 class PyBullet(PipEngine):
     """PyBullet, without graphics."""
@@ -33,6 +36,7 @@ class PyBullet(PipEngine):
             "drive are forces that the adapter computes at the start of each step; by default Bullet damps every body "
             "against the ground."
         ),
+        optional=not HAS_WHEELS,
     )
 
     reproducers: ClassVar = {
@@ -43,13 +47,12 @@ class PyBullet(PipEngine):
     scene_step: ClassVar[float] = STEP
     scene_worlds: ClassVar = {Formulation.JOINT: joints, Formulation.CONTACT: contacts}
 
-    def unavailable_reason(self) -> str | None:
-        """Reason why PyBullet cannot be used here, with the Pythons that it has wheels for."""
-        missing = super().unavailable_reason()
-        if missing is None:
-            return None
-        python = f"this is Python {sys.version_info.major}.{sys.version_info.minor}"
-        return f"{missing} (wheels exist for CPython 3.11 and older only, {python}: later ones compile from source)"
+    @property
+    def _remedy(self) -> str:
+        """The command that installs PyBullet, and what it does where there is no wheel."""
+        command = f"pip install '{self.module}{self.versions}'"
+        python = f"{sys.version_info.major}.{sys.version_info.minor}"
+        return command if HAS_WHEELS else f"{command}, which compiles it: it has no wheel for Python {python}"
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         connection = Connection()

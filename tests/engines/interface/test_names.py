@@ -9,6 +9,7 @@ import pytest
 from packaging.requirements import Requirement
 
 from multibody_xval.engines import engine, engine_names
+from multibody_xval.engines.interface.registry import default_engine_names
 from multibody_xval.engines.interface.variant import variants_named
 from multibody_xval.engines.isolated import out_of_process
 from multibody_xval.engines.mujoco import MuJoCo
@@ -65,7 +66,7 @@ def test_a_named_engine_that_is_missing_is_refused_and_all_are_those_that_are_th
 
 SAYS = {
     "drake": r"^the package drake is not installed; pip install '.\[engines\]' in the suite's folder$",
-    "pybullet": "CPython 3.11",
+    "pybullet": r"^the package pybullet is not installed; pip install 'pybullet>=3.2.7'",
     "ode": "^apt install python3-pyode, or let MULTIBODY_XVAL_ODE_PYTHON name a Python that has it .*/nowhere",
 }
 
@@ -100,6 +101,15 @@ def test_two_distributions_of_one_engine_at_unequal_versions_are_refused(mujoco,
     )
     assert MuJoCo().version() == (mujoco or core)
     assert MuJoCo().unavailable_reason() == (reason if mujoco != (core or mujoco) and mujoco else None)
+
+
+def test_engines_that_take_part_by_default_are_those_that_pip_brings_to_this_python() -> None:
+    asked = map(Requirement, PROJECT["dependencies"])
+    brought = {each.name for each in asked if each.marker is None or each.marker.evaluate()}
+    packages = {name: engine(name).capabilities.package for name in engine_names()}
+    default = {name for name in default_engine_names() if name != "reference"}
+    assert default == {name for name, package in packages.items() if package in brought}
+    assert {"mujoco", "exudyn-regularised"} <= default
 
 
 def test_adapters_take_the_versions_that_the_suite_asks_for() -> None:
