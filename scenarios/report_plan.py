@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from multibody_xval.engines.interface.presets import Formulation
-from multibody_xval.engines.interface.registry import default_engine_names, engine_names
+from multibody_xval.engines.interface.registry import default_engine_names, installed_engine_names
 from multibody_xval.engines.interface.variant import ALL, GENERAL, variants_named, variants_of
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run
 from multibody_xval.scenarios.plan import runs_at
@@ -60,7 +60,7 @@ def report_configs(names: Iterable[str] = ()) -> list[Config]:
     asked = list(names)
     bare = [name for name in asked if ":" not in name and name != ALL]
     variants_named(bare)
-    engines = [*bare, *(engine_names() if ALL in asked else ()), *(() if asked else default_engine_names())]
+    engines = [*bare, *(installed_engine_names() if ALL in asked else ()), *(() if asked else default_engine_names())]
     compared = [own for name in engines if name != REFERENCE.engine for own in _compared(name)]
     return list(dict.fromkeys([*compared, *variants_named([name for name in asked if ":" in name])]))
 

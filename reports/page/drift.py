@@ -21,9 +21,9 @@ HOLD = SCENARIOS["stack-hold"]
 
 
 def drift_runs(configs: Sequence[Config]) -> list[Run]:
-    """Give the runs of the stack for those of the configurations that are compared in scenes."""
-    named = dict.fromkeys(own.engine for own in configs)
-    able = [name for name in named if not engine(name).scene_gap(Formulation.CONTACT)]
+    """Give the runs of the stack for those configurations that are compared in scenes and whose engine is installed."""
+    named = map(engine, dict.fromkeys(own.engine for own in configs))
+    able = [own.name for own in named if not (own.unavailable_reason() or own.scene_gap(Formulation.CONTACT))]
     held = [own for name in able for own in HOLD.configs([name]) if own in configs]
     return [_own_step(own) for own in held]
 

@@ -6,12 +6,15 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from multibody_xval.engines.mujoco import MuJoCo
 from multibody_xval.reports import report
 from multibody_xval.reports.page import tables
+from multibody_xval.reports.page.drift import drift_runs
 from multibody_xval.reports.page.sources import stored_page
 from multibody_xval.reports.page.write import SECTIONS, write_page
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.model import Result, Run
+from multibody_xval.scenarios.report_plan import report_configs
 from multibody_xval.scenarios.result_tables import now, points
 from multibody_xval.scenarios.ruler.judge import judged
 from multibody_xval.scenarios.store import Stored
@@ -53,6 +56,15 @@ def test_the_first_screen_shows_the_drift_of_a_stack_and_what_to_paste(
     assert "impratio=&#34;10000&#34;" in first
     assert "Boxes that should rest creep at up to 7," in first
     assert " µm/s with the recipe (MuJoCo)." in first
+
+
+def test_a_report_is_made_where_an_engine_is_absent(monkeypatch) -> None:
+    """All engines are those that are installed; one that comes with the suite and is absent lacks its drift alone."""
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "no wheel")
+    assert "mujoco" not in {own.engine for own in report_configs(["all"])}
+    usual = report_configs()
+    assert "mujoco" in {own.engine for own in usual}
+    assert "mujoco" not in {run.config.engine for run in drift_runs(usual)}
 
 
 def test_stores_of_two_environments_make_one_page(results: dict[Run, Result], tmp_path: Path) -> None:
