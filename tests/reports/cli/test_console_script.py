@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from multibody_xval.engines.exudyn import ExudynBristle
 from multibody_xval.engines.interface.registry import engine_names
 from multibody_xval.engines.mujoco import MuJoCo
-from multibody_xval.engines.pybullet import PyBullet
 from multibody_xval.reports.cli.console_script import COMMANDS, app
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.run import STUDIES
@@ -63,7 +63,7 @@ def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[st
 
 
 def test_texts_of_a_plugin_neither_colour_nor_move_the_table(capsys, monkeypatch) -> None:
-    monkeypatch.setattr(PyBullet, "version", lambda _self: "[red]3\x1b[2J")
+    monkeypatch.setattr(ExudynBristle, "version", lambda _self: "[red]3\x1b[2J")
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no\x1b[2J wheel")
     assert run_command(app, ["engines"]) == 0
     printed = capsys.readouterr().out

@@ -54,6 +54,7 @@ def test_the_last_phase_of_a_period_goes_on_in_the_next() -> None:
     assert [tables.phases([], stuck) for stuck in (1.0, 0.0)] == [[(0.0, 1.0, "stick")], [(0.0, 1.0, "slip")]]
 
 
+@pytest.mark.needs("pybullet")
 def test_a_sound_engine_agrees_and_fails_nothing(results: dict[Run, Result]) -> None:
     shown, edges = parts(results)
     assert reasons_to_fail(shown, edges) == []
