@@ -39,8 +39,8 @@ class Asked:
     chosen: Annotated[
         list[str] | None,
         engine_option(
-            "An engine or one preset of it; `all`: every engine. May be repeated. Without it: the engines that come "
-            "with the suite."
+            "An engine or one preset of it; `all`: every engine that is installed. May be repeated. Without it: the "
+            "engines that come with the suite."
         ),
     ] = None
     settings: Settings = None
