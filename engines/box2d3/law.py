@@ -22,5 +22,5 @@ def contacts(preset: Preset) -> Law:
     )
 
 
-LAWS = {"contact:recommended": contacts, "contact:default": contacts}
+LAWS = {"contact:default": contacts}
 """By formulation and preset."""
