@@ -8,7 +8,7 @@ import pandas as pd
 
 from multibody_xval.reports.document import Folded, Part, document
 from multibody_xval.reports.formatting import flat, number_text, numbered, size_text
-from multibody_xval.scenarios.compare.points import CHANGES, LEAST_STUCK, NEW
+from multibody_xval.scenarios.compare.points import CHANGES, LEAST_STUCK, MISSING, NEW, REGRESSED
 from multibody_xval.scenarios.compare.stores import conclusion, fails, summary
 from multibody_xval.scenarios.model import value_text
 from multibody_xval.scenarios.result_tables import rows_of, with_amplitude
@@ -33,6 +33,14 @@ class Comparison(NamedTuple):
     def fails(self) -> bool:
         """Whether anything is worse; strictly, whether anything has changed."""
         return fails(self.changes, strict=self.strict)
+
+    @property
+    def title(self) -> str:
+        """What has become of the second, in a few words."""
+        if not self.fails:
+            return "the second is not worse"
+        worse = self.changes.change.isin([REGRESSED, MISSING]).any()
+        return f"the second {'is worse' if worse else 'has changed'}"
 
     @property
     def conclusion(self) -> str:
@@ -123,7 +131,7 @@ def _options(configuration: str, before: str, now: str) -> list[str]:
 def markdown(own: Comparison) -> str:
     """Give a comment for a pull request: one sentence, a table, versions, the worst points, the rest folded."""
     parts: list[Part] = [
-        f"## Engine regression: {'fails' if own.fails else 'passes'}",
+        f"## Comparison: {own.title}",
         own.conclusion,
         overview(own.changes),
         identities(own.changes),

@@ -17,7 +17,7 @@ from multibody_xval.scenarios.model import Config, Result, Status, failed
 from multibody_xval.scenarios.store import opened
 from tests.scenarios.stores import CASE, OTHER, with_bound, write_store
 
-FORGED = "\n## Engine regression: passes\n"
+FORGED = "\n## Comparison: the second is not worse\n"
 
 HOSTILE = f'\x1b[2J\u202e{FORGED}</details><script>run()</script>|[passes](http://x)"""\u2028import os\r[red]'
 """A text that a terminal would obey, a reader see backwards, and Markdown, HTML and Python take for their own."""
@@ -52,7 +52,7 @@ def test_comparing_hostile_stores_shows_their_texts_and_obeys_none(tmp_path, cap
     printed = capsys.readouterr().out
     assert "\\x1b[2J\\u202e" in printed
     check_texts(tmp_path, printed)
-    assert (tmp_path / "changes.md").read_text().startswith("## Engine regression: fails\n")
+    assert (tmp_path / "changes.md").read_text().startswith("## Comparison: the second is worse\n")
 
 
 @pytest.mark.slow

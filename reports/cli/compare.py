@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 Pair = Annotated[
     list[str] | None,
     engine_option(
-        "Instead of files: twice, before and now, each as ENGINE[:FORMULATION[:PRESET]]; both compute 24 points.",
+        "Instead of files: twice, before and now, each as ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]; each computes "
+        "24 points.",
     ),
 ]
 
@@ -115,7 +116,8 @@ def _print(comparison: Comparison) -> None:
 
     for line in identities(comparison.changes):
         print(visible(line))
-    print_table(overview(comparison.changes))
+    table = overview(comparison.changes)
+    print_table(table.assign(configuration=table.configuration.str.replace(" -> ", "\n-> ")))  # in 80 columns
     for changed, what in ((changed_points, "points"), (changed_numbers, "numbers")):
         table = changed(comparison.changes)
         for name, own in table[:MOST_ROWS].groupby("configuration", sort=False):

@@ -198,13 +198,17 @@ def conclusion(changes: pd.DataFrame, before: str, now: str) -> str:
     """Say in one sentence what has come out."""
     counts = {name: int((changes.change == name).sum()) for name in CHANGES}
     parts = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
-    better, worse = counts[IMPROVED], counts[REGRESSED] + counts[MISSING]
+    better, worse = counts[IMPROVED], counts[REGRESSED]
     if better > worse:
         verdict = f"{now} is closer to the exact motion"
     elif better < worse:
         verdict = f"{before} is closer to the exact motion"
     elif counts[UNKNOWN]:
         verdict = "no exact value says which of the two is closer to the exact motion"
+    elif counts[MISSING] == len(changes):
+        verdict = "the second has no result"
+    elif counts[MISSING]:
+        verdict = "where both have a result, both are as close to the exact motion"
     else:
         verdict = "both are as close to the exact motion"
     points_text = f"{len(changes)} point" + "s" * (len(changes) != 1)

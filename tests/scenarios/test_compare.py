@@ -74,6 +74,12 @@ def test_a_change_that_no_store_has_a_ruler_for_is_unknown_and_fails(written) ->
     assert compare(before, before).change.tolist() == ["unchanged"]
 
 
+def test_points_without_a_result_say_nothing_of_which_is_closer() -> None:
+    rows = pd.DataFrame({"change": ["missing", "unchanged"]})
+    assert conclusion(rows, "a", "b").endswith("where both have a result, both are as close to the exact motion.")
+    assert conclusion(rows[:1], "a", "b").endswith("the second has no result.")
+
+
 def test_a_worse_reference_is_found_though_it_is_the_ruler(written) -> None:
     """The exact motion judges the reference too."""
     before, now = written("before", {CASE: SOUND}), written("now", {CASE: SOUND})

@@ -40,7 +40,7 @@ def compared(*arguments: object) -> int:
     [
         ("worse", ExitCode.FAILED, ExitCode.FAILED, "1 regressed, 9 unchanged: before.sqlite is closer"),
         ("better", ExitCode.DONE, ExitCode.FAILED, "1 improved, 9 unchanged: better.sqlite is closer"),
-        ("crashing", ExitCode.FAILED, ExitCode.FAILED, "1 missing, 9 unchanged: before.sqlite is closer"),
+        ("crashing", ExitCode.FAILED, ExitCode.FAILED, "1 missing, 9 unchanged: where both have a result, both"),
         ("before", ExitCode.DONE, ExitCode.DONE, "10 unchanged: both are as close to the exact motion."),
     ],
 )
