@@ -31,6 +31,7 @@ COMMAND_LINES = [
     ("reference --cells 100000 --error-bar", r"cells = 100000 is more than an error bar takes; allowed: <= 1000"),
     (f"reference --cells {'9' * 4301}", r"--cells.*integer"),
     # engines, presets and options
+    ("run accuracy --engine mujoco@3.3.7", r"'mujoco@3.3.7' has a version; allowed: mujoco, as it is installed"),
     ("run accuracy --engine mujoco:glue", r"formulation of mujoco = 'glue' is unknown; .*joint"),
     ("run accuracy --engine mujoco --set sweeps=3", r"option 'sweeps' cannot be set in mujoco:joint:tuned; "),
     ("report --engine mujoco --engine dart --set a=3", r"--set a=3 beside 2 --engine; allowed: one"),

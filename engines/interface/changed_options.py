@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from multibody_xval.engines.interface.presets import ACROSS, OfStep, Option, Preset
-from reference_lcp.errors import ParameterError, shown
+from reference_lcp.errors import ParameterError, choices, shown
 
 MOST_COUNT = 2**31 - 1
 """Largest integer that engines in C take."""
@@ -72,8 +72,8 @@ def _read(preset: Preset, setting: str, known: Sequence[Preset], installed: Pres
     settable = [each for each, own in preset.engine_options.items() if not own.fixed]
     settable += [each for each in preset.options if each == ACROSS]
     if option not in settable:
-        allowed = ", ".join(f"{each} ({_type_text(preset, each, known, installed)})" for each in settable) or "none"
-        raise ParameterError(f"option {shown(option)} cannot be set in {name}; allowed: {allowed}")
+        allowed = choices(option, settable) if settable else "allowed: none"
+        raise ParameterError(f"option {shown(option)} cannot be set in {name}; {allowed}")
     if text == NONE and _can_be_left_out(preset, option, installed):
         return option, None
     formulas = {value_text(formula): formula for formula in _formulas(option, known)}

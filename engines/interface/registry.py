@@ -9,7 +9,7 @@ from typing import Any
 from multibody_xval.engines.interface.engine import Engine
 from multibody_xval.engines.interface.presets import Capabilities, Option, Preset
 from multibody_xval.engines.interface.texts import text_of, visible
-from reference_lcp.errors import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice, shown
 
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""
@@ -114,11 +114,23 @@ def engine(name: str) -> Engine:
         If no engine of this name is registered, or the one that is registered is broken.
     """
     if name not in _entry_points():
+        _check_without_version(name)
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
     if reason is not None:
         raise ParameterError(f"engine = {name!r} cannot be used: {reason}")
     return _loaded(name)()
+
+
+def _check_without_version(name: str) -> None:
+    """Refuse a name with a version, such as ``mujoco@3.3.7`` or ``mujoco==3.3.7``."""
+    for mark in ("@", "=="):
+        known, _, version = name.partition(mark)
+        if version and known in _entry_points():
+            raise ParameterError(
+                f"engine = {shown(name)} has a version; allowed: {known}, as it is installed (each version needs its "
+                "own virtual environment: docs/how_to/compare_versions.md)"
+            )
 
 
 def installed_engine_names() -> list[str]:

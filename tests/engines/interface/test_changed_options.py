@@ -58,7 +58,8 @@ def test_a_configuration_has_one_name_however_it_is_written(written: str, name: 
 @pytest.mark.parametrize(
     ("written", "message"),
     [
-        ("mujoco:noslip=3", r"option 'noslip' cannot be set in mujoco:joint:tuned; allowed: iterations \(an integer"),
+        ("mujoco:noslip=3", "option 'noslip' cannot be set in mujoco:joint:tuned; allowed: iterations, "),
+        ("mujoco:joint:default:solreffriction=1,1", r"; allowed: .*; did you mean solref_friction\?$"),
         ("mujoco:solver=CG", "solver = 'CG' of mujoco:joint:tuned; allowed: Newton or PGS"),
         ("mujoco:disable=all", "allowed: any of autoreset, eulerdamp"),
         ("mujoco:solref_friction=1", "values with commas between, or -0.95/h,-0.95/h or 2h,1, such as -0.95/h,-0.95/h"),
