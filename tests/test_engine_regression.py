@@ -72,14 +72,14 @@ def with_tool(folder: Path, name: str) -> str:
 def test_a_pull_request_has_one_comment_an_engine(tmp_path, known, written) -> None:
     (tmp_path / "known.txt").write_text(known)
     (tmp_path / "regression").mkdir()
-    (tmp_path / "regression/changes.md").write_text("## Engine regression: passes\n")
+    (tmp_path / "regression/changes.md").write_text("## Comparison: the second is not worse\n")
     given = {"ENGINE": "mujoco", "REPOSITORY": "a/b", "REQUEST": "7", "PATH": with_tool(tmp_path, "gh")}
     assert script(tmp_path, "comment", **given) == 0
     asked, *rest = (tmp_path / "calls.txt").read_text().splitlines()
     assert asked.startswith("api repos/a/b/issues/7/comments --paginate --jq .[] | select(.body | startswith(")
     assert rest == [written]
     comment = (tmp_path / "regression/comment.md").read_text()
-    assert comment == "<!-- friction of mujoco -->\n## Engine regression: passes\n"
+    assert comment == "<!-- friction of mujoco -->\n## Comparison: the second is not worse\n"
 
 
 @pytest.mark.slow
@@ -87,13 +87,13 @@ def test_a_comparison_fails_for_the_worse_shows_it_and_is_none_without_a_baselin
     (tmp_path / "regression").mkdir()
     write_store(tmp_path / "regression/now.sqlite", {CASE: with_bound(1.05)})
     assert script(tmp_path, "before", "compare", ENGINE="mujoco") == 0
-    assert shown(tmp_path).startswith("## Engine regression: no baseline yet\n")
+    assert shown(tmp_path).startswith("## Comparison: nothing to compare with yet\n")
     for bound, code, says in ((1.01, 1, "1 regressed, 4 unchanged: "), (1.1, 0, "1 improved, 4 unchanged: ")):
         kept = write_store(tmp_path / f"{bound}.sqlite", {CASE: with_bound(bound)})
         given = {"ENGINE": "mujoco", "BASELINE": str(kept), "GITHUB_STEP_SUMMARY": str(tmp_path / f"{bound}.md")}
         assert script(tmp_path, "before", "compare", **given) == code
         assert (tmp_path / f"{bound}.md").read_text() == shown(tmp_path)
-        assert shown(tmp_path).startswith(f"## Engine regression: {'fails' if code else 'passes'}\n")
+        assert shown(tmp_path).startswith(f"## Comparison: the second is {'worse' if code else 'not worse'}\n")
         assert says in shown(tmp_path)
     assert script(tmp_path, "compare", ENGINE="mujoco", STRICT="true") == 1
 
@@ -101,7 +101,7 @@ def test_a_comparison_fails_for_the_worse_shows_it_and_is_none_without_a_baselin
 def test_an_engine_that_cannot_be_had_is_said_and_is_no_regression(tmp_path) -> None:
     given = "mujoco==99; touch injected"
     assert script(tmp_path, "install", ENGINE="mujoco", NOW=given, PATH=with_tool(tmp_path, "uv")) == 2
-    assert shown(tmp_path).startswith("## Engine regression: not compared\n")
+    assert shown(tmp_path).startswith("## Comparison: not possible\n")
     asked = f"pip install --quiet --python regression-environments/now -- {ROOT} {given}\n"
     assert f"error: No solution found for {asked}" in shown(tmp_path)
     assert not (tmp_path / "injected").exists()
