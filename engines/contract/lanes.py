@@ -120,6 +120,15 @@ def unexplained_impulse(lane: Lane, run: Trajectory) -> FloatArray:
     return missing
 
 
+LEAST_BOUND = 1e-100
+"""[N], in place of a bound of zero: any friction passes that by far."""
+
+
+def part_above(friction: FloatArray, bound: FloatArray) -> float:
+    """Give by which part of its bound friction passes it at most; negative where it stays below."""
+    return float(np.max((friction - bound) / np.maximum(bound, LEAST_BOUND)))
+
+
 def tolerance_of(variant: Variant, by_precision: Mapping[str, float], *, modulated: bool = False) -> float:
     """Give what the contract allows at a variant's precision, and what its residual slip compliance adds to it."""
     preset = variant.preset.modulated() if modulated else variant.preset

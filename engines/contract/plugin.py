@@ -19,6 +19,14 @@ XFAILS = "--xfails-file"
 
 CONTRACT = "multibody_xval.engines.contract"
 
+CAUSES = (
+    "test_interface",
+    "test_stuck_contact_does_not_creep",
+    "test_friction_stays_within_its_bound",
+    "test_laws_of_motion",
+)
+"""Modules and clauses that are run first, in this order: what fails there is why motions differ in others."""
+
 CASE = re.compile(r"(?:engines/contract/|^agreement::).*\[(.+?)(?:-joint|-contact|\])")
 """The engine in a test's name: everything that a clause, or a check of agreement, is run for begins with it."""
 
@@ -36,7 +44,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         OPTION,
         action="append",
         default=[],
-        metavar="NAME[:FORMULATION[:PRESET]]",
+        metavar="NAME[:FORMULATION[:PRESET]][:OPTION=VALUE]",
         help="with --pyargs multibody_xval.engines.contract: hold this engine to the contract; with --pyargs "
         "multibody_xval.agreement: compare it with the exact motion; in all its formulations and presets, or in those "
         "that are named; without it, all engines that are installed",
@@ -84,14 +92,24 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out clauses that an engine says nothing about, and mark what is known to fail."""
+    """Leave out clauses that an engine says nothing about, run causes first, and mark what is known to fail."""
     asked = [item for item in items if not _is_of_nothing(item)]
     if len(asked) < len(items):
         items[:] = asked
+    if config.getoption(OPTION):
+        items.sort(key=_place)
     if file := config.getoption(XFAILS):
         from multibody_xval.engines.contract.failures import known_failures, mark_known
 
         mark_known(items, known_failures(Path(file)))
+
+
+def _place(item: pytest.Item) -> int:
+    """Give the place of a test: in `CAUSES`, or after them where it is another clause of the contract."""
+    if not (isinstance(item, pytest.Function) and item.module.__package__ == CONTRACT):
+        return -1
+    names = item.module.__name__.rpartition(".")[2], item.originalname
+    return min((CAUSES.index(name) for name in names if name in CAUSES), default=len(CAUSES))
 
 
 def _is_of_nothing(item: pytest.Item) -> bool:

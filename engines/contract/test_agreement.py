@@ -79,8 +79,8 @@ def test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_f
     )
     motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
     force = np.max(np.abs(run.friction - expected.friction)) / lane.chain.friction_bound[0]
-    assert motion <= tolerance_of(exact, TRAJECTORY_TOLERANCE), "the motion leaves the scheme's [U0]"
-    assert force <= tolerance_of(exact, FRICTION_TOLERANCE), "the friction leaves the scheme's, over its bound"
+    assert motion <= tolerance_of(exact, TRAJECTORY_TOLERANCE), "the motion differs from the reference's [U0]"
+    assert force <= tolerance_of(exact, FRICTION_TOLERANCE), "the friction differs from the reference's, over its bound"
 
 
 def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Variant) -> None:
@@ -92,7 +92,7 @@ def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Vari
     run = run_of(tuned, lane, rest, 4 * STEPS)
     difference = np.max(np.abs(run.positions - expected)) / BASE_AMPLITUDE
     tolerance = tolerance_of(tuned, TRAJECTORY_TOLERANCE) if shares else PULSE_TOLERANCE
-    assert difference <= tolerance, "this is another drive: the motion is off [U0]"
+    assert difference <= tolerance, "the motion after a pulse of the base differs from the reference's [U0]"
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 5.0], ids=["frictionless", "slipping", "stuck"])
@@ -111,12 +111,14 @@ def test_cells_that_differ_are_each_built_as_given(sharing: Variant, friction: f
     run, expected = (run_of(variant, lane, random_state(1), 2 * STEPS) for variant in (sharing, Variant("reference")))
     motion = np.max(np.abs(run.positions - expected.positions)) / np.max(np.abs(expected.positions))
     assert motion <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), (
-        "some cell is not the one that was given: the motion is off, as a part"
+        "the motion of unequal cells differs from the reference's, as a part"
     )
     if sharing.capabilities.precision == "single":
         assert motion > SINGLE / 10, "a finer result than single precision can have is another engine's"
     force, bound = np.max(np.abs(run.friction - expected.friction)), np.max(chain.friction_bound)
-    assert force <= tolerance_of(sharing, FRICTION_TOLERANCE) * bound, "some cell has another friction [N]"
+    assert force <= tolerance_of(sharing, FRICTION_TOLERANCE) * bound, (
+        "the friction of unequal cells differs from the reference's [N]"
+    )
 
 
 def test_default_stays_finite_and_near_the_reference_for_a_period(default: Variant) -> None:
@@ -124,4 +126,4 @@ def test_default_stays_finite_and_near_the_reference_for_a_period(default: Varia
     lane = lane_of(0.3, 0.9)
     run, expected = (run_of(variant, lane, State.at_rest(1, 7), STEPS) for variant in (default, Variant("reference")))
     difference = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
-    assert difference <= SAME_CHAIN, "this is another chain: the motion is off [U0]"
+    assert difference <= SAME_CHAIN, "the motion differs from the reference's [U0]"

@@ -50,7 +50,7 @@ def assert_same_motion(tested: Variant, positions: FloatArray, expected: FloatAr
     """Compare positions, in the same unit; a solver of an engine's own rounds more than the step of the scheme."""
     difference = np.max(np.abs(positions - expected)) / np.max(np.abs(expected))
     allowed = tolerance_of(tested, SAME_MOTION) * (1 if tested.preset.shares_scheme else OWN_SOLVER)
-    assert difference <= allowed, f"{what}: the motion is off, over its largest position"
+    assert difference <= allowed, f"{what}, over its largest position"
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,12 @@ def test_units_do_not_matter(tuned: Variant, mass: float, stiffness: float, leng
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
     run, usual = (run_or_skip(tuned, each, State.at_rest(1, 7)) for each in (lane, lane_of(0.3, 0.6)))
-    assert_same_motion(tuned, run.positions / length, usual.positions / BASE_AMPLITUDE, "units matter")
+    assert_same_motion(
+        tuned,
+        run.positions / length,
+        usual.positions / BASE_AMPLITUDE,
+        "the motion in these units differs from that in SI units",
+    )
 
 
 @pytest.mark.parametrize(
@@ -79,7 +84,12 @@ def test_only_the_bound_enters_whatever_the_coefficient(
     chain = dataclasses.replace(usual.chain, friction_coefficient=coefficients, normal_force=normal_force)
     lane = dataclasses.replace(usual, chain=chain)
     run, expected = run_or_skip(sharing, lane, random_state(1)), run_of(sharing, usual, random_state(1), STEPS)
-    assert_same_motion(sharing, run.positions, expected.positions, "the coefficient matters")
+    assert_same_motion(
+        sharing,
+        run.positions,
+        expected.positions,
+        "the motion with this coefficient and the same bound differs from the usual one",
+    )
     pressed = np.max(np.abs(run.normal_force / normal_force - 1))
     assert pressed <= tolerance_of(sharing, ROUND_OFF), "the normal force is off, as a part"
 
@@ -92,7 +102,7 @@ def test_motion_far_above_the_displacement_scale_is_not_cut_off(exact: Variant) 
     run, expected = (
         run_or_skip(variant, lane_of(0.3, 0.6), fast, STEPS // 8) for variant in (exact, Variant("reference"))
     )
-    assert_same_motion(exact, run.positions, expected.positions, "a large motion is cut off")
+    assert_same_motion(exact, run.positions, expected.positions, "a large motion differs from the reference's")
 
 
 def test_chain_at_rest_without_a_drive_stays_there(tested: Variant) -> None:

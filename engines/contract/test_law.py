@@ -19,7 +19,9 @@ def test_random_chain_moves_by_the_reference_s_scheme(sharing: Variant) -> None:
         distance(lane, *(run_of(each, lane, state, STEPS).positions for each in (sharing, Variant("reference"))))
         for lane, state in starts()
     )
-    assert apart <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "another motion than the scheme's [U0]"
+    assert apart <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), (
+        "the motion of a random chain differs from the reference's [U0]"
+    )
 
 
 def test_random_chain_moves_by_the_law_and_by_no_other(modelled: Variant) -> None:

@@ -9,6 +9,7 @@ import pytest
 from multibody_xval.engines.contract.lanes import (
     drive_of,
     lane_of,
+    part_above,
     random_state,
     run_of,
     tolerance_of,
@@ -140,8 +141,8 @@ def test_friction_stays_within_its_bound(tested: Variant) -> None:
     friction, bound = np.abs(run.friction), lane.chain.friction_coefficient * run.normal_force
     if tested.preset.passes_bound:
         friction, bound = np.mean(friction, axis=0), np.mean(bound, axis=0)
-    margin = 1 + BOUND_MARGIN[tested.capabilities.precision]
-    assert np.all(friction <= margin * bound), "friction passes its bound"
+    passed = part_above(friction, bound)
+    assert passed <= BOUND_MARGIN[tested.capabilities.precision], "friction passes its bound μ λ_N, by this part of it"
 
 
 def test_friction_acts_on_the_inner_mass_against_its_slip(tested: Variant) -> None:

@@ -33,7 +33,7 @@ def test_chain_anywhere_in_the_ranges_moves_by_the_reference_s_scheme(sharing: V
     state = scaled_state([lane])
     own, expected = (positions_of(each, lane, state, 0, point.steps) for each in (sharing, Variant("reference")))
     off = np.max(np.abs(own - expected)) / lane.drive.displacement_scale(lane.chain)
-    assert off <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "another motion than the scheme's [U0]"
+    assert off <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "the motion differs from the reference's [U0]"
 
 
 def test_motion_does_not_depend_on_when_it_begins(tested: Variant) -> None:
