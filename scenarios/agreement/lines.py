@@ -17,6 +17,9 @@ PASSED, FAILED, SKIPPED = "passed", "failed", "skipped"
 
 MEASURED = "measured"
 
+MOST_DIGITS = 17
+"""That tell two numbers in double precision apart."""
+
 
 class Line(NamedTuple):
     """What a check is, and what is printed of it."""
@@ -58,7 +61,7 @@ def _part(row: Row, allow_db: float | None) -> Line:
 
 
 def _level(row: Row, allow_db: float | None) -> str:
-    """Say what a transmittance is; what is off counts level and phase where it is judged, and the level elsewhere."""
+    """Say what a transmittance is; level and phase are judged as one number, and of others the level is off."""
     value, exact, reference = row["value"], row["exact"], row["reference"]
     if not row["judged"]:
         allowed = "" if allow_db is None else f", allowed {allow_db:g} dB"
@@ -66,9 +69,12 @@ def _level(row: Row, allow_db: float | None) -> str:
     shares = row["expected"] == AT_EQUAL_STEPS
     expected = reference if shares else exact
     words = f"reference at equal steps {decibels(reference)}" if shares else f"exact {decibels(exact)}"
-    off = f", off by {_as_level(row['distance'], expected)} dB" if row["verdict"] == DEVIATES else ""
+    off, allowed = "", _digits(_as_level(row["allowed"], expected), 1)
+    if row["verdict"] == DEVIATES:
+        apart, allowed = _told_apart(*(_as_level(row[name], expected) for name in ("distance", "allowed")))
+        off = f", level and phase differ by {apart} dB"
     end = f"; exact {decibels(exact)}" if shares else ""
-    return f"{decibels(value)} dB, {words}{off}, allowed {_as_level(row['allowed'], expected)} dB{end}"
+    return f"{decibels(value)} dB, {words}{off}, allowed {allowed} dB{end}"
 
 
 def level_error(row: Row) -> float:
@@ -77,9 +83,15 @@ def level_error(row: Row) -> float:
     return float(levels[0] - levels[1])
 
 
-def _as_level(distance: float, expected: complex) -> str:
+def _as_level(distance: float, expected: complex) -> float:
     """Give what a distance over U0 can change a level by, at most [dB]."""
-    return _digits(20 * math.log10(1 + distance / abs(expected)), 1)
+    return 20 * math.log10(1 + distance / abs(expected))
+
+
+def _told_apart(off: float, allowed: float) -> tuple[str, str]:
+    """Give two numbers with as many digits as show that they differ."""
+    texts = ((_digits(off, digits), _digits(allowed, digits)) for digits in range(2, MOST_DIGITS))
+    return next((pair for pair in texts if pair[0] != pair[1]), (f"{off}", f"{allowed}"))
 
 
 def decibels(ratio: complex) -> str:
@@ -90,9 +102,16 @@ def decibels(ratio: complex) -> str:
 def _number(row: Row) -> str:
     """Say what a number is that is none of a level."""
     unit = f" {row['unit']}" if row["unit"] else ""
-    text = f"{row['quantity']} {_digits(row['value'], 3)}{unit}"
-    if row["exact"]:
-        text += f", {'reference' if row['expected'] == AT_EQUAL_STEPS else 'exact'} {_digits(row['exact'], 3)}"
+    deviates = row["judged"] and row["verdict"] == DEVIATES
+    digits = 5 if deviates else 3
+    shares = row["expected"] == AT_EQUAL_STEPS
+    expected = row["reference"] if shares and pd.notna(row["reference"]) else row["exact"]
+    text = f"{row['quantity']} {_digits(row['value'], digits)}{unit}"
+    if expected:
+        text += f", {'reference' if shares else 'exact'} {_digits(expected, digits)}"
+    if deviates:
+        off, allowed = _told_apart(row["distance"], row["allowed"])
+        return f"{text}, off by {off}, allowed {allowed}"
     return f"{text}, allowed {_digits(row['allowed'])}" if row["judged"] and (row["value"] or row["allowed"]) else text
 
 

@@ -1,9 +1,12 @@
 """The exact motion of a chain and the steady state of a user's own simulation of it, for tests of a user's own."""
 
+import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import wraps
+from types import TracebackType
+from typing import Any, ParamSpec
 
 import numpy as np
 import pytest
@@ -21,11 +24,16 @@ from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.steady.neighbours import beside_euler
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
+__tracebackhide__ = True
+"""Of pytest: failures show the lines of a user's test and simulation, and not those of this module."""
+
 RESIDUAL = 1e-6
 """By how much a period may differ from the one before, over the amplitude of the base: 1e-5 dB of it."""
 
 MOST_PERIODS = 100
 """Periods of a search."""
+
+P = ParamSpec("P")
 
 Step = Callable[[FloatArray, FloatArray, float], tuple[Any, Any]]
 """Takes positions [m] and velocities [m/s], outer masses first, and the force on the first mass [N], at the start of a
@@ -60,6 +68,27 @@ class PeriodicMotion:
         return self.case.setting[1].period / self.steps
 
 
+def with_short_errors(function: Callable[P, PeriodicMotion]) -> Callable[P, PeriodicMotion]:
+    """Let errors show no line of the suite, but those of a user's own function, if it has begun."""
+
+    @wraps(function)
+    def called(*args: P.args, **named: P.kwargs) -> PeriodicMotion:
+        try:
+            return function(*args, **named)
+        except Exception as problem:
+            trace = problem.__traceback__
+            parts: list[TracebackType] = []
+            while trace is not None:
+                parts.append(trace)
+                trace = trace.tb_next
+            own = max(n for n, part in enumerate(parts) if part.tb_frame.f_code.co_filename == __file__)
+            begun = parts[own].tb_frame.f_code.co_name == _Stepped.run.__name__
+            raise problem.with_traceback(parts[own].tb_next if begun else None) from None
+
+    return called
+
+
+@with_short_errors
 def exact_motion(
     friction_ratio: float = 0.3,
     frequency_ratio: float = 0.9,
@@ -90,6 +119,7 @@ def exact_motion(
     return PeriodicMotion(case, state.transmittance_db, math.degrees(state.phase), state.orbit.trajectory.positions)
 
 
+@with_short_errors
 def steady_state_of(simulation: Step | FloatArray, exact: PeriodicMotion, residual: float = RESIDUAL) -> PeriodicMotion:
     """Find the steady state of a user's own simulation of a chain; the test fails where there is none.
 
@@ -110,8 +140,24 @@ def steady_state_of(simulation: Step | FloatArray, exact: PeriodicMotion, residu
     return PeriodicMotion(exact.case, level, math.degrees(np.angle(ratio)), orbit.trajectory.positions)
 
 
+def _check_takes_three(step: Step) -> None:
+    """Refuse a function that cannot be called with what a step is given."""
+    try:
+        signature = inspect.signature(step)
+    except ValueError:  # some functions in C have none
+        return
+    try:
+        signature.bind(None, None, None)
+    except TypeError:
+        raise ParameterError(
+            f"simulation takes {len(signature.parameters)} arguments, {signature}; it is called with 3: positions, "
+            "velocities, force"
+        ) from None
+
+
 def _searched(step: Step, exact: PeriodicMotion, residual: float) -> PeriodicOrbit:
     """Search from the steady state of Euler's scheme."""
+    _check_takes_three(step)
     model = _Stepped(exact.case.lane(exact.steps), step)
     (orbit,) = beside_euler(SequentialSimulation([model]), exact.steps, tolerance=residual, max_periods=MOST_PERIODS)
     if not orbit.converged:
@@ -151,16 +197,19 @@ class _Stepped(LaneModel):
         """Advance step by step."""
         rows, x, v = [], state.positions[0].copy(), state.velocities[0].copy()
         for load in self.lane.loads(start, steps).tolist():
-            x, v = (_checked(own, x.shape) for own in self._step(x.copy(), v.copy(), load))
+            x, v = _checked(self._step(x.copy(), v.copy(), load), x.shape)
             rows.append((x, v))
         positions, velocities = (np.array(own) for own in zip(*rows, strict=True))
         still = np.zeros((steps, self.lane.chain.cells))
         return Trajectory(self.lane.times(start, steps), positions, velocities, still, still)
 
 
-def _checked(values: Any, shape: tuple[int, ...]) -> FloatArray:
-    """Give what a user's step has returned, if it is a finite number a mass."""
-    own = np.array(values, dtype=float)
-    if own.shape != shape or not np.isfinite(own).all():
-        raise ParameterError(f"the step gives {shown(own.tolist())}; allowed: {shape[0]} finite numbers")
-    return own
+def _checked(given: Any, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+    """Give what a user's step has returned, if it is positions and velocities, each a finite number a mass."""
+    if not isinstance(given, tuple | list | np.ndarray) or len(given) != 2:
+        raise ParameterError(f"the step gives {shown(given)}; allowed: positions, velocities")
+    position, velocity = (np.array(own, dtype=float) for own in given)
+    for own in (position, velocity):
+        if own.shape != shape or not np.isfinite(own).all():
+            raise ParameterError(f"the step gives {shown(own.tolist())}; allowed: {shape[0]} finite numbers")
+    return position, velocity

@@ -39,7 +39,8 @@ def test_every_check_prints_its_number_and_what_is_wrong_fails(install) -> None:
     found = [line for line in failed if line.startswith("faulty-bound joint tuned, ")]
     crashed = [line for line in failed if line.startswith("faulty-dies joint tuned, ") and "by signal SIGSEGV" in line]
     assert (len(found), len(crashed), len(failed)) == (8, 10, 18), failed
-    assert sum(bool(re.search(r", friction .*off by [\d.e-]+ dB, allowed", line)) for line in found) == 6
+    differ = r", friction .*level and phase differ by [\d.e-]+ dB, allowed"
+    assert sum(bool(re.search(differ, line)) for line in found) == 6
 
 
 def test_default_options_fail_where_their_error_is_more_than_is_allowed(install) -> None:
@@ -111,3 +112,27 @@ def test_positions_of_a_run_that_repeats_are_a_steady_state_and_others_fail_with
         steady_state_of(drifts, exact)
     with pytest.raises(ParameterError, match=r"allowed: \(800 or more, 2\)"):
         steady_state_of(exact.positions, exact)
+
+
+MISUSED = {
+    "lambda positions, velocities: (positions, velocities)": "simulation takes 2 arguments, .*; it is called with 3",
+    "lambda positions, velocities, force: None": "the step gives None; allowed: positions, velocities",
+    "lambda positions, velocities, force: (positions[:1], velocities)": "allowed: 2 finite numbers",
+    "lambda positions, velocities, force: 1 / 0": "ZeroDivisionError: division by zero",
+}
+
+
+def test_a_wrong_use_of_the_fixtures_is_a_few_lines_of_the_test_itself(tmp_path: Path) -> None:
+    tests = [
+        f"def test_{number}(exact_motion, steady_state_of):\n    steady_state_of({step}, exact_motion())\n"
+        for number, step in enumerate(MISUSED)
+    ]
+    tests.append("def test_ratio(exact_motion):\n    exact_motion(friction_ratio=-1)\n")
+    (tmp_path / "test_misused.py").write_text("\n\n".join(tests), encoding="utf-8")
+    command = [sys.executable, *ALONE.split(), "-q"]
+    printed = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False).stdout
+    for said in (*MISUSED.values(), "friction_ratio = -1"):
+        assert re.search(rf"^E .*{said}", printed, flags=re.MULTILINE), printed
+    assert f"{len(tests)} failed" in printed
+    assert not re.search(r"^\S*(multibody_xval|reference_lcp|scenarios)/\S+:\d+", printed, flags=re.MULTILINE), printed
+    assert len(printed.splitlines()) < 20 * len(tests)
