@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Iterator
 from enum import EnumType
+from functools import cached_property
 from typing import Any
 
 import multibody_xval
@@ -40,13 +41,13 @@ def lines() -> Iterator[str]:
 
 def is_described(value: object) -> bool:
     """Tell whether a member of a class is a method or property with a docstring of its own."""
-    kinds = (property, classmethod, staticmethod)
+    kinds = (property, cached_property, classmethod, staticmethod)
     return bool(inspect.getdoc(value)) and (isinstance(value, kinds) or inspect.isfunction(value))
 
 
 def member(name: str, value: Any) -> str:
     """Give a method with its parameters, or the name of a property."""
-    return name if isinstance(value, property) else call(name, getattr(value, "__func__", value))
+    return name if isinstance(value, property | cached_property) else call(name, getattr(value, "__func__", value))
 
 
 def call(name: str, value: Any) -> str:

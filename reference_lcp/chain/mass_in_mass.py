@@ -173,22 +173,25 @@ class Chain:
 
     @cached_property
     def mass_matrix(self) -> FloatArray:
-        """M of equation (4) [kg], shape (2n, 2n); outer masses first, then inner ones."""
+        """M of equation (4) [kg], diagonal, shape (2n, 2n); outer masses first, then inner ones."""
         return np.diag(np.concatenate([self.outer_mass, self.inner_mass]))
 
     @cached_property
     def stiffness_matrix(self) -> FloatArray:
-        """K [N/m], shape (2n, 2n); the spring to the base is in its first entry."""
+        """K [N/m], shape (2n, 2n), so that springs exert −K x; the spring to the base is in its first entry."""
         return self._element_matrix(self.chain_stiffness, self.inner_stiffness)
 
     @cached_property
     def damping_matrix(self) -> FloatArray:
-        """C [N s/m], shape (2n, 2n); the dashpot to the base is in its first entry."""
+        """C [N s/m], shape (2n, 2n), so that dashpots exert −C q; the one to the base is in its first entry."""
         return self._element_matrix(self.chain_damping, self.inner_damping)
 
     @cached_property
     def contact_directions(self) -> FloatArray:
-        """W_T of equation (4), shape (2n, n): the relative velocity is ġ_T = v̇ − u̇ = W_Tᵀ q."""
+        """W_T of equation (4), shape (2n, n): a contact's friction λ_T acts on the inner mass, −λ_T on the outer one.
+
+        The force on all masses is W_T λ_T, and relative velocities, inner less outer, are ġ_T = v̇ − u̇ = W_Tᵀ q.
+        """
         identity = np.eye(self.cells)
         return np.vstack([-identity, identity])
 
