@@ -54,6 +54,7 @@ COLUMNS = {
     "frequency_ratio": float,
     **dict.fromkeys(Crossing._fields, float),
     "interpolation": float,
+    "peak": float,
     "before": int,
     "after": int,
     "lost": int,
@@ -67,8 +68,9 @@ def edges(table: pd.DataFrame) -> pd.DataFrame:
     Columns: those of `CURVE`, with the ``steps`` that were asked for; ``edge`` (lower or upper); ``frequency_ratio``,
     NaN where there is none or none is known, and ``absent``, which then says why; ``lost``: how many points without a
     steady state leave it unknown; ``guess``, ``low`` and ``high``: where it is looked for, and ``interpolation``: how
-    far off that may be; ``width`` of its bracket; all in η_r; ``slope`` [dB per η_r]; ``before`` and ``after``: the
-    rows of the table beside it, or -1.
+    far off that may be; ``width`` of its bracket; all in η_r; ``slope`` [dB per η_r]; ``peak``: how high over the
+    threshold the curve rises before it falls below again [dB]; ``before`` and ``after``: the rows of the table beside
+    it, or -1.
     """
     rows = [(*curve.key, *own) for curve in curves(table) for own in _edges_of(curve)]
     return pd.DataFrame(rows, columns=[*CURVE, *COLUMNS]).astype(
@@ -156,9 +158,16 @@ def _edges_of(curve: Curve) -> Iterator[tuple[object, ...]]:
             count = int(((lost > eta[row]) & (lost < eta[row + 1])).sum())
             shown = np.nan if count else place.guess
             why = f"not periodic at {count} points from {eta[row]:g} to {eta[row + 1]:g}" if count else ""
-            yield name, shown, *place, off, own.row[row], own.row[row + 1], count, why
+            peak = _peak(level[row::-1] if name == "lower" else level[row + 1 :])
+            yield name, shown, *place, off, peak, own.row[row], own.row[row + 1], count, why
         elif curve.eta.size >= FEWEST_POINTS:
-            yield name, np.nan, *NOWHERE, np.nan, -1, -1, *_absent(name, eta, level, lost)
+            yield name, np.nan, *NOWHERE, np.nan, np.nan, -1, -1, *_absent(name, eta, level, lost)
+
+
+def _peak(level: NDArray[np.float64]) -> float:
+    """Give how high a curve rises from an edge on, until it falls below the threshold; infinite where it does not."""
+    below = np.flatnonzero(level < THRESHOLD_DB)
+    return float(level[: below[0]].max()) - THRESHOLD_DB if below.size else np.inf
 
 
 def _absent(

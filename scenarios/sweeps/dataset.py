@@ -166,9 +166,11 @@ def _rows(data: xr.Dataset, names: list[str]) -> pd.DataFrame:
     own = data[[*NUMBERS, *TEXTS, "stuck_fraction"]]
     whole = own.expand_dims([name for name in names if name not in data.dims]).transpose(*names, "cell")
     rows = whole.drop_vars(["stuck_fraction", "cell"]).to_dataframe(dim_order=names).reset_index()
-    rows["stuck"] = [_present(own) for own in whole.stuck_fraction.values.reshape(len(rows), -1)]
+    stuck = whole.stuck_fraction.values.reshape(len(rows), whole.sizes["cell"])
+    rows["stuck"] = [_present(own) for own in stuck]
     rows = rows[rows.status != NO_POINT].reset_index(drop=True)
     rows = rows.assign(status=[str(Status(own)) for own in rows.status], **rows[NUMBERS].apply(pd.to_numeric))
+    rows = rows.astype({"steps": int})  # where points are missing, arrays hold floats
     for name in COMPLEX:
         rows[name] = rows.pop(f"{name}_real") + 1j * rows.pop(f"{name}_imag")
     return rows

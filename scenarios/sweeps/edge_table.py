@@ -3,14 +3,13 @@
 import json
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
 from multibody_xval.scenarios import edges
 from multibody_xval.scenarios.compute.sources import digest
 from multibody_xval.scenarios.model import REFERENCE, Case, Result, Run, Status
-from multibody_xval.scenarios.result_tables import CONFIG, is_exact, points, rows_of
+from multibody_xval.scenarios.result_tables import CONFIG, points, rows_of
 from multibody_xval.scenarios.ruler.exact_values import ruler
 from multibody_xval.scenarios.ruler.judge import UNKNOWN
 from multibody_xval.scenarios.running.evaluate import Means, computed
@@ -22,10 +21,11 @@ from reference_lcp.errors import ParameterError
 CURVE = [*CONFIG, "curve", "steps"]
 """Columns by which the edges of a curve are found."""
 
-COMPARED = ["configuration", "exact", "error", "expected", "allowed", "verdict"]
-"""Columns where there is another configuration than the reference."""
+SMALL_PEAK_DB = 1.0
+"""Height of a peak over the threshold below which an edge has a note: an amplitude that is off by 12 %, as with another
+damping, moves such an edge to another peak."""
 
-NUMBERS = (FREQUENCY, "interpolation", "exact", "exact_bar", "error", "expected", "allowed")
+NUMBERS = (FREQUENCY, "peak", "exact", "exact_bar", "error", "expected", "allowed")
 """What `edges.judged_edges` gives of an edge."""
 
 
@@ -35,16 +35,18 @@ def edge_table(data: xr.Dataset, means: Means) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        A row an edge: the axes of the sweep, ``edge``, ``frequency_ratio`` and ``error_bar`` (how far from it the exact
-        motion's edge may be); where there are other configurations than the reference, `COMPARED`; ``reason``, why
-        there is no such edge.
+        A row an edge, see `multibody_xval.band_edges`. Where a terminal is narrow pandas leaves out columns in the
+        middle: the first and the last ones are those that are cited.
 
     Raises
     ------
     ParameterError
-        If the data are of something else than a sweep, or of another version of an engine than is installed.
+        If the data are of something else than a sweep, of none of its points, or of another version of an engine than
+        is installed.
     """
     table = judged_table(data)
+    if table.empty:
+        raise ParameterError("the data have 0 points; allowed: at least one")
     _check_versions(table)
     axes = [name for name in sweep_in(data).axes if name != FREQUENCY]
     known = _known(table, data.attrs.get("configurations", "{}"))
@@ -99,19 +101,20 @@ def _edges(rows: pd.DataFrame, asked: pd.DataFrame, axes: list[str]) -> pd.DataF
     curves = asked.drop_duplicates(CURVE)[list(dict.fromkeys(["config", *CURVE, *axes]))]
     both = curves.merge(pd.DataFrame({"edge": edges.EDGES}), how="cross")
     found = edges.judged_edges(rows)[[*CURVE, "edge", *NUMBERS, "verdict", "absent"]]
-    rows = both.merge(found, on=[*CURVE, "edge"], how="left").rename(columns={"absent": "reason"})
-    few = f"fewer than {edges.FEWEST_POINTS} points: too few to say"
-    of_exact = "the exact motion's edges are in the column exact of other configurations"
-    reason = rows.reason.fillna(pd.Series(np.where(is_exact(rows), of_exact, few), rows.index))
-    return rows.assign(reason=reason, verdict=rows.verdict.fillna(UNKNOWN))
+    rows = both.merge(found, on=[*CURVE, "edge"], how="left")
+    why = rows.absent.fillna(f"fewer than {edges.FEWEST_POINTS} points: too few to say")
+    return rows.assign(note=why.where(why != "", rows.peak.map(_of_peak)), verdict=rows.verdict.fillna(UNKNOWN))
+
+
+def _of_peak(height: float) -> str:
+    """Say that an edge depends on a small peak; nothing of other edges."""
+    return f"last peak only {height:.2g} dB above 0 dB" if height < SMALL_PEAK_DB else ""
 
 
 def _shown(found: pd.DataFrame, axes: list[str]) -> pd.DataFrame:
     """Give the columns that people read, by case, edge and configuration."""
-    bar = found.error.abs() + found.exact_bar + found.interpolation
-    names = [*axes, "edge", FREQUENCY, "error_bar"]
-    if set(found.config) - {REFERENCE}:
-        names += COMPARED
-    own = found.assign(error_bar=bar, configuration=found.config.map(str))
-    order = own.sort_values([*axes, "edge"], kind="stable")
-    return order[[*names, "reason"]].reset_index(drop=True)
+    compared = bool(set(found.config) - {REFERENCE})
+    names = [*axes, *["configuration"] * compared, "edge", FREQUENCY, "note"]
+    names += [*["expected", "allowed", "verdict"] * compared, "error", "exact", "exact_bar"]
+    own = found.assign(configuration=found.config.map(str))
+    return own.sort_values([*axes, "edge"], kind="stable")[names].reset_index(drop=True)

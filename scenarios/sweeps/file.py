@@ -9,9 +9,9 @@ from pydantic import ValidationError
 
 from multibody_xval.engines.interface.texts import checked_path
 from multibody_xval.engines.interface.variant import variants_named
-from multibody_xval.scenarios.model import Config
+from multibody_xval.scenarios.model import EXACT, REFERENCE, Config
 from multibody_xval.scenarios.sweeps.frequency_grid import AdaptiveGrid
-from multibody_xval.scenarios.sweeps.plan import AXES, CHAIN, Drive, Range, Sweep, Tolerances
+from multibody_xval.scenarios.sweeps.plan import AXES, CHAIN, FREQUENCY, Drive, Range, Sweep, Tolerances
 from reference_lcp.errors import ParameterError, choices, shown
 
 EXAMPLE = """\
@@ -106,7 +106,11 @@ def sweep_of(content: dict[str, Any], named: Callable[[list[str]], list[Config]]
         errors: list[Any] = problem.errors()
         worst = max(errors, key=lambda own: (own["type"] == "extra_forbidden", len(own["loc"])))
         raise ParameterError(_text(worst)) from None
-    return sweep.model_copy(update={"engines": list(dict.fromkeys(map(str, named(sweep.engines))))})
+    configs = list(dict.fromkeys(named(sweep.engines)))
+    if EXACT in configs:
+        where = "its transmittance is `exact_db` of every point, its edges are `exact` of band_edges"
+        raise ParameterError(f"engines = {EXACT} cannot be swept: {where}; allowed: any other, such as {REFERENCE}")
+    return sweep.model_copy(update={"engines": list(map(str, configs))})
 
 
 def _text(error: dict[str, Any]) -> str:
@@ -117,7 +121,8 @@ def _text(error: dict[str, Any]) -> str:
     if kind == "value_error":
         return ".".join(filter(None, [key, str(error["ctx"]["error"])]))
     if kind == "extra_forbidden":
-        return f"{key} is unknown; {choices(place[-1], list(KEYS[table]))}"
+        names = [*KEYS[table], *["accuracy_db"] * (table == "range" and FREQUENCY in place)]
+        return f"{key} is unknown; {choices(place[-1], names)}"
     keys = ", ".join(KEYS.get(place[-1] if place else "", ()))
     allowed = ALLOWED.get(kind, f"a table with {keys}").format(**error.get("ctx", {}))
     wrong = "is missing" if kind == "missing" else f"= {shown(error['input'])}"

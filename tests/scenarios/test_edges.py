@@ -103,6 +103,16 @@ def test_a_crossing_hidden_between_points_close_below_the_threshold_is_found() -
     assert of(edges(searched(peaked)), REFERENCE).frequency_ratio == pytest.approx(exact, abs=1e-6)
 
 
+@pytest.mark.parametrize(("edge", "levels"), [("lower", [5, -1, 0.2, 0.4, -2, -12]), ("upper", [-12, -2, 0.4, -1, 5])])
+def test_the_peak_at_an_edge_is_the_highest_point_before_the_curve_is_below_again(edge: str, levels: list[float]) -> None:
+    curve = dict(zip([case.frequency_ratio for case in GRID], levels, strict=False))
+    cases = [case for case in GRID if case.frequency_ratio in curve]
+    runs = [Run(REFERENCE, case, 400) for case in cases]
+    found = edges(points([Stored(run, "1", drawn({REFERENCE: curve.__getitem__})(run)) for run in runs]))
+    assert of(found, REFERENCE, edge).peak == pytest.approx(0.4, abs=1e-12)
+    assert of(edges(searched(straight)), REFERENCE).peak == math.inf
+
+
 def always_below(eta: float) -> float:
     return -5 - 10 * eta
 

@@ -79,6 +79,8 @@ def test_where_a_sweep_has_no_point_it_is_missing_and_a_tolerance_decides_instea
     assert set(part.status.sel(friction_ratio=0.3).values.ravel()) == {"missing"}
     assert set(part.status.sel(friction_ratio=0.1).values.ravel()) == {"periodic"}
     assert len(judged_table(part)) == 8
+    assert judged_table(part).steps.dtype == int
+    assert judged_table(part.isel(frequency_ratio=slice(0, 0))).empty
     assert judged_table(dataset(SWEEP, table[:0])).empty
     assert set(by_tolerance(table, 1e-9).verdict) == {"deviates"}
     assert set(by_tolerance(table, 10.0).verdict) == {"agrees"}

@@ -58,6 +58,11 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ),
     ({"grid": {"friction_ratio": [0.3]}}, "grid.frequency_ratio is missing; allowed: at least one value"),
     (axis(mass_ratio={**ENDS, "point": 3}), "grid.mass_ratio.point is unknown; allowed: first, last, points; did you"),
+    (
+        axis(frequency_ratio={**ENDS, "accuracy": 0.5}),
+        "grid.frequency_ratio.accuracy is unknown; allowed: first, last, points, accuracy_db; did you mean accuracy_db?",
+    ),
+    ({"engines": ["reference:joint:exact"]}, "engines = reference:joint:exact cannot be swept: its transmittance is "),
     (axis(mass_ratio={**ENDS, "accuracy_db": 1.0}), "grid.mass_ratio has an accuracy; allowed: of frequency_ratio"),
     (curve(last=0.2), "grid.frequency_ratio.last = 0.2; allowed: > first = 0.5"),
     (curve() | {"chain": {"cells": 3000}}, "cells = 3000 with an accuracy of frequency_ratio, "),

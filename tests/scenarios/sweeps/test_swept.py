@@ -81,16 +81,35 @@ def test_edges_without_friction_are_those_of_the_linear_chain(found: pd.DataFram
     exact = brentq(lambda eta: free_db(eta, cells=2, mass_ratio=0.9), *ends, xtol=1e-12)
     rows = at(found, 0.0, edge)
     assert set(rows.verdict) == {"agrees"}
-    assert rows.exact.to_numpy() == pytest.approx(exact, abs=1e-6)
-    assert ((rows.frequency_ratio - exact).abs() <= rows.error_bar + 1e-6).all()
-    assert (rows.error_bar < 1e-4).all()
+    assert ((rows.exact - exact).abs() <= rows.exact_bar).all()
+    assert (rows.exact_bar < 1e-6).all()
+    assert rows.error.to_numpy() == pytest.approx((rows.frequency_ratio - exact).to_numpy(), abs=1e-6)
+    assert (rows.error.abs() < 1e-4).all()
+    assert set(rows.note) == {""}
 
 
 def test_an_edge_that_friction_moves_deviates_with_soft_friction_and_one_that_is_absent_says_why(found) -> None:
     assert at(found, 0.3, "lower").verdict.tolist() == ["agrees", "agrees", "deviates"]
     absent = at(found, 0.3, "upper")
     assert absent.frequency_ratio.isna().all()
-    assert (set(absent.reason), set(absent.verdict)) == ({"below 0 dB up to 1.5"}, {"agrees"})
+    assert (set(absent.note), set(absent.verdict)) == ({"below 0 dB up to 1.5"}, {"agrees"})
+
+
+def test_the_exact_edge_is_given_with_the_reference_alone_and_a_small_peak_that_decides_it_is_said(here) -> None:
+    """The last peak of two damped cells rises by half a decibel over the threshold."""
+    chain, peak = {"cells": 2, "damping_ratio": 0.1}, 0.801
+    frequencies = [0.5, 0.7, peak, 0.85, 0.9, 0.95, 1.0]
+    grid = {"friction_ratio": [0.0], "frequency_ratio": frequencies}
+    data = swept(sweep_of({"engines": ["reference"], "grid": grid, "chain": chain}), Means())
+    lower = band_edges(data).iloc[0]
+    exact = brentq(lambda eta: free_db(eta, **chain), peak, 0.9, xtol=1e-12)
+    assert abs(lower.exact - exact) <= lower.exact_bar < 1e-6
+    assert lower.note.startswith("last peak only ")
+    assert lower.note.endswith(" dB above 0 dB")
+    assert float(lower.note.split()[3]) == pytest.approx(free_db(peak, **chain), abs=0.02)
+    assert 0 < free_db(peak, **chain) < 1
+    with pytest.raises(ParameterError, match="the data have 0 points; allowed: at least one"):
+        band_edges(data.sel(frequency_ratio=slice(2.0, 3.0)))
 
 
 def test_points_of_the_data_are_not_run_again_but_those_of_another_version(data: xr.Dataset, monkeypatch) -> None:
