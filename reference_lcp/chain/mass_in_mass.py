@@ -4,14 +4,16 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property, partial
+from inspect import signature
 from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from reference_lcp import defaults
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ParameterError, choices
 from reference_lcp.validation import (
+    LARGEST_NUMBER,
     LARGEST_PARAMETER,
     LARGEST_UNIT,
     MOST_CELLS,
@@ -64,9 +66,7 @@ class Chain:
     def __post_init__(self) -> None:
         checked_count("cells", self.cells, 1, MOST_CELLS)
         for name, requirement in _REQUIREMENTS.items():
-            given = checked_array(name, getattr(self, name), requirement)
-            if given.shape not in ((), (1,), (self.cells,)):
-                raise ParameterError(f"{name} has shape {given.shape}; allowed: one number or ({self.cells},)")
+            given = _by_cell(name, getattr(self, name), self.cells, requirement, LARGEST_NUMBER)
             own = np.broadcast_to(given, (self.cells,)).copy()
             own.flags.writeable = False
             object.__setattr__(self, name, own)
@@ -87,6 +87,7 @@ class Chain:
         outer_mass: float = defaults.OUTER_MASS,
         chain_stiffness: float = defaults.CHAIN_STIFFNESS,
         friction_coefficient: float = defaults.FRICTION_COEFFICIENT,
+        **unknown: object,
     ) -> Self:
         """Build a chain from non-dimensional ratios; the defaults are the canonical frictionless case.
 
@@ -110,25 +111,30 @@ class Chain:
         Raises
         ------
         ParameterError
-            If a ratio is outside its range; the message names the ratio.
+            If a ratio is unknown, outside its range, or has not a value for every cell; the message names the ratio.
         """
+        for name in unknown:
+            raise ParameterError(f"{name} is unknown; {choices(name, [*signature(cls.from_ratios).parameters][:-1])}")
+        checked_count("cells", cells, 1, MOST_CELLS)
         unit = partial(checked_scalar, requirement="> 0", largest=LARGEST_UNIT)
-        positive = partial(checked_array, requirement="> 0", largest=LARGEST_PARAMETER)
+        positive = partial(_by_cell, cells=cells, requirement="> 0")
         mass, stiffness = unit("outer_mass", outer_mass), unit("chain_stiffness", chain_stiffness)
         amplitude, mu = unit("base_amplitude", base_amplitude), unit("friction_coefficient", friction_coefficient)
         outer = positive("outer_mass_ratio", outer_mass_ratio) * mass
         springs = positive("chain_stiffness_ratio", chain_stiffness_ratio) * stiffness
         inner_mass = positive("mass_ratio", mass_ratio) * outer
         inner_stiffness = positive("stiffness_ratio", stiffness_ratio) * springs
-        friction = checked_array("friction_ratio", friction_ratio, ">= 0", largest=LARGEST_PARAMETER)
+        friction = _by_cell("friction_ratio", friction_ratio, cells)
+        damping = _by_cell("damping_ratio", damping_ratio, cells)
+        inner_damping = _by_cell("inner_damping_ratio", inner_damping_ratio, cells)
         return cls(
             cells=cells,
             outer_mass=outer,
             inner_mass=inner_mass,
             chain_stiffness=springs,
             inner_stiffness=inner_stiffness,
-            chain_damping=_dashpot("damping_ratio", damping_ratio, springs, outer),
-            inner_damping=_dashpot("inner_damping_ratio", inner_damping_ratio, inner_stiffness, inner_mass),
+            chain_damping=2 * damping * np.sqrt(springs * outer),
+            inner_damping=2 * inner_damping * np.sqrt(inner_stiffness * inner_mass),
             normal_force=friction * stiffness * amplitude / mu,
             friction_coefficient=np.asarray(mu),
         )
@@ -224,9 +230,15 @@ def _span(values: FloatArray) -> str:
     return f"{low:.4g}" if low == high else f"{low:.4g}…{high:.4g}"
 
 
-def _dashpot(name: str, ratio: ArrayLike, stiffness: FloatArray, mass: FloatArray) -> FloatArray:
-    """Give c = 2 ζ √(k m) of the ratio ζ that has this name."""
-    return 2 * checked_array(name, ratio, ">= 0", largest=LARGEST_PARAMETER) * np.sqrt(stiffness * mass)
+def _by_cell(
+    name: str, value: ArrayLike, cells: int, requirement: str = ">= 0", largest: float = LARGEST_PARAMETER
+) -> FloatArray:
+    """Give one number, or one for every cell; refuse all else."""
+    given = checked_array(name, value, requirement, largest=largest)
+    if given.shape not in ((), (1,), (cells,)):
+        has = f"{given.size} values and the chain {cells} cells" if given.ndim == 1 else f"shape {given.shape}"
+        raise ParameterError(f"{name} has {has}; allowed: one number or {cells}, one per cell")
+    return given
 
 
 def mechanical_energy(chain: Chain, positions: FloatArray, velocities: FloatArray) -> FloatArray:

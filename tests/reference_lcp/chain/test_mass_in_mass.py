@@ -90,7 +90,17 @@ def test_chain_is_a_value() -> None:
         (lambda: Chain.from_ratios(outer_mass=np.inf), "outer_mass = inf"),
         (lambda: Chain.from_ratios(cells=0), "cells = 0"),
         (lambda: Chain.from_ratios(cells=2.5), "cells = 2.5"),
-        (lambda: Chain.from_ratios(friction_ratio=[0.1, 0.2]), r"normal_force has shape \(2,\)"),
+        (
+            lambda: Chain.from_ratios(cells=5, friction_ratio=[0.1] * 7),
+            "^friction_ratio has 7 values and the chain 5 cells; allowed: one number or 5, one per cell$",
+        ),
+        (lambda: Chain.from_ratios(mass_ratio=[1.0] * 7, outer_mass_ratio=[1.0, 2.0]), "^outer_mass_ratio has 2 values"),
+        (lambda: Chain.from_ratios(damping_ratio=np.ones((7, 1))), r"^damping_ratio has shape \(7, 1\); allowed: one "),
+        (
+            lambda: Chain(outer_mass=[1.0, 2.0], inner_mass=1, chain_stiffness=1, inner_stiffness=1),
+            "^outer_mass has 2 values and the chain 7 cells; allowed: ",
+        ),
+        (lambda: Chain.from_ratios(stiffnes_ratio=2), "^stiffnes_ratio is unknown; .*; did you mean stiffness_ratio?"),
         (lambda: Chain.from_ratios(mass_ratio="heavy"), "mass_ratio = 'heavy' is not a number"),
         (lambda: HarmonicBase(0.01, 0.0), "= 0 .* allowed: > 0"),
         (lambda: HarmonicForce(np.nan, 1.0), "= nan .* allowed: > 0"),
