@@ -123,8 +123,8 @@ def steady_state(
     steps_per_period
         Fewest steps a period, >= 16; more are taken where dt ω_max <= 0.4 requires them.
     solver
-        ``"compiled"``, the Euler scheme, as without a word of a chain; ``"lemke"``, the same by Lemke's method, of a
-        chain only; or ``"exact"``, the motion from event to event, as without a word of a system.
+        ``"compiled"``, the Euler scheme, the default for a chain; ``"lemke"``, the same by Lemke's method, for a chain
+        only; or ``"exact"``, the motion from event to event, the default for a system.
     tolerance
         Periodicity residual to reach; `DEFAULT_RESIDUAL`, or `EXACT_RESIDUAL` for the exact
         solver, unless given.

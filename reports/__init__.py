@@ -57,15 +57,16 @@ def band_edges(
     -------
     pandas.DataFrame
         One row an edge: the axes of the sweep, such as ``friction_ratio``; ``edge`` (lower or upper);
-        ``frequency_ratio`` η_r, NaN where there is no such edge; ``error_bar``, how far from it the edge of the exact
-        motion may be. Where there are other configurations than the reference: ``configuration``, the ``exact`` edge,
-        the ``error``, the edge that is ``expected`` (of presets that share the scheme, the reference's at equal steps),
-        what is ``allowed`` from that, and the ``verdict``. Last, the ``reason`` why there is no such edge.
+        ``frequency_ratio`` η_r with the steps per period of the sweep, NaN where there is no such edge; ``note``: why
+        there is none, or that the last peak before it is less than 1 dB above the threshold; ``error`` from ``exact``,
+        the edge of the exact motion, which is the one to cite; ``exact_bar``, how far that may be off. Where there are
+        other configurations than the reference: ``configuration``, the edge that is ``expected`` (of presets that share
+        the scheme, the reference's at equal steps), what is ``allowed`` from that, and the ``verdict``.
 
     Raises
     ------
     ParameterError
-        If the data are none of a sweep, or of another version of an engine than is installed.
+        If the data are none of a sweep, have no points, or are of another version of an engine than is installed.
     """
     from multibody_xval.scenarios.compute import SECONDS_A_RUN
     from multibody_xval.scenarios.running.evaluate import Means
@@ -92,6 +93,7 @@ def plot(data: Any, file: str | Path | None = None) -> "Figure":
     -------
     matplotlib.figure.Figure
         Of a sweep as wide as one column of a journal, or two; [dB] over η_r, the threshold of the band as a grey line.
+        All steady states are drawn, whatever their verdict. ``figure.axes[0].set_xlim(0.3, 1.6)`` changes an axis.
         Of a motion displacement, relative velocity and friction over time, grey where a contact sticks.
 
     Raises

@@ -102,4 +102,4 @@ def test_a_study_of_a_graded_chain_takes_twenty_lines(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "graded.pdf").read_bytes().startswith(b"%PDF")
     edges = [line.split() for line in done.stdout.splitlines() if line.endswith("agrees")]
-    assert [(row[1], row[4]) for row in edges] == list(product(("0.1", "0.3"), ("reference", "mujoco")))
+    assert [(row[1], row[2]) for row in edges] == list(product(("0.1", "0.3"), ("reference", "mujoco")))

@@ -205,7 +205,10 @@ def mode_changes(
 
 
 def stuck_fraction(motion: AnyMotion, stick_margin: float = STICK_MARGIN) -> FloatArray:
-    """Part of the steps in which each contact sticks, shape (n,). Parameters as in `contact_modes`."""
+    """Part of the steps in which each contact sticks, shape (n,).
+
+    A contact sticks in a step whose friction leaves `stick_margin`, in (0, 1), of the friction limit at least.
+    """
     return np.mean(contact_modes(motion, stick_margin) == 0, axis=0)
 
 

@@ -217,7 +217,7 @@ def _print(state: SteadyState, why_more_steps: str | None, exact: dict[str, floa
     elif bar is not None:
         print(f"error bar             below what can be resolved: at most {bar.floor_db:.1f} dB")
     for level in exact.values():
-        print(f"exact                 {level:.4f} dB")
+        print(f"exact                 {level:.4f} dB (without a time step: the one to cite)")
     for answer in proven.values():
         _print_proof(answer)
     print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")

@@ -104,7 +104,7 @@ def test_a_crossing_hidden_between_points_close_below_the_threshold_is_found() -
 
 
 @pytest.mark.parametrize(("edge", "levels"), [("lower", [5, -1, 0.2, 0.4, -2, -12]), ("upper", [-12, -2, 0.4, -1, 5])])
-def test_the_peak_at_an_edge_is_the_highest_point_before_the_curve_is_below_again(edge: str, levels: list[float]) -> None:
+def test_the_peak_at_an_edge_is_the_highest_point_until_the_curve_is_below(edge: str, levels: list[float]) -> None:
     curve = dict(zip([case.frequency_ratio for case in GRID], levels, strict=False))
     cases = [case for case in GRID if case.frequency_ratio in curve]
     runs = [Run(REFERENCE, case, 400) for case in cases]

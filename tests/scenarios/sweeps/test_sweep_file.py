@@ -60,7 +60,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     (axis(mass_ratio={**ENDS, "point": 3}), "grid.mass_ratio.point is unknown; allowed: first, last, points; did you"),
     (
         axis(frequency_ratio={**ENDS, "accuracy": 0.5}),
-        "grid.frequency_ratio.accuracy is unknown; allowed: first, last, points, accuracy_db; did you mean accuracy_db?",
+        "grid.frequency_ratio.accuracy is unknown; allowed: first, last, points, accuracy_db; did you mean accuracy_db",
     ),
     ({"engines": ["reference:joint:exact"]}, "engines = reference:joint:exact cannot be swept: its transmittance is "),
     (axis(mass_ratio={**ENDS, "accuracy_db": 1.0}), "grid.mass_ratio has an accuracy; allowed: of frequency_ratio"),
