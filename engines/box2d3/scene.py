@@ -124,7 +124,8 @@ def _one_joint(scene: JointScene, setting: SceneSetting) -> SteppedWorld:
 def _arm(scene: ArmScene, setting: SceneSetting) -> SteppedWorld:
     import pyb2d3
 
-    world, links, end = _new_world(setting, GRAVITY), [], 0.0
+    world, end = _new_world(setting, GRAVITY), 0.0
+    links: list[Any] = []
     before, untouched = world.create_static_body(), pyb2d3.make_filter(mask_bits=0)
     for bound in scene.friction:
         body = world.create_dynamic_body(position=(LINK_LENGTH * (len(links) + 0.5), 0))
