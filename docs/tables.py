@@ -15,7 +15,7 @@ import python_names
 from multibody_xval.engines.interface.registry import engine
 from multibody_xval.engines.interface.variant import Variant
 from multibody_xval.reports.formatting import significant
-from multibody_xval.reports.reproducers.recipe import recipe_text
+from multibody_xval.reports.reproducers.recipe import by_hand, recipe_text
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
 from multibody_xval.scenarios.report_plan import PRESETS
@@ -43,8 +43,6 @@ SIGNS = {
 
 NOT_PERIODIC, NO_CURE, DASH = "not periodic", "no cure known", "–"
 
-FENCE = "```"
-
 
 def markdown(header: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
     """Give a table; bars in cells are escaped."""
@@ -70,9 +68,9 @@ def engines() -> list[str]:
 
 
 def recipe(name: str) -> list[str]:
-    """Give what the recipe of an engine says to write, up to the end of its block."""
-    before, block, _ = recipe_text(name).split(FENCE)
-    return [FENCE + block.rstrip(), FENCE] if before.startswith("#") else []
+    """Give what the recipe of an engine says to write, with notes and alternatives: what is written by hand."""
+    title, *lines = by_hand(recipe_text(name)).splitlines()
+    return lines[1:] if title.startswith("#") else []
 
 
 def drift() -> list[str]:

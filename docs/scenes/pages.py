@@ -6,9 +6,8 @@ import pandas as pd
 
 from multibody_xval.engines.interface import registry
 from multibody_xval.engines.interface.variant import FOR_THE_CHAIN, Variant
+from multibody_xval.reports.reproducers.recipe import MADE, by_hand
 from multibody_xval.scenarios.catalogue.worst_numbers import NOT_CURED, printed_number, with_recipe
-
-FENCE = "```"
 
 NOT_CURED_MEANS = (
     f"*{NOT_CURED.capitalize()}*: more than twice what is allowed with the recipe, too. "
@@ -18,7 +17,7 @@ NOT_CURED_MEANS = (
 
 def _reaches(name: str) -> Iterator[str]:
     """Say of the options of tuned presets which hold in any model."""
-    yield f"*Tuned* presets are of no use here. {FOR_THE_CHAIN} Of what they change:"
+    yield f"{MADE} are of no use here. {FOR_THE_CHAIN} Of what they change:"
     yield ""
     for formulation in registry.engine(name).capabilities.presets:
         tuned = Variant(name, str(formulation))
@@ -33,8 +32,7 @@ def _reaches(name: str) -> Iterator[str]:
 
 def with_numbers(text: str, name: str, rows: pd.DataFrame) -> str:
     """Give the page of a recipe with what it gives: all below what is to be written."""
-    written = text[: text.index(f"{FENCE}\n", text.index(FENCE) + 1) + len(FENCE)]
-    return "\n".join([written, "", *_reaches(name), *_numbers(name, rows)]).rstrip() + "\n"
+    return "\n".join([by_hand(text), "", *_reaches(name), *_numbers(name, rows)]).rstrip() + "\n"
 
 
 def _numbers(name: str, rows: pd.DataFrame) -> Iterator[str]:

@@ -1,6 +1,5 @@
 """What those whose blocks creep see first: the drift of a stack on a slope, and what to paste into a model."""
 
-import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -8,7 +7,7 @@ import pandas as pd
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
+from multibody_xval.reports.reproducers.recipe import blocks, recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.numbers import numbers
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number
@@ -59,8 +58,7 @@ def pasted(configs: Iterable[Config]) -> dict[str, str]:
     """Give what to write in a model, by the titles of engines: the block of the recipe."""
     names = [name for name in dict.fromkeys(own.engine for own in configs) if name in engine_names()]
     texts = {engine(name).capabilities.title: recipe_text(name) for name in names if recipe_file(engine(name))}
-    blocks = {title: re.search(r"```text\n(.*?)```", text, re.DOTALL) for title, text in texts.items()}
-    return {title: block[1].rstrip() for title, block in blocks.items() if block}
+    return {title: blocks(text)[0] for title, text in texts.items() if blocks(text)}
 
 
 def _own_step(config: Config) -> Run:

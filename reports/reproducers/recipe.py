@@ -1,5 +1,6 @@
 """An engine's recipe: what to write in one's own model so that friction holds, as a page beside the adapter."""
 
+import re
 import textwrap
 from collections.abc import Iterator
 from importlib.resources.abc import Traversable
@@ -17,6 +18,9 @@ WIDTH = 80
 """Columns of the sentences on a terminal."""
 
 SENTENCE_ENDS = (".", ":")
+
+MADE = "*Tuned* presets"
+"""Begins the part of a page that `docs/scenes/pages.py` writes."""
 
 
 def recipe_file(adapter: Engine) -> Traversable | None:
@@ -45,9 +49,11 @@ def recipe_text(name: str) -> str:
 
 
 def to_write(name: str) -> str:
-    """Give what the recipe of an engine says to write: the block of its page."""
-    _, block, _ = recipe_text(name).split("```")
-    return block.partition("\n")[2]
+    """Give what the recipe of an engine says to write, with notes and alternatives, as plain text."""
+    parts = by_hand(recipe_text(name)).partition("\n")[2].split("```")
+    notes = (part if own % 2 else re.sub(r"^ +", "", part, flags=re.MULTILINE) for own, part in enumerate(parts))
+    lines = "".join(notes).splitlines()
+    return "\n".join(line for line in lines if line not in ("", "text")) + "\n"
 
 
 def for_terminal(block: str) -> Iterator[str]:
@@ -61,3 +67,13 @@ def for_terminal(block: str) -> Iterator[str]:
             sentences.append(line)
         elif line.strip():
             yield line
+
+
+def by_hand(text: str) -> str:
+    """Give the part of a page that is written by hand: what to write, notes and alternatives."""
+    return text.partition(MADE)[0].rstrip()
+
+
+def blocks(text: str) -> list[str]:
+    """Give what a page says to write: the recipe, then its alternatives."""
+    return [own.rstrip() for own in re.findall(r"```text\n(.*?)```", text, re.DOTALL)]

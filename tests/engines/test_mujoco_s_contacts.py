@@ -91,6 +91,7 @@ def test_harder_contacts_let_what_is_heavy_drift_an_eighth_as_far() -> None:
     case = next(iter(HEAVY_ON_LIGHT.cases.values()))
     assert drift(case) == pytest.approx(8.5, rel=0.02)
     assert drift(case, HARDER, LESS) == pytest.approx(1.1, rel=0.02)
+    assert drift(case, ("<geom ", '<geom solref="0.014 1" ')) == pytest.approx(14, rel=0.05)
 
 
 @pytest.mark.parametrize("name", ["slope, mass inside, 14 Hz", "level, mass inside, 120 Hz"])

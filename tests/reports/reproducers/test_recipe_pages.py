@@ -15,7 +15,7 @@ from multibody_xval.engines.interface.registry import engine, engine_names
 from multibody_xval.reports.cli.ending import run_command
 from multibody_xval.reports.cli.recipe import app
 from multibody_xval.reports.formatting import significant
-from multibody_xval.reports.reproducers.recipe import recipe_file, recipe_text
+from multibody_xval.reports.reproducers.recipe import blocks, by_hand, recipe_file, recipe_text
 from multibody_xval.scenarios.catalogue import recipes
 from multibody_xval.scenarios.catalogue.scenario import COMMON_STEP
 from multibody_xval.scenarios.catalogue.worst_numbers import printed_number, with_recipe
@@ -119,11 +119,12 @@ def test_numbers_that_a_recipe_leaves_beyond_what_is_allowed_are_called_not_cure
 @pytest.mark.parametrize("name", WITH_PAGE)
 def test_what_is_to_be_pasted_is_printed_unbroken_and_sentences_in_80_columns(capsys, name) -> None:
     assert run_command(app, [name, "--no-run"]) == 0
-    out, block = capsys.readouterr().out, recipe_text(name).split("```")[1].removeprefix("text\n")
-    code = [[line for line in text.splitlines() if line.startswith(" ")] for text in (out, block)]
+    out, page = capsys.readouterr().out, by_hand(recipe_text(name))
+    code = [[line for line in text.splitlines() if line.startswith(" ")] for text in (out, "\n".join(blocks(page)))]
     assert code[0] == code[1]
     assert max(len(line) for line in out.splitlines() if line not in code[0]) <= 80
-    assert out.split() == block.split(), "no word is lost, and none is added"
+    words = page.partition("\n")[2].replace("```text", "").replace("```", "").split()
+    assert out.split() == words, "no word is lost, and none is added"
 
 
 def test_mujoco_s_recipe_says_what_it_is_worth_on_the_chain() -> None:

@@ -1,6 +1,7 @@
 """A box that is pushed from rest: numbers of plain scripts, and friction that is wrong by its direction."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -41,8 +42,26 @@ def test_mujoco_pushes_a_box_as_far_as_in_a_script_that_imports_it_alone() -> No
     assert EXACT * ways("mujoco:contact:default") == pytest.approx(np.array(PYRAMID), abs=0.002 * EXACT)
 
 
-def plain_bullet(degrees: float, load: float, gravity: float, plane: bool, maximal: bool = False) -> complex:
-    """Push a box in plain PyBullet, without its damping; gives the way along and aside [m]."""
+BOX = """<robot name="box"><link name="box">
+<contact><lateral_friction value="0.8"/></contact>
+<inertial><mass value="1"/><inertia ixx="0.00167" iyy="0.00417" izz="0.00417" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="0.2 0.1 0.1"/></geometry></collision>
+</link></robot>"""
+"""The box of the plain script as a URDF."""
+
+
+def plain_bullet(
+    degrees: float,
+    load: float,
+    gravity: float,
+    plane: bool,
+    maximal: bool = False,
+    urdf: tuple[str, bool] | None = None,
+) -> complex:
+    """Push a box in plain PyBullet, without its damping; gives the way along and aside [m].
+
+    A URDF is a file, and whether the box is in maximal coordinates.
+    """
     import pybullet as p
 
     client = p.connect(p.DIRECT)
@@ -57,7 +76,10 @@ def plain_bullet(degrees: float, load: float, gravity: float, plane: bool, maxim
             ground = p.createMultiBody(0, slab, -1, [0, 0, -1], useMaximalCoordinates=maximal)
         shape, turn = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.1, 0.05, 0.05]), math.radians(degrees)
         turned = [0, 0, math.sin(turn / 2), math.cos(turn / 2)]
-        box = p.createMultiBody(1, shape, -1, [0, 0, 0.05], turned, useMaximalCoordinates=maximal)
+        if urdf:
+            box = p.loadURDF(urdf[0], [0, 0, 0.05], turned, useMaximalCoordinates=urdf[1])
+        else:
+            box = p.createMultiBody(1, shape, -1, [0, 0, 0.05], turned, useMaximalCoordinates=maximal)
         for body in (ground, box):
             p.changeDynamics(body, -1, lateralFriction=math.sqrt(0.5), linearDamping=0, angularDamping=0)
         for _ in range(120):
@@ -90,6 +112,16 @@ def test_scene_pushes_a_box_as_far_as_plain_pybullet_on_the_same_ground() -> Non
     assert ways(BULLET) == pytest.approx(plain, abs=1e-3)
     assert abs(plain[3] - 1) > 0.2
     assert cured == pytest.approx(np.ones(4), abs=1e-3)
+
+
+@pytest.mark.needs("pybullet")
+def test_box_of_a_urdf_needs_maximal_coordinates_as_its_ground_does(tmp_path: Path) -> None:
+    """Pushed at 45° with 1.06 μ m g, in which the coefficient of the file counts no more."""
+    file = tmp_path / "box.urdf"
+    file.write_text(BOX, encoding="utf-8")
+    exact = 0.06 * 0.5 * 9.81 * STEP**2 * STEPS * (STEPS + 1) / 2
+    ways_of = [abs(plain_bullet(45, 1.06, 9.81, False, True, (str(file), own))) / exact for own in (True, False)]
+    assert ways_of == pytest.approx([1.0, 1.718], abs=1e-3)
 
 
 def test_friction_that_acts_aside_is_found_in_every_direction() -> None:
