@@ -5,9 +5,9 @@ from multibody_xval.engines.interface.presets import Preset
 from multibody_xval.engines.shared.substep_law import substep_law
 
 SINGLE_PRECISION_PERIOD = 1.7e-5
-"""Of U0, for each substep: positions of up to eight U0 are rounded to 2^-20 U0, a standard deviation of 2.8e-7. Forces are
-held over the substeps of a step, so that these round alike: their roundings add up in proportion to their number, and
-those of 400 steps as its root. Three standard deviations."""
+"""Of U0, for each substep: positions of up to eight U0 are rounded to 2^-20 U0, a standard deviation of 2.8e-7. Forces
+are held over the substeps of a step, so that these round alike: their roundings add up in proportion to their number,
+and those of 400 steps as its root. Three standard deviations."""
 
 
 def contacts(preset: Preset) -> Law:

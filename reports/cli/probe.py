@@ -44,7 +44,7 @@ def probe(
         str | None, typer.Option(help="Where the model starts; by default its first, or 'none'.")
     ] = None,
     ctrl: Annotated[
-        Path | None, typer.Option(help="CSV file: seconds since the start, settling included, and all controls.")
+        Path | None, typer.Option(help="CSV file: seconds since the start, not since --time begins, and all controls.")
     ] = None,
     floor: Annotated[bool, typer.Option("--floor", help="Put a floor below the model.")] = False,
     free: Annotated[bool, typer.Option("--free", help="Let the base of a URDF move.")] = False,

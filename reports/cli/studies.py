@@ -183,7 +183,7 @@ def accuracy(engines: Engines, *, store: Store = None, out: TableFiles = None, c
 
     Example: multibody-xval run accuracy --store accuracy.sqlite --out accuracy.md
     """
-    outs = check_outs(out, TABLE_ENDINGS, store)
+    outs, means = check_outs(out, TABLE_ENDINGS, store), computing.means(store)
     configs = compared(engines)
     from multibody_xval.scenarios.result_tables import points
     from multibody_xval.scenarios.ruler.judge import judged
@@ -191,7 +191,7 @@ def accuracy(engines: Engines, *, store: Store = None, out: TableFiles = None, c
     from multibody_xval.scenarios.studies import accuracy_map as study
 
     with keeping(store):
-        every = points(computed(study.map_runs(configs), computing.means(store)))
+        every = points(computed(study.map_runs(configs), means))
     table = study.accuracies(judged(every))
     end = Shown("Accuracy of the engines", engines.command("accuracy"), every, study.LEGEND)
     end.show({"": study.shown(table), "Remarks": study.remarks(table)})
@@ -227,7 +227,7 @@ def work_precision(
     from reference_lcp.validation import MOST_STEPS, checked_count
 
     asked = sorted({checked_count("steps", count, FEWEST_STEPS_PER_PERIOD, MOST_STEPS) for count in steps or ()})
-    outs = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store)
+    outs, means = check_outs(out, (*TABLE_ENDINGS, *CHART_ENDINGS), store), computing.means(store)
     configs = compared(engines)
     from multibody_xval.reports.figures.studies import costs
     from multibody_xval.scenarios.result_tables import points
@@ -238,7 +238,7 @@ def work_precision(
     with keeping(store):
         runs = study.step_runs(configs, asked or study.USUAL_STEPS)
         then = [] if asked else [("finer steps", study.finer)]
-        every = points(computed(runs, computing.means(store), then=then))
+        every = points(computed(runs, means, then=then))
     table = study.step_table(judged(every))
     command = engines.command("work-precision", [f"--steps={count}" for count in asked])
     end = Shown("Work and precision", command, every, study.LEGEND)
