@@ -103,7 +103,7 @@ PLACES: dict[str, list[Place]] = {
 
 MEANS, NUMBER = Means(workers=1), Number(0.5, 1.0)
 
-MOST_LINES, MOST_LINES_OF_SCENES = 61, 106
+MOST_LINES, MOST_LINES_OF_SCENES = 61, 109
 """A script stays readable in a tracker; that of a scene has the lines by which its adapter makes bodies."""
 
 DIGITS = 1e-11
