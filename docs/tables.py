@@ -41,7 +41,7 @@ SIGNS = {
 }  # fmt: skip
 """What a cell of verdicts shows: the worst, which comes first."""
 
-NOT_PERIODIC, NO_CURE, DASH = "not periodic", "no cure known", "–"
+NOT_PERIODIC, NOT_ENOUGH, DASH = "not periodic", "not enough", "–"
 
 
 def markdown(header: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
@@ -153,15 +153,15 @@ def error_text(own: object | None) -> str:
         return DASH
     else:
         text = significant(float(size)) + r"\*" * (known < every)
-    return text + f" ({NO_CURE})" * is_no_cure(own, text)
+    return text + f" ({NOT_ENOUGH})" * is_not_enough(own, text)
 
 
-def is_no_cure(own: object, text: str) -> bool:
-    """Tell whether a recipe leaves more than twice the error of the reference with as many steps, or never settles."""
-    if own.preset != "recommended":  # type: ignore[attr-defined]
+def is_not_enough(own: object, text: str) -> bool:
+    """Tell whether a recipe leaves more than twice the error of the reference with as many steps."""
+    if own.preset != "recommended" or text == NOT_PERIODIC:  # type: ignore[attr-defined]
         return False
     scheme = float(accuracies().query("engine == 'reference'")["map, 800 [dB]"].iloc[0])
-    return text == NOT_PERIODIC or float(own[6]) > OTHER_SCHEMES * scheme  # type: ignore[index]
+    return float(own[6]) > OTHER_SCHEMES * scheme  # type: ignore[index]
 
 
 def verdicts(kind: str) -> list[str]:
