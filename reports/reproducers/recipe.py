@@ -17,7 +17,11 @@ CODE = " "
 WIDTH = 80
 """Columns of the sentences on a terminal."""
 
-SENTENCE_ENDS = (".", ":")
+ITEM = "- "
+"""Begins an item of a list."""
+
+EMPHASIS = re.compile(r"\*{1,2}([^*\n]+)\*{1,2}")
+"""``*This*``, which a terminal does not show."""
 
 MADE = "*Tuned* presets"
 """Begins the part of a page that `docs/scenes/pages.py` writes."""
@@ -51,21 +55,25 @@ def recipe_text(name: str) -> str:
 def to_write(name: str) -> str:
     """Give what the recipe of an engine says to write, with notes and alternatives, as plain text."""
     parts = by_hand(recipe_text(name)).partition("\n")[2].split("```")
-    notes = (part if own % 2 else re.sub(r"^ +", "", part, flags=re.MULTILINE) for own, part in enumerate(parts))
-    lines = "".join(notes).splitlines()
-    return "\n".join(line for line in lines if line not in ("", "text")) + "\n"
+    plain = (part.removeprefix("text") if own % 2 else EMPHASIS.sub(r"\1", part) for own, part in enumerate(parts))
+    notes = (part if own % 2 else re.sub(r"^ +", "", part, flags=re.MULTILINE) for own, part in enumerate(plain))
+    return re.sub(r"\n{3,}", "\n\n", "".join(notes)).strip("\n") + "\n"
 
 
 def for_terminal(block: str) -> Iterator[str]:
     """Give a block in lines: sentences anew in `WIDTH` columns, and all between them unbroken."""
     sentences: list[str] = []
     for line in [*block.splitlines(), CODE]:
-        if sentences and (line.startswith(CODE) or sentences[-1].endswith(SENTENCE_ENDS)):
-            yield from textwrap.wrap(" ".join(sentences), WIDTH, break_long_words=False, break_on_hyphens=False)
+        if sentences and (not line or line.startswith((CODE, ITEM))):
+            indent = CODE * len(ITEM) * sentences[0].startswith(ITEM)
+            text = " ".join(sentences)
+            yield from textwrap.wrap(
+                text, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+            )
             sentences = []
-        if not line.startswith(CODE):
+        if line and not line.startswith(CODE):
             sentences.append(line)
-        elif line.strip():
+        elif line != CODE:
             yield line
 
 
