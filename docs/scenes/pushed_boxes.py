@@ -1,6 +1,6 @@
 """How far boxes are from where they should be that are pushed at an angle to their own sides, in plain MuJoCo.
 
-``python docs/scenes/pushed_boxes.py`` writes ``pushed_boxes.csv`` in a few seconds. What is pasted into the model is
+``python docs/scenes/pushed_boxes.py`` writes ``pushed_boxes.csv`` in a minute. What is pasted into the model is
 read from MuJoCo's recipe.
 """
 
@@ -22,7 +22,7 @@ LOAD = 1.06
 BOXES = {"6 × 6 × 6": (0.03, 0.03), "6 × 6 × 10": (0.03, 0.05), "20 × 20 × 10": (0.1, 0.05)}
 """Half of side and height [m], by the size in cm."""
 
-ANGLES = (15, 20, 30, 45)
+ANGLES = range(15, 46)
 """Of the push to a box's own sides [°]."""
 
 

@@ -246,4 +246,4 @@ def _each(names: Iterable[str]) -> list[str]:
 def check_installed(name: str, missing: str | None) -> None:
     """Refuse an engine that is named, if something is missing."""
     if missing is not None:
-        raise ParameterError(f"engine = {name} is not installed: {missing}; allowed: one that is")
+        raise ParameterError(f"engine = {name} is not installed: {missing}")
