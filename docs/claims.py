@@ -23,7 +23,7 @@ from multibody_xval.scenarios.studies.claims import (
     of_paper,
     shown,
 )
-from multibody_xval.scenarios.studies.figure3 import answered
+from multibody_xval.scenarios.studies.figure3 import answered, answers_of_reference
 from multibody_xval.scenarios.table_text import markdown_lines, markdown_list
 
 PRESETS = ("default", "recommended", "tuned")
@@ -39,7 +39,7 @@ def text(rows: pd.DataFrame) -> str:
     rows = of_paper(rows)
     found = edges(rows)
     concluded = conclusions(rows, found)
-    stated = answered(rows, found)
+    stated = answered(answers_of_reference(rows, found), numbers=True)
     answers = concluded[list(STATED)]
     apart = (answers != answers.iloc[0]).any(axis=1) | (concluded.farthest >= MOVED)
     sentences = markdown_list([*concluded.sentence[apart], OTHERS])

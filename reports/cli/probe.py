@@ -96,10 +96,11 @@ def _print_tables(found: Probe) -> None:
         text = " and ".join(["Largest drift"] * bool(found.held) + ["last stop"] * bool(late))
         rows = [_line_row(found, line) for line in found.costs]
         _table(f"{text} with each line of the recipe alone, and with all:", ("options", *units(found), *late), rows)
-    _say(finding(found))
+    said = finding(found)
+    _say(said)
     if line := cost_line(found.costs[last]):
         print(line)
-    if helps(found):
+    if helps(said):
         print("To write it: multibody-xval recipe mujoco --no-run")
 
 

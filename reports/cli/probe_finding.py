@@ -61,9 +61,9 @@ def _of_nothing(found: Probe) -> str:
     return f"Nothing was tested: {reason}. Ways to load it: {'; '.join(found.ways_to_load)}."
 
 
-def helps(found: Probe) -> bool:
-    """Tell whether the recipe is worth writing."""
-    return "The recipe helps" in finding(found)
+def helps(said: str) -> bool:
+    """Tell whether a finding says that the recipe is worth writing."""
+    return "The recipe helps" in said
 
 
 def _of_stop(stop: Stop, own: float, recipe: float) -> str:

@@ -84,9 +84,8 @@ def figure3(
     from multibody_xval.reports.page.sources import STORE
     from multibody_xval.scenarios.edges import judged_edges
     from multibody_xval.scenarios.result_tables import coarsest, file_columns, is_exact, points
-    from multibody_xval.scenarios.ruler.judge import conclusion, failures, judged
+    from multibody_xval.scenarios.ruler.judge import failures, judged
     from multibody_xval.scenarios.studies.claims import claim_cases, of_paper
-    from multibody_xval.scenarios.studies.figure3 import finding
 
     kept = store or out / STORE
     means = computing.means(kept)
@@ -100,12 +99,11 @@ def figure3(
     lines = failures(of_engines, lambda own: own.config.isin(configs[1:]))
     words = ([] if out == FIGURE3 else [f"--out={out}"]) + ([f"--store={store}"] if store else [])
     end = Shown("Figure 3", engines.command("figure3", words + ([] if run else ["--no-run"])), every)
-    end.show(figure3_parts(every, found, of_engines))
-    end.keep(figure3_details(every, found, of_engines))
-    last = [finding(every, found)] + ([] if of_engines.empty else [conclusion(of_engines), *lines])
-    end.keep({"Finding": last})
+    printed, details, last = figure3_parts(every, found, of_engines)
+    end.show(printed)
+    end.keep(details | {"Finding": [*last, *lines]})
     end.write(outs, file_columns(drawn), lambda: transmittance(every, found))
-    print_part([f"written: {out / 'figure3.svg'}, .pdf, .csv and .md", *last])
+    print_part([f"written: {out / 'figure3.svg'}, .pdf, .csv and .md", *last, *lines])
     if lines:
         raise typer.Exit(ExitCode.FAILED)
 
@@ -140,39 +138,36 @@ def _figure3_results(configs: list[Variant], kept: Path, means: Means | None) ->
 Parts = dict[str, "pd.DataFrame | list[str]"]
 
 
-def figure3_parts(every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame) -> Parts:
-    """Give what `run figure3` prints: what is assumed, edges and claims; of engines edges and conclusions too."""
-    from multibody_xval.scenarios.studies.claims import STATED, conclusions, shown
-    from multibody_xval.scenarios.studies.figure3 import answers_in_short, assumed, reference_bands
+def figure3_parts(every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame) -> tuple[Parts, Parts, list[str]]:
+    """Give what `run figure3` prints, what its document has beside that, and the finding, which ends both."""
+    from multibody_xval.reports.page.tables import edge_table, verdict_counts
+    from multibody_xval.scenarios.ruler.judge import conclusion
+    from multibody_xval.scenarios.studies import figure3 as study
+    from multibody_xval.scenarios.studies.claims import RANGE, STATED, conclusions, shown
 
-    parts: Parts = {
-        "Parameters": assumed(),
-        "Lower band edges η_r; share of 0.3 to 1.6 that the band covers": reference_bands(every, found),
-        "The paper's claims": answers_in_short(every, found),
+    answers, bands = study.answers_of_reference(every, found), study.bands_of_reference(every, found)
+    covered = f"{RANGE[0]:g} to {RANGE[1]:g}"
+    printed: Parts = {
+        "Parameters": study.assumed(),
+        f"Lower band edges η_r; share of {covered} that the band covers": study.edges_and_shares(found, bands),
+        "The paper's claims": study.answered(answers, numbers=False),
     }
+    details: Parts = {"What decides the claims": study.answered(answers, numbers=True)}
+    last = [study.finding(answers, bands)]
     if of_engines.empty:
-        return parts
+        return printed, details, last
     concluded = conclusions(every, found)
-    return parts | {
-        "Lower edges η_r by friction ratio": shown(concluded).drop(columns=[*STATED]),
+    edges = shown(concluded)
+    printed |= {
+        "Lower edges η_r by friction ratio": edges.drop(columns=[*STATED]),
         "What one would conclude": concluded.sentence.tolist()[1:],
     }
-
-
-def figure3_details(every: pd.DataFrame, found: pd.DataFrame, of_engines: pd.DataFrame) -> Parts:
-    """Give what the document has beside it: the numbers that decide claims; of engines answers, verdicts and edges."""
-    from multibody_xval.reports.page.tables import edge_table, verdict_counts
-    from multibody_xval.scenarios.studies.claims import conclusions, shown
-    from multibody_xval.scenarios.studies.figure3 import answered
-
-    parts: Parts = {"What decides the claims": answered(every, found)}
-    if of_engines.empty:
-        return parts
-    return parts | {
-        "Answers, and lower edges η_r by friction ratio": shown(conclusions(every, found)),
+    details |= {
+        "Answers, and lower edges η_r by friction ratio": edges,
         "Verdicts on points": verdict_counts(of_engines),
         "Band edges η_r": edge_table(found),
     }
+    return printed, details, [*last, conclusion(of_engines)]
 
 
 @grouped

@@ -18,7 +18,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from multibody_xval.engines.interface.presets import Formulation
 from multibody_xval.engines.interface.registry import engine, engine_names
-from multibody_xval.engines.interface.variant import GENERAL
+from multibody_xval.engines.interface.variant import GENERAL, check_installed
 from multibody_xval.scenarios.cases.scene_motion import SceneMotion
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.catalogue.scenario import general_configs, scene_steps
@@ -139,9 +139,8 @@ def _check(given: Config, name: str) -> None:
         presets = " or ".join(f"{given.engine}:contact:{own}" for own in GENERAL)
         raise ParameterError(f"engine = {text}; allowed: contacts in any model, {presets}")
     for own in (given.engine, name):
-        if missing := engine(own).unavailable_reason():
-            measured = "docs/how_to/fix_creep.md has the pairs that were measured"
-            raise ParameterError(f"engine = {own} is not installed: {missing}; {measured}")
+        missing = engine(own).unavailable_reason()
+        check_installed(own, missing and f"{missing}; docs/how_to/fix_creep.md has the pairs that were measured")
         if gap := engine(own).scene_gap(Formulation.CONTACT):
             raise ParameterError(f"engine = {own}: {gap}; allowed: one with scenes of contacts")
 

@@ -46,10 +46,20 @@ def assumed() -> list[str]:
     ]
 
 
-def reference_bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
-    """Give `exact_edges` beside how much of `RANGE` the band covers, and the stuck fraction at the resonator."""
-    table, own = exact_edges(edges), bands(points, edges)
-    own = own[is_reference(own)]
+def answers_of_reference(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
+    """Give the reference's answers: a row a claim, as `claims` gives them."""
+    return claims(points, edges).iloc[: len(STATED)]
+
+
+def bands_of_reference(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
+    """Give the reference's bands: a row a friction ratio, as `bands` gives them."""
+    own = bands(points, edges)
+    return own[is_reference(own)]
+
+
+def edges_and_shares(edges: pd.DataFrame, own: pd.DataFrame) -> pd.DataFrame:
+    """Give `exact_edges` beside how much of `RANGE` each band covers, and the stuck fraction at the resonator."""
+    table = exact_edges(edges)
     shares = {"band covers": own.share, f"stuck at {RESONATOR:g}": own.stuck}
     known = {name: {f"{f:g}": f"{100 * x:.0f} %" for f, x in zip(own.friction_ratio, values, strict=True)
                     if not np.isnan(x)} for name, values in shares.items()}  # fmt: skip
@@ -58,29 +68,24 @@ def reference_bands(points: pd.DataFrame, edges: pd.DataFrame) -> pd.DataFrame:
     })  # fmt: skip
 
 
-def answers_in_short(points: pd.DataFrame, edges: pd.DataFrame) -> list[str]:
-    """Say each claim with the reference's answer."""
-    first: Any = claims(points, edges).iloc[: len(STATED)].itertuples()
-    return [f"{own.claim}: {STATED[own.claim]}: {own.answer}." for own in first]
+def answered(answers: pd.DataFrame, *, numbers: bool) -> list[str]:
+    """Say each claim with its answer, and with the numbers that decide it if they are wanted."""
+    rows: Any = answers.itertuples()
+    return [
+        f"{own.claim}: {STATED[own.claim]}: {own.answer}" + (f"; {own.numbers}" if numbers else ".") for own in rows
+    ]
 
 
-def finding(points: pd.DataFrame, edges: pd.DataFrame) -> str:
-    """Say in one sentence what the reference's figure shows."""
-    first: Any = claims(points, edges).iloc[: len(STATED)].itertuples()
-    text = f"Claims of the paper: {', '.join(f'{own.claim} {own.answer}' for own in first)}"
-    own = bands(points, edges)
-    own = own[is_reference(own) & np.isfinite(own.lower)]
-    if own.empty:
+def finding(answers: pd.DataFrame, own: pd.DataFrame) -> str:
+    """Say in one sentence what the reference's answers and bands show."""
+    rows: Any = answers.itertuples()
+    text = f"Claims of the paper: {', '.join(f'{each.claim} {each.answer}' for each in rows)}"
+    known = own[np.isfinite(own.lower)]
+    if known.empty:
         return f"{text}."
-    lowest: Any = own.loc[own.lower.idxmin()]
+    lowest: Any = known.loc[known.lower.idxmin()]
     place = f"η_r = {lowest.lower:.4f}, at a friction ratio of {lowest.friction_ratio:g}"
     return f"{text}. The lower edge is lowest, {place}."
-
-
-def answered(points: pd.DataFrame, edges: pd.DataFrame) -> list[str]:
-    """Say each claim with the reference's answer and the numbers that decide it."""
-    first: Any = claims(points, edges).iloc[: len(STATED)].itertuples()
-    return [f"{own.claim}: {STATED[own.claim]}: {own.answer}; {own.numbers}" for own in first]
 
 
 def exact_edges(edges: pd.DataFrame) -> pd.DataFrame:
