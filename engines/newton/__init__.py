@@ -46,8 +46,8 @@ class Newton(PipEngine):
         residual=SINGLE_RESIDUAL,
         notes=(
             "Coulomb's law, in single precision, by SolverSteel, the experimental one of Newton's solvers. On a "
-            "processor it has no dry friction of joints; a velocity drive of bounded effort emulates it. SolverXPBD "
-            "and SolverVBD run scenes only."
+            "processor it has no dry friction of joints; a velocity drive of bounded effort emulates it. SolverXPBD, "
+            "SolverVBD and SolverKamino run scenes only."
         ),
     )
     reproducers: ClassVar = {

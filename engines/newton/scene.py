@@ -1,6 +1,6 @@
 """Scenes as users of Newton write them: bodies, and with SolverSteel drives of bounded effort as dry friction.
 
-SolverXPBD and SolverVBD keep the places of bodies, not those of joints, and have contacts alone.
+SolverXPBD, SolverVBD and SolverKamino keep the places of bodies, not those of joints, and have contacts alone.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,7 +34,9 @@ STEP = 1 / 240
 BELT_MASS = 1e5
 """Of a belt that slides, whatever acts on it [kg]."""
 
-SOLVER = ("drive_mode", "friction_anchor_beta", "iterations")
+SOLVER = (
+    "drive_mode", "friction_anchor_beta", "iterations", "dynamics_solver", "sparse_jacobian", "sparse_dynamics",
+)  # fmt: skip
 """Options that solvers take by their names."""
 
 MATERIAL = ("ke", "kd")
@@ -63,6 +65,8 @@ def _stepped(model: Any, setting: SceneSetting) -> tuple[Any, Any, Any, Callable
         solver = newton.solvers.SolverXPBD(model, **options)
     elif kind == "SolverVBD":
         solver = newton.solvers.SolverVBD(model, **options)
+    elif kind == "SolverKamino":
+        solver = newton.solvers.SolverKamino(model, config=newton.solvers.SolverKamino.Config(**options))
     else:
         solver = newton.solvers.SolverSteel(model, **options)
     now, after, control = model.state(), model.state(), model.control()

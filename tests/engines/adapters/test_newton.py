@@ -72,13 +72,17 @@ SLOPE = ContactScene(slope=0.25)
 
 @pytest.mark.slow
 def test_a_box_creeps_under_the_friction_of_single_sweeps_and_less_with_more() -> None:
-    """In SolverXPBD by millimetres a second, at half of what the friction holds; in SolverSteel it rests."""
+    """In SolverXPBD by millimetres a second, at half of what the friction holds; it rests in SolverSteel.
+
+    In SolverKamino it comes to rest: it still creeps by 0.07 mm/s in the half second that is watched here.
+    """
     drifts = []
-    for preset in ("xpbd", "xpbd:iterations=10", "default"):
+    for preset in ("xpbd", "xpbd:iterations=10", "default", "kamino"):
         motion = places(preset, SLOPE, 1.0)
         drifts.append(float(np.linalg.norm(motion[-1] - motion[len(motion) // 2])) / 0.5)
     assert drifts[0] > 3 * drifts[1] > 1e-3
     assert drifts[2] < 1e-6
+    assert drifts[3] < drifts[1] / 10
 
 
 @pytest.mark.slow
