@@ -37,7 +37,7 @@ def test_parts_that_are_left_out_are_joint_and_tuned_and_all_is_every_one(name: 
 
 def test_all_engines_are_each_joint_and_tuned_and_a_name_counts_once() -> None:
     assert {(each.formulation, each.preset_name) for each in variants_named(["all"])} == {("joint", "tuned")}
-    assert {"mujoco:joint:recommended", "pybullet:contact:recommended"} <= set(named("all:all:recommended"))
+    assert {"mujoco:contact:recommended", "exudyn-bristle:joint:recommended"} <= set(named("all:all:recommended"))
     assert named("mujoco", "mujoco:all", "mujoco:joint:tuned") == ["mujoco", "mujoco:contact"]
 
 
