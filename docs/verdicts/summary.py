@@ -67,7 +67,8 @@ def read(table: Path) -> pd.DataFrame:
 
 def main(table: Path, files: Sequence[Path]) -> None:
     """Write the table."""
-    rows = summarised(run_here(pd.concat(map(pd.read_csv, files), ignore_index=True)))
+    numbers = [pd.read_csv(file, dtype={"unit": str, "reason": str}) for file in files]
+    rows = summarised(run_here(pd.concat(numbers, ignore_index=True)))
     if table.is_file():
         rows = merged(read(table), rows)
     rows.to_csv(table, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
