@@ -68,13 +68,14 @@ def apart(name: str, both: pd.DataFrame) -> pd.Series:
 
 
 def differ(name: str, both: pd.DataFrame, allowed: Allowed) -> pd.Series:
-    """Tell in which rows a column differs; two numbers that are missing do not."""
+    """Tell in which rows a column differs; two numbers that are missing or infinite do not."""
     before, now = both[f"{name}_before"], both[f"{name}_now"]
     if allowed is None:
         return before != now
     before, now = numbers(before), numbers(now)
     most = allowed(both) if callable(allowed) else allowed
-    return ~(apart(name, both) <= most + ROUND_OFF * before.abs()) & (before.notna() | now.notna())
+    near = apart(name, both) <= most + ROUND_OFF * before.abs()
+    return ~near & (before != now) & (before.notna() | now.notna())
 
 
 def largest(both: pd.DataFrame, part: str) -> Iterator[str]:
