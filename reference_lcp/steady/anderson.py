@@ -48,7 +48,10 @@ dropped, and plain periods, at every new start half as many again, lead out of t
 """
 
 PATIENCE_PER_CELL = 5
-"""The same for each cell: a Krylov method may stand still until it has as many differences as dimensions, 4 a cell."""
+"""The same for each cell: a Krylov method may stand still until it has as many differences as dimensions, 4 a cell.
+
+The patience lasts for these at least, after the plain periods and the first of them.
+"""
 
 HOPELESS = 4
 """Times the patience in which a search has to halve its best residual, or it is given up."""
@@ -268,7 +271,7 @@ class FixedPointSearch:
         cells = simulation.lanes[0].chain.freedoms // 2
         count, width = len(simulation.lanes), 2 * simulation.lanes[0].chain.freedoms
         self._most_differences = differences = min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
-        self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
+        self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells, WARM_UP_PERIODS + width + 1)
         self._x = np.zeros((count, differences + 1, width))
         self._f = np.zeros((count, differences + 1, width))
         self._age = np.zeros(count, dtype=int)

@@ -1,8 +1,9 @@
 """Harmonic balance with one harmonic: the approximate response of a chain with Coulomb friction to a periodic drive.
 
 A contact whose masses move past each other by Δ sin ωt dissipates 4 F Δ a cycle, as a dashpot 4 F / (π ω Δ) would
-(Jacobsen 1930; Den Hartog 1931). The chain with such dashpots is linear; Δ is found by iteration. What is found is
-where a search for the steady state begins, and nothing else depends on it.
+(Jacobsen 1930; Den Hartog 1931). The chain with such dashpots is linear; Δ is found by iteration. Its response is that
+of the scheme of equation (5) in steps of time: a chain without friction is in its steady state. What is found is where
+a search for the steady state begins, and nothing else depends on it.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,7 @@ LEAST_SLIP = 1e-6
 """Δ, in displacement scales of the drive, below which a dashpot grows no more."""
 
 LOSS_FACTOR = 1e-3
-"""Hysteretic damping of all springs: a resonance without friction or dashpots stays finite."""
+"""Hysteretic damping of all springs where a cell has no dashpot: a resonance stays finite."""
 
 LOAD_SAMPLES = 64
 """Times in a period at which the drive's load is taken, for its first harmonic."""
@@ -34,24 +35,34 @@ FIRST_HARMONIC = 2j * np.exp(-2j * np.pi * LOAD_PHASES) / LOAD_SAMPLES
 
 def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> State:
     """Approximate the steady states of lanes at phase zero of their drives, of preloads by their mean; bodies rest."""
-    omega = np.array([2 * np.pi / (lane.time_step * steps_per_period) for lane in lanes])
     first: Any = lanes[0].chain
     if not isinstance(first, Chain):
         rest = np.zeros((len(lanes), first.freedoms))
         return State(rest, rest)
-    amplitudes = np.array([_amplitudes(lane, float(w), steps_per_period) for lane, w in zip(lanes, omega, strict=True)])
-    return State(amplitudes.imag.copy(), omega[:, None] * amplitudes.real)
+    amplitudes = np.array([_amplitudes(lane, steps_per_period) for lane in lanes])
+    rates = np.array([_rate(lane, steps_per_period) for lane in lanes])
+    return State(amplitudes.imag.copy(), (rates[:, None] * amplitudes).imag.copy())
 
 
-def _amplitudes(lane: Lane, omega: float, steps_per_period: int) -> Any:
-    """Complex amplitudes [m] of all masses of a lane, shape (2n,), outer masses first."""
-    chain, least = lane.chain, LEAST_SLIP * lane.drive.displacement_scale(lane.chain)
-    loss = 1 + 1j * LOSS_FACTOR
-    springs = loss * chain.chain_stiffness + 1j * omega * chain.chain_damping
-    inner = loss * chain.inner_stiffness + 1j * omega * chain.inner_damping
-    inertia = omega**2 * np.array([chain.outer_mass, chain.inner_mass])
+def _rate(lane: Lane, steps_per_period: int) -> complex:
+    """Complex amplitude of a velocity over that of its position [1/s]: iω, as the difference over a step."""
+    return complex(1 - np.exp(-2j * np.pi / steps_per_period)) / lane.time_step
+
+
+def _amplitudes(lane: Lane, steps_per_period: int) -> Any:
+    """Complex amplitudes [m] of all masses of a lane, shape (2n,), outer masses first.
+
+    As in a step of the scheme: forces of its start and friction of its end change velocities, which move positions.
+    """
+    chain, rate = lane.chain, _rate(lane, steps_per_period)
+    least = LEAST_SLIP * lane.drive.displacement_scale(chain)
+    loss = 1 + 1j * (0.0 if chain.damped else LOSS_FACTOR)
+    springs = loss * chain.chain_stiffness + rate * chain.chain_damping
+    inner = loss * chain.inner_stiffness + rate * chain.inner_damping
+    inertia = abs(rate) ** 2 * np.array([chain.outer_mass, chain.inner_mass])
+    friction = 4j / np.pi * np.exp(1j * np.pi / steps_per_period) * chain.friction_bound
     load = complex(FIRST_HARMONIC @ lane.drive.load(chain, LOAD_PHASES * (lane.time_step * steps_per_period)))
-    return _balanced(springs, inner, inertia, 4j / np.pi * chain.friction_bound, load, least)
+    return _balanced(springs, inner, inertia, friction, load, least)
 
 
 @numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)

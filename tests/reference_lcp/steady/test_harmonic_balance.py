@@ -8,7 +8,6 @@ from reference_lcp.chain.linear_response import frictionless_response, stuck_res
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.euler import CompiledSimulation
-from reference_lcp.steady import harmonic_balance
 from reference_lcp.steady.harmonic_balance import LEAST_SLIP, LOSS_FACTOR, harmonic_balance_start
 from reference_lcp.steady.orbits import periodic_orbits
 from tests.reference_lcp.cases import canonical_lane
@@ -26,16 +25,43 @@ def start(chain, drive):
 @pytest.mark.parametrize("make", [HarmonicBase, HarmonicForce])
 @pytest.mark.parametrize(
     ("friction", "response", "tolerance"),
-    [(0.0, frictionless_response, 1e-12), (1e4, stuck_response, 10 * LEAST_SLIP)],
+    [(0.0, frictionless_response, 0.0), (1e4, stuck_response, 10 * LEAST_SLIP)],
     ids=["free", "stuck but for the least slip"],
 )
-def test_without_slip_or_friction_it_is_the_linear_response(friction, response, tolerance, make, monkeypatch) -> None:
-    monkeypatch.setattr(harmonic_balance, "LOSS_FACTOR", 0.0)
+def test_without_slip_or_friction_it_is_the_steady_state_of_the_scheme(friction, response, tolerance, make) -> None:
+    """A plain period changes it by round-off alone; the exact response is at most a step of the phase away."""
     chain = Chain.from_ratios(friction_ratio=friction)
     drive = make(0.01 if make is HarmonicBase else 30.0, 0.7 * chain.resonator_frequency)
+    lane = Lane.periodic(chain, drive, STEPS)
+    begin = harmonic_balance_start([lane], STEPS)
+    (orbit,) = periodic_orbits(CompiledSimulation([lane]), STEPS, start=begin, max_periods=1)
     positions, velocities = start(chain, drive)
+    assert orbit.residual <= tolerance + STEPS * 2.0**-52 * np.max(np.abs([positions, velocities]))
     expected = response(chain, drive) / drive.displacement_scale(chain)
-    assert np.allclose(velocities + 1j * positions, expected, rtol=0, atol=tolerance)
+    distance = np.max(np.abs(velocities + 1j * positions - expected)) / np.max(np.abs(expected))
+    assert 1e-3 < distance < 2 * np.pi / STEPS
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.02, 0.005, 0.001])
+def test_a_linear_chain_is_found_in_one_period_where_its_outer_masses_weigh_nothing(damping: float) -> None:
+    """At η_r = √(1 + mass ratio), where the search from the exact response once stood still, and close to it."""
+    chain = Chain.from_ratios(cells=5, mass_ratio=0.5, stiffness_ratio=1.4, damping_ratio=damping, friction_ratio=0.0)
+    ratios = (1.2, 1.2246, np.sqrt(1.5), 1.25)
+    lanes = [Lane.periodic(chain, HarmonicBase.from_ratio(chain, ratio), STEPS) for ratio in ratios]
+    orbits = periodic_orbits(CompiledSimulation(lanes), STEPS)
+    assert all(orbit.converged and orbit.periods == 2 for orbit in orbits)
+
+
+@pytest.mark.parametrize("friction", [1e-6, 1e-3, 0.01, 0.1])
+def test_a_krylov_method_is_given_as_many_periods_as_the_state_has_dimensions(friction: float) -> None:
+    """Five cells have twenty, and six plain periods come first: a restart after 25 came just before the end."""
+    chain = Chain.from_ratios(
+        cells=5, mass_ratio=0.5, stiffness_ratio=1.4, damping_ratio=0.001, friction_ratio=friction
+    )
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 1.2246), STEPS)
+    (orbit,) = periodic_orbits(CompiledSimulation([lane]), STEPS)
+    assert orbit.converged
+    assert orbit.periods < 60
 
 
 def test_undamped_resonance_is_finite() -> None:
