@@ -20,7 +20,13 @@ from reference_lcp.errors import ParameterError, checked_choice, shown
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import exact_orbit
 from reference_lcp.lcp.systems import MassSpringSystem
-from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, contact_modes, transitions_between
+from reference_lcp.observables.stick_slip import (
+    STICK_MARGIN,
+    Transition,
+    contact_modes,
+    transitions_between,
+    travels_between,
+)
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
 from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
@@ -55,8 +61,8 @@ class SteadyState:
     """Part of the period that each contact sticks, shape (n,)."""
     transitions: list[Transition]
     """Changes between stick and slip over the period."""
-    travels: FloatArray | None = None
-    """Distance [m] that a contact slips in the phase that each transition begins; by the exact solver only."""
+    travels: FloatArray
+    """Distance [m] that a contact slips in the phase that each transition begins; zero where it sticks."""
     error_bar: ErrorBar | None = None
     """Error of the step, of the residual and of round-off; ``None`` if it was not requested, or there is none."""
 
@@ -64,7 +70,7 @@ class SteadyState:
     def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":
         """Read the observables of an orbit; for `stick_margin` see `contact_modes`."""
         modes, ratio = contact_modes(orbit, stick_margin), complex_transmittance(orbit)
-        reading = np.mean(modes == 0, axis=0), transitions_between(modes, orbit)
+        reading = np.mean(modes == 0, axis=0), transitions_between(modes, orbit), travels_between(modes, orbit)
         return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), *reading)
 
     def __repr__(self) -> str:

@@ -190,6 +190,18 @@ def transitions_between(modes: NDArray[np.int8], motion: "PeriodicOrbit | Trajec
     return mode_changes(modes, motion.lane.time_step * np.arange(len(modes)), rubbing, cyclic=True)
 
 
+def travels_between(modes: NDArray[np.int8], orbit: "PeriodicOrbit") -> FloatArray:
+    """Distances [m] that contacts slip in the phases that `transitions_between` begin; zero where they stick."""
+    _, rubbing = _friction_of(orbit)
+    ways = np.where(modes == 0, 0.0, np.abs(orbit.trajectory.relative_velocity) * orbit.lane.time_step)
+    travelled = [np.zeros(0)]
+    for cell in np.flatnonzero(rubbing):
+        starts, _, _ = _phases(modes[:, cell])
+        if starts.size:
+            travelled.append(np.add.reduceat(np.roll(ways[:, cell], -starts[0]), starts - starts[0]))
+    return np.concatenate(travelled)
+
+
 def mode_changes(
     modes: NDArray[np.int8], starts: NDArray[np.floating], rubs: NDArray[np.bool_], *, cyclic: bool
 ) -> list[Transition]:

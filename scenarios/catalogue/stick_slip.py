@@ -69,8 +69,8 @@ def stick_slip(
     if not ladder or (exact is None and has_exact_motion(run.of(Case))):
         return {}
     shares = bool(about["shares_scheme"])
-    right = as_resolved(exact or ladder[max(ladder)], run.config.capabilities.residual)
-    sides = Sides(own, ladder[min(ladder)] if shares else right, ladder, shares, exact is not None)
+    right = ladder[min(ladder)] if shares else exact or ladder[max(ladder)]
+    sides = Sides(own, as_resolved(right, own.residual), ladder, shares, exact is not None)
     accuracy = run.config.preset.accuracy_of
     rows = {
         MISSED: _row(len(missed(sides)), 0.0),
@@ -93,9 +93,8 @@ def _row(value: float, exact: float, of: float = math.inf, **sizes: float) -> Ro
 
 
 def as_resolved(exact: Result, residual: float) -> Result:
-    """Read the exact motion as an engine's residual lets its own be read: slips too short for it as stick."""
-    shortest = UNREPEATED_SLIP * residual
-    travels = exact.series.get("travels") or (math.inf,) * len(exact.transitions)
+    """Read the expected motion as an engine's residual lets its own be read: slips too short for it as stick."""
+    shortest, travels = UNREPEATED_SLIP * residual, exact.series.get("travels", ())
     stuck, transitions = list(exact.stuck), []
     for cell in dict.fromkeys(change[0] for change in exact.transitions):
         own = [pair for pair in zip(exact.transitions, travels, strict=True) if pair[0][0] == cell]

@@ -86,7 +86,7 @@ def _read(config: Config, orbit: PeriodicOrbit, known: SteadyState | None) -> Re
         stick_velocity=float(np.max(creep_velocity(orbit, margin)) * period / (2 * np.pi * scale)),
         open_fraction=tuple(open_fraction(orbit).tolist()) if swings else (),
         largest_gap=tuple((largest_gap(orbit) / scale).tolist()) if swings else (),
-        series={} if state.travels is None else {"travels": tuple((state.travels / scale).tolist())},
+        series={"travels": tuple((state.travels / scale).tolist())},
         reason=orbit.reason,
     )
 
