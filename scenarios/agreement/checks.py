@@ -105,7 +105,7 @@ def named_configs(names: Iterable[str]) -> list[Config]:
 
 
 def checks(config: Config) -> Iterator[Check]:
-    """Give what is checked of a configuration: steady states of one that hardly ever settles, at one point alone."""
+    """Give what is checked of a configuration, simplest first; of one that hardly ever settles one steady state."""
     for scenario in _asked(config):
         for case in scenario.own_runs(config):
             yield Check(config, scenario, case)
@@ -115,10 +115,10 @@ def _asked(config: Config) -> Iterator[Scenario]:
     if config.preset.scenes_only:
         yield from SCENES[Formulation(config.formulation)]
         return
-    if config.preset.settles:
-        yield from (STEADY, ONE_CELL)
-    else:
-        yield replace(STEADY, cases={case.title: case for case in headline_cases(config)})
     yield from BLOCKS
     if config.runs_scenes and config != REFERENCE:
         yield from SCENES[Formulation(config.formulation)]
+    if config.preset.settles:
+        yield from (ONE_CELL, STEADY)
+    else:
+        yield replace(STEADY, cases={case.title: case for case in headline_cases(config)})

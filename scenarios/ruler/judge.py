@@ -36,6 +36,10 @@ OTHER_SCHEMES = 2.0
 """Times what is allowed that schemes other than Euler's may be off where its step alone errs by more than any accuracy
 that may be stated: beyond what is allowed, and up to this, the step is too large to say more."""
 
+LAST_DIGITS = 1e-12
+"""Part of what is allowed by which a distance may be beyond: both are rounded, such as multiples of a
+step over a period."""
+
 MOST_MISSING = 0.25
 """Part of the numbers of a judged preset that may be missing, or of a named one that may fail."""
 
@@ -97,7 +101,7 @@ def decided(parts: pd.DataFrame) -> dict[str, pd.Series]:
     other = parts.exact_bar + np.maximum(parts.scheme_error, stated) + parts.resolution
     allowed = other.where(~parts.shares_scheme, parts.resolution + parts.repeats)
     known = parts.distance.notna() & allowed.notna()
-    beyond = parts.distance > allowed
+    beyond = parts.distance > allowed * (1 + LAST_DIGITS)
     coarse = ~parts.shares_scheme & (parts.scheme_error > LARGEST_ACCURACY * parts["size"])
     near = beyond & coarse & (parts.distance <= OTHER_SCHEMES * allowed)
     by_step = (parts.exact_bar + parts.scheme_error + parts.resolution).where(~parts.shares_scheme, allowed)

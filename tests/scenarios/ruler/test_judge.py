@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from multibody_xval.scenarios.model import EXACT, REFERENCE, Case, Config, Result, Run, Status, failed
@@ -108,6 +109,21 @@ def test_a_stated_accuracy_is_at_most_a_tenth_of_what_friction_changes() -> None
     for share, verdict in {0.0: AGREES, 0.09: AGREES, 0.2: DEVIATES}.items():
         own = replace(exact, transmittance=exact.transmittance + share * effect)
         assert row_of(ruled, OTHER, own, accuracy=0.01).verdict == verdict
+
+
+@pytest.mark.parametrize(("steps", "verdict"), [(2, AGREES), (2 + 1e-9, DEVIATES)])
+def test_a_distance_that_is_what_is_allowed_but_for_its_last_digit_agrees(steps: float, verdict: str) -> None:
+    """116 and 114 of 400 steps are 0.005000000000000004 apart; 0.005 is allowed."""
+    sizes = dict.fromkeys(("exact_bar", "scheme_error", "stated", "repeats"), 0.0)
+    row = {
+        "status": "periodic",
+        "shares_scheme": False,
+        "distance": 0.29 - (116 - steps) / STEPS,
+        "resolution": 2 / STEPS,
+    }
+    parts = pd.DataFrame([{**row, **sizes, "size": 1.0, "effect": 1.0}])
+    assert row["distance"] > row["resolution"]
+    assert judge.decided(parts)["verdict"].tolist() == [verdict]
 
 
 def test_where_the_scheme_errs_much_another_scheme_may_err_twice_as_much_undecided() -> None:
