@@ -55,6 +55,14 @@ def test_cells_that_slip_before_they_stay_stuck_are_followed_to_where_they_stick
     assert all(orbit.converged for orbit in beside_euler(simulation, STEPS, tolerance=TOLERANCE, start=start))
 
 
+@pytest.mark.parametrize("friction", [0.3, 1.0, 2.0])
+def test_a_newton_step_does_not_move_cells_that_stick_just_at_their_limit(friction: float) -> None:
+    """An offset there gives way by 1e-4 to 4e-3 of itself in a period: a step would take it 2,000 times as far."""
+    lanes = [canonical_lane(friction, float(ratio)) for ratio in np.linspace(0.6, 1.6, 51)]
+    orbits = periodic_orbits(CompiledSimulation(lanes), STEPS)
+    assert np.max(np.linalg.norm(PeriodInverse.of(orbits).newton, 2, axis=(1, 2))) < 100
+
+
 def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     """Newton's steps of the wrong sign lead away; what is then found is what harmonic balance leads to."""
     orbit = periodic_orbits(simulation_of().subset([2]), STEPS, tolerance=TOLERANCE)[0]
