@@ -1,6 +1,7 @@
 """The one way to a steady state: from that of Euler's scheme, by accelerated periods, certified by a plain one."""
 
 import cmath
+from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -32,7 +33,18 @@ LONG_CHAIN = 10
 
 
 def steady_states(runs: Sequence[Run]) -> list[Result]:
-    """Find the steady states of runs that share configuration, steps and number of cells."""
+    """Find the steady states of runs that share configuration, steps and number of cells.
+
+    Those whose normal force swings are searched apart: where contacts move across, that is part of every lane's state.
+    """
+    groups: dict[bool, list[Run]] = defaultdict(list)
+    for run in runs:
+        groups[run.of(Case).modulation > 0].append(run)
+    found = {run: result for group in groups.values() for run, result in zip(group, _together(group), strict=True)}
+    return [found[run] for run in runs]
+
+
+def _together(runs: Sequence[Run]) -> list[Result]:
     config, steps = runs[0].config, runs[0].steps
     cases = [run.of(Case) for run in runs]
     limit = most_periods(config, cases)

@@ -14,7 +14,7 @@ from multibody_xval.scenarios.cases.scene_motion import SceneMotion, Tone
 from multibody_xval.scenarios.catalogue.all_scenarios import SCENARIOS
 from multibody_xval.scenarios.compute.batch import run_batch
 from multibody_xval.scenarios.compute.scenes import followed
-from multibody_xval.scenarios.model import REFERENCE, Case, Run, Status
+from multibody_xval.scenarios.model import REFERENCE, Case, Config, Run, Status
 from reference_lcp.chain.drives import HarmonicForce, StillBase
 from reference_lcp.chain.transient import RecordedBase, SweptSine
 from reference_lcp.errors import ParameterError
@@ -44,6 +44,16 @@ def test_a_run_is_read_back_from_its_text_and_other_cases_are_other_runs() -> No
         assert again == run == pickle.loads(pickle.dumps(run))
         assert (hash(again), again.text, again.case.title) == (hash(run), run.text, run.case.title)
     assert len({run.text for run in runs}) == len(set(runs)) == len(CASES)
+
+
+@pytest.mark.needs("mujoco")
+def test_a_steady_state_is_the_same_beside_a_normal_force_that_swings() -> None:
+    """In MuJoCo contacts move across then, and the state of the other lane would have that motion too."""
+    still = Case(friction_ratio=0.1, frequency_ratio=1.4)
+    runs = [Run(Config("mujoco", "contact"), case, 800) for case in (still, replace(still, modulation=0.5))]
+    (alone,), (beside, _) = run_batch(runs[:1]), run_batch(runs)
+    assert (beside.status, beside.periods, beside.residual) == (alone.status, alone.periods, alone.residual)
+    assert beside.status is Status.PERIODIC
 
 
 def test_a_motion_along_a_users_record_comes_back_by_its_hash_and_does_not_run() -> None:
