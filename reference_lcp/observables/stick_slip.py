@@ -152,9 +152,14 @@ def _drop_short_slips(row: NDArray[np.int8], way: FloatArray, shortest: float) -
     """Turn slips of a cycle into stick that travel less than `shortest` [m], in place; `way` [m] is of every step."""
     starts, lengths, modes = _phases(row)
     if starts.size:
-        travelled = np.add.reduceat(np.roll(way, -starts[0]), starts - starts[0])
-        modes = np.where(np.abs(travelled) < shortest, 0, modes)
+        modes = np.where(np.abs(_travelled(way, starts)) < shortest, 0, modes)
         row[:] = np.roll(np.repeat(modes, lengths), starts[0])
+
+
+def _travelled(way: FloatArray, starts: NDArray[np.intp]) -> FloatArray:
+    """Add up the way [m] of the steps of each phase of a cycle; there is one at least."""
+    distances: FloatArray = np.add.reduceat(np.roll(way, -starts[0]), starts - starts[0])
+    return distances
 
 
 def transitions(motion: AnyMotion, stick_margin: float = STICK_MARGIN) -> list[Transition]:
@@ -198,7 +203,7 @@ def travels_between(modes: NDArray[np.int8], orbit: "PeriodicOrbit") -> FloatArr
     for cell in np.flatnonzero(rubbing):
         starts, _, _ = _phases(modes[:, cell])
         if starts.size:
-            travelled.append(np.add.reduceat(np.roll(ways[:, cell], -starts[0]), starts - starts[0]))
+            travelled.append(_travelled(ways[:, cell], starts))
     return np.concatenate(travelled)
 
 

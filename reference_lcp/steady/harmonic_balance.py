@@ -39,8 +39,8 @@ def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> Stat
     if not isinstance(first, Chain):
         rest = np.zeros((len(lanes), first.freedoms))
         return State(rest, rest)
-    amplitudes = np.array([_amplitudes(lane, steps_per_period) for lane in lanes])
     rates = np.array([_rate(lane, steps_per_period) for lane in lanes])
+    amplitudes = np.array([_amplitudes(*own, steps_per_period) for own in zip(lanes, rates.tolist(), strict=True)])
     return State(amplitudes.imag.copy(), (rates[:, None] * amplitudes).imag.copy())
 
 
@@ -49,13 +49,12 @@ def _rate(lane: Lane, steps_per_period: int) -> complex:
     return complex(1 - np.exp(-2j * np.pi / steps_per_period)) / lane.time_step
 
 
-def _amplitudes(lane: Lane, steps_per_period: int) -> Any:
+def _amplitudes(lane: Lane, rate: complex, steps_per_period: int) -> Any:
     """Complex amplitudes [m] of all masses of a lane, shape (2n,), outer masses first.
 
     As in a step of the scheme: forces of its start and friction of its end change velocities, which move positions.
     """
-    chain, rate = lane.chain, _rate(lane, steps_per_period)
-    least = LEAST_SLIP * lane.drive.displacement_scale(chain)
+    chain, least = lane.chain, LEAST_SLIP * lane.drive.displacement_scale(lane.chain)
     loss = 1 + 1j * (0.0 if chain.damped else LOSS_FACTOR)
     springs = loss * chain.chain_stiffness + rate * chain.chain_damping
     inner = loss * chain.inner_stiffness + rate * chain.inner_damping

@@ -1,6 +1,5 @@
 """How a motion is computed: advance the chain in the engine, stretch by stretch, and record what its case names."""
 
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from multibody_xval.engines.interface.presets import Formulation, NormalForce
 from multibody_xval.scenarios.cases.motions import BlockMotion, Motion
 from multibody_xval.scenarios.compute.checked import CheckedSimulation
+from multibody_xval.scenarios.compute.groups import by_groups
 from multibody_xval.scenarios.model import Result, Run, Status
 from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import Lane
@@ -25,12 +25,7 @@ Series = dict[str, tuple[float, ...]]
 
 def motions(runs: Sequence[Run]) -> list[Result]:
     """Follow motions that share configuration, steps and number of cells; those with equal rows together."""
-    groups: dict[tuple[int, int], list[Run]] = defaultdict(list)
-    for run in runs:
-        case = run.of(Motion)
-        groups[case.rows, case.stretch].append(run)
-    found = {run: result for group in groups.values() for run, result in zip(group, _together(group), strict=True)}
-    return [found[run] for run in runs]
+    return by_groups(runs, lambda run: (run.of(Motion).rows, run.of(Motion).stretch), _together)
 
 
 def is_pressed(run: Run) -> bool:

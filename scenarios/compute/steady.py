@@ -1,13 +1,13 @@
 """The one way to a steady state: from that of Euler's scheme, by accelerated periods, certified by a plain one."""
 
 import cmath
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 
 from multibody_xval.engines.interface.engine import SteadyStateSolver
 from multibody_xval.scenarios.compute.checked import CheckedSimulation, check_trajectory
+from multibody_xval.scenarios.compute.groups import by_groups
 from multibody_xval.scenarios.model import REFERENCE, Case, Config, Result, Run, Status, failed
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.defaults import DEFAULT_PERIODS
@@ -37,11 +37,7 @@ def steady_states(runs: Sequence[Run]) -> list[Result]:
 
     Those whose normal force swings are searched apart: where contacts move across, that is part of every lane's state.
     """
-    groups: dict[bool, list[Run]] = defaultdict(list)
-    for run in runs:
-        groups[run.of(Case).modulation > 0].append(run)
-    found = {run: result for group in groups.values() for run, result in zip(group, _together(group), strict=True)}
-    return [found[run] for run in runs]
+    return by_groups(runs, lambda run: run.of(Case).modulation > 0, _together)
 
 
 def _together(runs: Sequence[Run]) -> list[Result]:

@@ -37,8 +37,8 @@ OTHER_SCHEMES = 2.0
 that may be stated: beyond what is allowed, and up to this, the step is too large to say more."""
 
 LAST_DIGITS = 1e-12
-"""Part of what is allowed by which a distance may be beyond: both are rounded, such as multiples of a
-step over a period."""
+"""Part of what is allowed by which a distance may be beyond: both are rounded, such as multiples of a step over a
+period."""
 
 MOST_MISSING = 0.25
 """Part of the numbers of a judged preset that may be missing, or of a named one that may fail."""
