@@ -29,7 +29,7 @@ def start(chain, drive, steps=STEPS):
     ids=["free", "stuck but for the least slip"],
 )
 def test_without_slip_or_friction_it_is_the_steady_state_of_the_scheme(friction, response, tolerance, make) -> None:
-    """A plain period changes it by round-off alone; it tends to the linear response as the step, of first order."""
+    """A plain period changes it by round-off. It tends to the linear response: ten times the steps leave a tenth."""
     chain = Chain.from_ratios(friction_ratio=friction)
     drive = make(0.01 if make is HarmonicBase else 30.0, 0.7 * chain.resonator_frequency)
     lane = Lane.periodic(chain, drive, STEPS)
@@ -43,7 +43,7 @@ def test_without_slip_or_friction_it_is_the_steady_state_of_the_scheme(friction,
         positions, velocities = start(chain, drive, steps)
         distances.append(np.max(np.abs(velocities + 1j * positions - expected)) / np.max(np.abs(expected)))
     assert distances[0] < 2 * np.pi / STEPS
-    assert distances[1] == pytest.approx(distances[0] / 10, rel=0.02, abs=tolerance)
+    assert distances[1] == pytest.approx(distances[0] / 10, rel=0.2)
 
 
 @pytest.mark.parametrize("damping", [0.05, 0.02, 0.005, 0.001])
